@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "association/label_table.h"
+#include "segmentation/segmented_frame.h"
+#include "volume/voxel_map.h"
+
+namespace vismap {
+
+/// The parts of the map that association reads.
+struct MapView {
+  const VoxelMap& voxels;
+  const LabelTable& labels;
+};
+
+/// Which persistent segments and instances the frame's segments are.
+struct FrameAssociation {
+  struct Segment {
+    SegmentLabel label = SegmentLabel::kNone;  ///< kNone: too few points in range to say
+    InstanceId instance = InstanceId::kNone;
+  };
+  std::vector<Segment> segments;  ///< indexed by SegmentIndex
+  /// Alive labels (a < b) that lay together on one frame segment, and those seen as separate
+  /// segments.
+  std::vector<std::pair<SegmentLabel, SegmentLabel>> together, apart;
+  SegmentLabel next_label{1};  ///< next free ids after this frame
+  InstanceId next_instance{1};
+};
+
+struct AssociationOptions {
+  int min_overlap_points = 20;  ///< tau_pi of the paper: more points than this, or a new label
+  double max_distance_voxels =
+      1.0;               ///< a point counts for a label if |sdf| at its voxel is below this
+  int pixel_stride = 2;  ///< every n-th pixel each way is looked up; counts are scaled by n^2
+  double merge_overlap_ratio =
+      0.2;  ///< a label covering this part of a segment was seen together with its others
+  int merge_frames = 3;  ///< net frames together after which two labels are merged; 0 = never
+};
+
+/// One-to-one, greedy by summed evidence; ties to the lower segment, then the lower label.
+FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,
+                           const AssociationOptions& options);
+
+}  // namespace vismap

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "geometry/camera.h"
+#include "geometry/image.h"
+
+namespace vismap {
+
+/// Three numbers per pixel, stored as one plane per coordinate so that loops over rows vectorise.
+/// NaN = none.
+struct VectorImage {
+  Image<float> x, y, z;
+
+  Eigen::Vector3f at(int v, int u) const { return {x(v, u), y(v, u), z(v, u)}; }
+  bool valid(int v, int u) const { return z(v, u) == z(v, u); }
+};
+
+/// Back-projected depth image with normals. HxW; both NaN where depth is NaN; a normal may also be
+/// NaN where its neighbourhood does not define a plane.
+struct SurfaceMap {
+  VectorImage points_C;   ///< [m], camera frame
+  VectorImage normals_C;  ///< unit length, toward the camera: n . p <= 0
+};
+
+}  // namespace vismap

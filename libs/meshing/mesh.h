@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mapping/semantic_map.h"
+
+namespace vismap {
+
+/// A vertex of the surface with the ids of what it belongs to.
+struct MeshVertex {
+  Eigen::Vector3f position_W;  ///< [m]
+  Eigen::Vector3f normal_W;    ///< unit, out of the surface (toward free space)
+  Rgb8 color;
+  SegmentLabel segment = SegmentLabel::kNone;  ///< canonical label
+  InstanceId instance = InstanceId::kNone;
+  ClassId class_id = ClassId::kUnknown;  ///< of the instance
+};
+
+/// Triangles over shared vertices; counter-clockwise seen from free space.
+struct Mesh {
+  std::vector<MeshVertex> vertices;
+  std::vector<std::array<uint32_t, 3>> triangles;
+};
+
+}  // namespace vismap

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/ids.h"
+#include "geometry/image.h"
+
+namespace vismap {
+
+inline constexpr int kBlockSide = 8;
+inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
+inline constexpr int kVoteSlots = 3;
+
+/// Position of a block in the grid of blocks: it covers voxels [8 i, 8 i + 8) along each axis of W.
+struct BlockIndex {
+  int32_t x = 0, y = 0, z = 0;
+  friend auto operator<=>(const BlockIndex&, const BlockIndex&) = default;
+};
+
+/// Position of a voxel in W: it covers [i v, (i + 1) v) along each axis, v = voxel size; its centre
+/// is (i + 0.5) v.
+struct VoxelIndex {
+  int32_t x = 0, y = 0, z = 0;
+  friend auto operator<=>(const VoxelIndex&, const VoxelIndex&) = default;
+};
+
+/// Offset of a voxel in its block, 0..511: x fastest, z slowest.
+constexpr int LinearIndex(int x, int y, int z) { return x + kBlockSide * (y + kBlockSide * z); }
+
+constexpr BlockIndex BlockOf(VoxelIndex v) { return {v.x >> 3, v.y >> 3, v.z >> 3}; }
+constexpr int OffsetInBlock(VoxelIndex v) { return LinearIndex(v.x & 7, v.y & 7, v.z & 7); }
+
+/// Hash for block-keyed tables. Its order must never reach an output: sort first.
+struct BlockIndexHash {
+  size_t operator()(const BlockIndex& b) const {
+    uint64_t h = static_cast<uint32_t>(b.x) * 0x9E3779B185EBCA87ull;
+    h ^= static_cast<uint32_t>(b.y) * 0xC2B2AE3D27D4EB4Full + (h << 6) + (h >> 2);
+    h ^= static_cast<uint32_t>(b.z) * 0x165667B19E3779F9ull + (h << 6) + (h >> 2);
+    return static_cast<size_t>(h ^ (h >> 29));
+  }
+};
+
+/// Evidence that a voxel belongs to a segment: how many frames said so. label kNone = empty slot.
+struct LabelVote {
+  SegmentLabel label = SegmentLabel::kNone;
+  uint8_t votes = 0;
+};
+
+/// Dense voxels of a block that a surface passes through or near (within the truncation distance).
+struct SurfaceVoxels {
+  /// Truncated signed distance in steps of truncation / 32767; positive toward the camera.
+  std::array<int16_t, kBlockVoxels> distance{};
+  /// Integration weight in steps of 1/kWeightScale (1 = one observation at 1 m); 0 = never
+  /// observed.
+  std::array<uint16_t, kBlockVoxels> weight{};
+  /// Number of frames that observed the voxel, saturating at 255.
+  std::array<uint8_t, kBlockVoxels> observations{};
+  std::array<Rgb8, kBlockVoxels> color{};
+
+  /// Label votes: up to kVoteSlots per voxel, as 1-based indices into `palette` (0 = empty slot)
+  /// and vote counts that halve together when one reaches 255.
+  std::array<std::array<uint8_t, kVoteSlots>, kBlockVoxels> slot_label{};
+  std::array<std::array<uint8_t, kVoteSlots>, kBlockVoxels> slot_votes{};
+  std::vector<SegmentLabel> palette;  ///< the distinct labels in this block, at most 255
+
+  LabelVote Vote(int voxel, int slot) const {
+    const uint8_t entry = slot_label[static_cast<size_t>(voxel)][static_cast<size_t>(slot)];
+    if (entry == 0) return {};
+    return {palette[entry - 1u], slot_votes[static_cast<size_t>(voxel)][static_cast<size_t>(slot)]};
+  }
+};
+
+inline constexpr float kWeightScale = 128.0F;
+
+/// Which voxels of a block were seen empty, for blocks far from any surface: one bit per voxel (bit
+/// = linear index), at least once and at least twice. 128 bytes instead of 7 kB.
+struct FreeVoxels {
+  std::array<uint64_t, kBlockVoxels / 64> once{};
+  std::array<uint64_t, kBlockVoxels / 64> twice{};
+
+  bool SeenOnce(int voxel) const {
+    return (once[static_cast<size_t>(voxel) / 64] >> (voxel % 64)) & 1;
+  }
+  bool SeenTwice(int voxel) const {
+    return (twice[static_cast<size_t>(voxel) / 64] >> (voxel % 64)) & 1;
+  }
+  friend bool operator==(const FreeVoxels&, const FreeVoxels&) = default;
+};
+
+/// One block of the map. Exactly one of three: near a surface (`surface` set); partly seen empty
+/// (`free` set); seen empty everywhere, at least twice (`all_free`). A block that the map does not
+/// hold is unseen.
+struct Block {
+  std::unique_ptr<SurfaceVoxels> surface;
+  std::unique_ptr<FreeVoxels> free;
+  bool all_free = false;
+};
+
+}  // namespace vismap

@@ -1,0 +1,82 @@
+#include "volume/voxel_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vismap {
+
+const Block* VoxelMap::Find(BlockIndex index) const {
+  const auto found = blocks_.find(index);
+  return found == blocks_.end() ? nullptr : &found->second;
+}
+
+Block& VoxelMap::FindOrCreate(BlockIndex index) { return blocks_.try_emplace(index).first.value(); }
+
+Block* VoxelMap::FindMutable(BlockIndex index) {
+  const auto found = blocks_.find(index);
+  return found == blocks_.end() ? nullptr : &found.value();
+}
+
+std::vector<BlockIndex> VoxelMap::SortedIndices() const {
+  std::vector<BlockIndex> indices;
+  indices.reserve(blocks_.size());
+  for (const auto& entry : blocks_) indices.push_back(entry.first);
+  std::sort(indices.begin(), indices.end());
+  return indices;
+}
+
+std::optional<VoxelReading> VoxelMap::Read(const Block& block, int offset) const {
+  const auto free_reading = [&](int observations) {
+    return VoxelReading{static_cast<float>(truncation()), static_cast<float>(observations),
+                        observations};
+  };
+  if (block.surface) {
+    const SurfaceVoxels& voxels = *block.surface;
+    const auto i = static_cast<size_t>(offset);
+    if (voxels.weight[i] == 0) return std::nullopt;
+    return VoxelReading{
+        static_cast<float>(voxels.distance[i]) * static_cast<float>(truncation()) / 32767.0F,
+        static_cast<float>(voxels.weight[i]) / kWeightScale, voxels.observations[i]};
+  }
+  if (block.all_free) return free_reading(2);
+  if (block.free && block.free->SeenTwice(offset)) return free_reading(2);
+  if (block.free && block.free->SeenOnce(offset)) return free_reading(1);
+  return std::nullopt;
+}
+
+std::optional<VoxelReading> VoxelMap::Read(VoxelIndex voxel) const {
+  const Block* block = Find(BlockOf(voxel));
+  if (block == nullptr) return std::nullopt;
+  return Read(*block, OffsetInBlock(voxel));
+}
+
+VoxelIndex VoxelMap::VoxelAt(const Eigen::Vector3d& p_W) const {
+  const Eigen::Vector3d cell = (p_W / options_.voxel_size).array().floor();
+  return {static_cast<int32_t>(cell.x()), static_cast<int32_t>(cell.y()),
+          static_cast<int32_t>(cell.z())};
+}
+
+VoxelMapMemory MeasureMemory(const VoxelMap& map) {
+  VoxelMapMemory memory;
+  for (const auto& [index, block] : map.table()) {
+    memory.table_bytes += sizeof(index) + sizeof(block);
+    if (block.surface) {
+      ++memory.surface_blocks;
+      const SurfaceVoxels& voxels = *block.surface;
+      memory.tsdf_bytes +=
+          sizeof(voxels.distance) + sizeof(voxels.weight) + sizeof(voxels.observations);
+      memory.color_bytes += sizeof(voxels.color);
+      memory.label_bytes += sizeof(voxels.slot_label) + sizeof(voxels.slot_votes) +
+                            sizeof(voxels.palette) +
+                            voxels.palette.capacity() * sizeof(SegmentLabel);
+    } else if (block.free) {
+      ++memory.free_blocks;
+      memory.free_bytes += sizeof(FreeVoxels);
+    } else {
+      ++memory.all_free_blocks;
+    }
+  }
+  return memory;
+}
+
+}  // namespace vismap

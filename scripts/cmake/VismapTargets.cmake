@@ -1,0 +1,43 @@
+# One function per kind of target, so that a room's CMakeLists.txt is its name and its arrows.
+
+# vismap_room(NAME [DEPS rooms...] [LINK libraries...] [PRIVATE_LINK libraries...])
+# A room of libs/ (or procs/wire, procs/runtime): all .cc files beside its CMakeLists.txt.
+function(vismap_room NAME)
+  cmake_parse_arguments(ARG "" "" "DEPS;LINK;PRIVATE_LINK" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS *.cc)
+  list(TRANSFORM ARG_DEPS PREPEND vismap_)
+  if(SOURCES)
+    add_library(vismap_${NAME} STATIC ${SOURCES})
+    target_link_libraries(vismap_${NAME} PUBLIC ${ARG_DEPS} ${ARG_LINK} PRIVATE vismap_compiler ${ARG_PRIVATE_LINK})
+    target_include_directories(vismap_${NAME} PUBLIC ${PROJECT_SOURCE_DIR}/libs ${PROJECT_SOURCE_DIR}/procs)
+  else()
+    add_library(vismap_${NAME} INTERFACE)
+    target_link_libraries(vismap_${NAME} INTERFACE ${ARG_DEPS} ${ARG_LINK} ${ARG_PRIVATE_LINK})
+    target_include_directories(vismap_${NAME} INTERFACE ${PROJECT_SOURCE_DIR}/libs ${PROJECT_SOURCE_DIR}/procs)
+  endif()
+endfunction()
+
+# vismap_process(NAME DEPS rooms...): builds vismap-NAME from all .cc files of the folder.
+function(vismap_process NAME)
+  cmake_parse_arguments(ARG "" "" "DEPS;LINK" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS *.cc)
+  list(TRANSFORM ARG_DEPS PREPEND vismap_)
+  if(SOURCES)
+    add_executable(vismap-${NAME} ${SOURCES})
+    target_link_libraries(vismap-${NAME} PRIVATE ${ARG_DEPS} ${ARG_LINK} vismap_compiler)
+    set_target_properties(vismap-${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+    install(TARGETS vismap-${NAME} COMPONENT runtime)
+  endif()
+endfunction()
+
+# vismap_tests(ROOM [LINK ...]): one GoogleTest binary of all *_test.cc in the folder, linked to its room only.
+function(vismap_tests ROOM)
+  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS *_test.cc)
+  if(SOURCES)
+    add_executable(${ROOM}_test ${SOURCES})
+    target_link_libraries(${ROOM}_test PRIVATE vismap_${ROOM} ${ARG_LINK} vismap_compiler GTest::gmock_main)
+    target_include_directories(${ROOM}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+    gtest_discover_tests(${ROOM}_test TEST_PREFIX ${ROOM}. PROPERTIES LABELS unit TIMEOUT 300 DISCOVERY_TIMEOUT 60)
+  endif()
+endfunction()
