@@ -1,0 +1,122 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+namespace vismap {
+namespace {
+
+// Closes what it holds, whichever way a function is left.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  bool Close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return ::close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+tl::unexpected<Error> SystemFault(const std::filesystem::path& path, const char* step) {
+  const int code = errno;
+  return Fail(path.string() + ": cannot " + step + ": " + std::strerror(code) + " (errno " +
+              std::to_string(code) + ")");
+}
+
+// Unlike std::tmpnam, in the same folder (rename does not cross file systems) and unique per
+// process and call.
+std::filesystem::path TemporaryName(const std::filesystem::path& path) {
+  static std::atomic<uint32_t> counter{0};
+  return path.string() + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+}
+
+bool WriteAll(int fd, std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(written));
+  }
+  return true;
+}
+
+Result<void> WriteAndSync(const std::filesystem::path& path, std::span<const uint8_t> bytes) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  if (file.get() < 0) return SystemFault(path, "create the file");
+  if (!WriteAll(file.get(), bytes)) return SystemFault(path, "write");
+  if (::fsync(file.get()) != 0) return SystemFault(path, "flush to disk");
+  if (!file.Close()) return SystemFault(path, "close");
+  return {};
+}
+
+// The rename itself is on disk only once its folder is.
+Result<void> SyncFolder(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.get() < 0) return SystemFault(folder, "open the folder");
+  // Some file systems cannot sync a folder and say EINVAL; nothing more can be done there.
+  if (::fsync(directory.get()) != 0 && errno != EINVAL) return SystemFault(folder, "flush");
+  return {};
+}
+
+}  // namespace
+
+Result<void> WriteFileAtomically(const std::filesystem::path& path,
+                                 std::span<const uint8_t> bytes) {
+  const std::filesystem::path temporary = TemporaryName(path);
+  if (Result<void> written = WriteAndSync(temporary, bytes); !written) {
+    ::unlink(temporary.c_str());
+    return written;
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    auto fault = SystemFault(path, "replace the file");
+    ::unlink(temporary.c_str());
+    return fault;
+  }
+  return SyncFolder(path);
+}
+
+Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view text) {
+  return WriteFileAtomically(path,
+                             std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()));
+}
+
+Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, uint64_t max_bytes) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) return SystemFault(path, "open");
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) return SystemFault(path, "look at");
+  if (!S_ISREG(status.st_mode)) return Fail(path.string() + ": expected a regular file");
+  const auto size = static_cast<uint64_t>(status.st_size);
+  if (size > max_bytes) {
+    return Fail(path.string() + ": expected at most " + std::to_string(max_bytes) +
+                " bytes, found " + std::to_string(size));
+  }
+  std::vector<uint8_t> bytes(size);
+  size_t filled = 0;
+  while (filled < bytes.size()) {
+    const ssize_t got = ::read(file.get(), bytes.data() + filled, bytes.size() - filled);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return SystemFault(path, "read");
+    if (got == 0) break;  // it shrank while being read
+    filled += static_cast<size_t>(got);
+  }
+  bytes.resize(filled);
+  return bytes;
+}
+
+}  // namespace vismap

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace vismap {
+
+/// Writes a file so that readers see either the old content or all of the new one, also after a
+/// power cut: a temporary name in the same folder, write, fsync, rename, fsync of the folder. On
+/// failure (folder missing, not writable, disk full) the old file stays, the temporary one is
+/// removed, and the Error names the path, the step and the system's reason.
+Result<void> WriteFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
+Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
+
+/// The whole content of a regular file. Fails, naming the path and the system's reason, when it
+/// cannot be read or is larger than `max_bytes`.
+Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path,
+                                           uint64_t max_bytes = uint64_t{1} << 34);
+
+}  // namespace vismap

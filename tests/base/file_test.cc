@@ -1,0 +1,84 @@
+#include "base/file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "vismap-file-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  size_t FilesInFolder() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), {}));
+  }
+  std::string Text(const fs::path& path) const {
+    const auto bytes = ReadFileBytes(path);
+    return bytes ? std::string(bytes->begin(), bytes->end()) : bytes.error().message;
+  }
+  fs::path folder_;
+};
+
+TEST_F(FileTest, WritesAndReplacesAndLeavesNothingElse) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(WriteFileAtomically(path, "first, longer"));
+  ASSERT_TRUE(WriteFileAtomically(path, "second"));
+  EXPECT_EQ(Text(path), "second");
+  ASSERT_TRUE(WriteFileAtomically(path, ""));
+  EXPECT_EQ(Text(path), "");
+  EXPECT_EQ(FilesInFolder(), 1u);
+}
+
+TEST_F(FileTest, MissingFolderIsAnErrorThatNamesThePath) {
+  const fs::path path = folder_ / "none" / "a.txt";
+  const auto written = WriteFileAtomically(path, "x");
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find(path.string()), std::string::npos);
+  EXPECT_NE(written.error().message.find("No such file"), std::string::npos);
+}
+
+TEST_F(FileTest, TargetThatIsAFolderFailsAndLeavesNoTemporaryFile) {
+  fs::create_directory(folder_ / "target");
+  fs::create_directory(folder_ / "target" / "inside");
+  ASSERT_FALSE(WriteFileAtomically(folder_ / "target", "x"));
+  EXPECT_EQ(FilesInFolder(), 1u);
+}
+
+// A file size limit stands in for a full disk.
+TEST_F(FileTest, WriteThatFailsHalfwayKeepsTheOldFile) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(WriteFileAtomically(path, "old"));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto written = WriteFileAtomically(path, std::string(5000, 'x'));
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("errno"), std::string::npos);
+  EXPECT_EQ(Text(path), "old");
+  EXPECT_EQ(FilesInFolder(), 1u);
+}
+
+TEST_F(FileTest, ReadingSaysWhy) {
+  EXPECT_FALSE(ReadFileBytes(folder_ / "none"));
+  EXPECT_FALSE(ReadFileBytes(folder_));
+  ASSERT_TRUE(WriteFileAtomically(folder_ / "a", "12345"));
+  EXPECT_TRUE(ReadFileBytes(folder_ / "a", 5));
+  EXPECT_FALSE(ReadFileBytes(folder_ / "a", 4));
+}
+
+}  // namespace
+}  // namespace vismap
