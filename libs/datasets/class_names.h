@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/ids.h"
+
+namespace vismap {
+
+/// The COCO name of a class (official category ids 1..91), "unknown" for 0, "class N" beyond.
+std::string ClassName(ClassId id);
+
+/// The class with this COCO name (case matters, as in COCO: "dining table", "tv"), if any.
+std::optional<ClassId> ClassFromName(std::string_view name);
+
+}  // namespace vismap
