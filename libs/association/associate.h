@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "association/label_table.h"
@@ -33,12 +35,19 @@ struct AssociationOptions {
   double max_distance_voxels =
       1.0;               ///< a point counts for a label if |sdf| at its voxel is below this
   int pixel_stride = 2;  ///< every n-th pixel each way is looked up; counts are scaled by n^2
+  double min_range =
+      0.1;  ///< nearer and farther points are not looked up, as they are not integrated [m]
+  double max_range = 5.0;
   double merge_overlap_ratio =
       0.2;  ///< a label covering this part of a segment was seen together with its others
-  int merge_frames = 3;  ///< net frames together after which two labels are merged; 0 = never
 };
 
-/// One-to-one, greedy by summed evidence; ties to the lower segment, then the lower label.
+/// All problems of the options, as sentences; empty = fine.
+std::vector<std::string> Validate(const AssociationOptions& options);
+
+/// Matches the frame's segments to the map's labels and its detections to the map's instances
+/// (Grinvald 2019, Sec. III-C). One-to-one, greedy by summed evidence; ties to the lower segment,
+/// then the lower label.
 FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,
                            const AssociationOptions& options);
 

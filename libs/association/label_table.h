@@ -16,6 +16,7 @@ struct LabelRecord {
       SegmentLabel::kNone;                  ///< kNone = alive; otherwise this record is empty
   uint32_t frames = 0;                      ///< F(l): frames in which it was observed
   uint32_t frames_with_detector = 0;        ///< of those, frames that a detector had looked at
+  uint64_t pixels = 0;                      ///< sum over those frames of its size in the image
   int64_t first_utime = 0, last_utime = 0;  ///< [us]
   std::map<InstanceId, float> instance_evidence;  ///< the paper's Phi(l, m)
   std::map<ClassId, float> class_evidence;        ///< the paper's Psi(l, c)
@@ -49,6 +50,12 @@ class LabelTable {
 
   /// Read-out of a label (resolved to its canonical one first).
   LabelReading Read(SegmentLabel label) const;
+
+  /// Evidence for each class, per instance: the class evidence of its labels, weighted by their
+  /// mean size in the image.
+  std::map<InstanceId, std::map<ClassId, float>> InstanceClassEvidence() const;
+  /// The class of every instance that some label is read out as: the strongest of its evidence.
+  std::map<InstanceId, ClassId> InstanceClasses() const;
 
   SegmentLabel next_label() const { return static_cast<SegmentLabel>(records_.size() + 1); }
   InstanceId next_instance() const { return next_instance_; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,15 +21,26 @@ struct MapDelta {
 };
 
 struct IntegrationOptions {
-  double min_range = 0.1;  ///< nearer returns are ignored [m]
-  double max_range = 5.0;  ///< farther returns clear free space up to here and leave no surface [m]
-  double free_space_range = 5.0;      ///< free space is recorded up to here [m]
-  bool free_space = true;             ///< record seen-empty space
-  double max_weight = 400.0;          ///< weight cap of a voxel; 1 = one observation at 1 m
+  double min_range = 0.1;         ///< nearer returns are ignored [m along z]
+  double max_range = 5.0;         ///< farther returns leave no surface, only free space [m along z]
+  double free_space_range = 5.0;  ///< free space is recorded up to here [m along z]
+  bool free_space = true;     ///< record seen-empty space; without it the map knows only surfaces
+  double max_weight = 300.0;  ///< weight cap of a voxel, below 511; 1 = one observation at 1 m
   double vote_distance_voxels = 1.0;  ///< labels are voted for within this distance of the surface
+  double merge_frames =
+      3.0;  ///< net frames seen together after which two labels are merged; 0 = never
 };
 
+/// All problems of the options, as sentences; empty = fine.
+std::vector<std::string> Validate(const IntegrationOptions& options);
+
 /// The only function that changes a map: fuses one associated frame (Grinvald 2019, Sec. III-D).
+/// Every voxel of the visible blocks is projected into the image once; the result does not depend
+/// on the number of threads.
+///
+/// Departures from the published code: labels are voted for once per voxel and frame and only near
+/// the surface; full vote slots evict; counts move along when labels merge; merging weighs evidence
+/// against as well as for.
 MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
                         const IntegrationOptions& options, SemanticMap* map);
 

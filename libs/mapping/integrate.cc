@@ -1,0 +1,138 @@
+#include "mapping/integrate.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "base/require.h"
+#include "mapping/fuse_block.h"
+#include "mapping/visible_blocks.h"
+
+namespace vismap {
+namespace {
+
+// Phi, Psi and F of the paper (Sec. III-D), weighted by how sure the detector was and how well its
+// mask fits.
+void CountEvidence(const SegmentedFrame& frame, const FrameAssociation& association,
+                   LabelTable& labels) {
+  labels.GrowLabels(association.next_label);
+  labels.GrowInstances(association.next_instance);
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    const FrameAssociation::Segment& match = association.segments[s];
+    if (match.label == SegmentLabel::kNone) continue;
+    const FrameSegment& segment = frame.segments[s];
+    LabelRecord& record = labels.MutableRecord(match.label);
+    const int64_t utime = frame.frame.header.utime;
+    record.first_utime = record.frames == 0 ? utime : std::min(record.first_utime, utime);
+    record.last_utime = record.frames == 0 ? utime : std::max(record.last_utime, utime);
+    ++record.frames;
+    if (frame.had_detections) ++record.frames_with_detector;
+    record.pixels += static_cast<uint64_t>(segment.pixels);
+    if (match.instance == InstanceId::kNone) continue;
+    const float evidence = segment.score * segment.overlap;
+    record.instance_evidence[match.instance] += evidence;
+    record.class_evidence[segment.class_id] += evidence;
+  }
+}
+
+struct WorkItem {
+  VisibleBlock target;
+  Block* block = nullptr;  // in the map; nullptr = not there yet, then `fresh` is filled
+  Block fresh;
+  FrameProjection::Outcome outcome;
+};
+
+// Blocks are looked up before and inserted after the parallel part, so that no thread ever sees the
+// table change.
+void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBlock>& visible,
+                VoxelMap& voxels, MapDelta& delta) {
+  std::vector<WorkItem> work;
+  work.reserve(visible.size());
+  for (const VisibleBlock& target : visible) {
+    Block* block = voxels.FindMutable(target.index);
+    if (target.wholly_free && block != nullptr && block->all_free) continue;
+    work.push_back({target, block, {}, {}});
+  }
+  ParallelFor(work.size(), 32, [&](size_t i) {
+    WorkItem& item = work[i];
+    Block& block = item.block != nullptr ? *item.block : item.fresh;
+    item.outcome = projection.Fuse(item.target.index, item.target.wholly_free, block);
+  });
+  for (WorkItem& item : work) {
+    if (!item.outcome.changed) continue;
+    if (item.block == nullptr) voxels.FindOrCreate(item.target.index) = std::move(item.fresh);
+    delta.changed_blocks.push_back(item.target.index);
+    delta.voxels_updated += item.outcome.voxels_updated;
+    delta.votes_evicted += item.outcome.votes_evicted;
+  }
+}
+
+bool BelongToDifferentObjects(SegmentLabel a, SegmentLabel b, const LabelTable& labels) {
+  const InstanceId x = labels.Read(a).instance, y = labels.Read(b).instance;
+  return x != y && x != InstanceId::kNone && y != InstanceId::kNone;
+}
+
+// Labels that keep lying together on one segment, and seldom apart, are one piece of surface.
+void MergeLabels(const FrameAssociation& association, double merge_frames, LabelTable& labels,
+                 MapDelta& delta) {
+  if (merge_frames <= 0) return;
+  for (const auto& [a, b] : association.together) labels.MutablePair(a, b).together += 1;
+  for (const auto& [a, b] : association.apart) labels.MutablePair(a, b).apart += 1;
+  for (const auto& pair : association.together) {
+    const SegmentLabel a = labels.Canonical(pair.first), b = labels.Canonical(pair.second);
+    if (a == b) continue;
+    const PairEvidence& evidence = labels.MutablePair(a, b);
+    if (evidence.together - evidence.apart < merge_frames || BelongToDifferentObjects(a, b, labels))
+      continue;
+    const SegmentLabel survivor = labels.Merge(a, b);
+    delta.merged.emplace_back(survivor == a ? b : a, survivor);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> Validate(const IntegrationOptions& options) {
+  std::vector<std::string> problems;
+  const auto check = [&](bool ok, const char* text) {
+    if (!ok) problems.emplace_back(text);
+  };
+  check(options.min_range > 0, "integration: min_range_m must be positive");
+  check(options.max_range > options.min_range,
+        "integration: max_range_m must be above min_range_m");
+  check(options.free_space_range >= 0, "integration: free_space_range_m must be 0 or more");
+  check(options.max_weight >= 1 && options.max_weight <= 511,
+        "integration: max_weight must be 1..511");
+  check(options.vote_distance_voxels > 0, "integration: vote_distance_voxels must be positive");
+  check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
+  return problems;
+}
+
+MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
+                        const IntegrationOptions& options, SemanticMap* map) {
+  const FrameHeader& header = frame.frame.header;
+  Require(association.segments.size() == frame.segments.size(), "one association per segment");
+  Require(frame.frame.depth.width() == header.camera.width &&
+              frame.frame.depth.height() == header.camera.height &&
+              frame.image.index.width() == header.camera.width &&
+              frame.image.index.height() == header.camera.height,
+          "depth and segment images have the size of the camera");
+  MapDelta delta;
+  CountEvidence(frame, association, map->labels);
+
+  std::vector<SegmentLabel> labels;
+  for (const FrameAssociation::Segment& segment : association.segments)
+    labels.push_back(segment.label);
+  const DepthPyramid pyramid(frame.frame.depth);
+  const VisibilityOptions visibility{map->voxels.block_size(), map->voxels.truncation(),
+                                     options.min_range,        options.max_range,
+                                     options.free_space_range, options.free_space};
+  const FrameProjection projection(frame, std::move(labels), options, map->voxels.options());
+  FuseBlocks(projection, FindVisibleBlocks(header, pyramid, visibility), map->voxels, delta);
+  MergeLabels(association, options.merge_frames, map->labels, delta);
+
+  map->last_utime = std::max(map->last_utime, header.utime);
+  map->last_camera_W = header.T_W_C.translation();
+  delta.revision = ++map->revision;
+  return delta;
+}
+
+}  // namespace vismap

@@ -1,0 +1,144 @@
+#include "mapping/visible_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace vismap {
+namespace {
+
+constexpr int kTopLevel = 4;  // the descent starts at cubes of 16 blocks
+
+class Descent {
+ public:
+  Descent(const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options)
+      : camera_(header.camera),
+        T_C_W_(header.T_W_C.inverse()),
+        pyramid_(pyramid),
+        options_(options),
+        range_(options.free_space ? std::max(options.max_range, options.free_space_range)
+                                  : options.max_range) {}
+
+  double range() const { return range_; }
+
+  // Appends the visible blocks of the cube of 2^level blocks whose lowest block is `low`.
+  void Visit(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
+    const View view = Look(low, level);
+    if (view == View::kNothing) return;
+    if (level == 0) {
+      visible.push_back({low, view == View::kFree});
+      return;
+    }
+    const int half = 1 << (level - 1);
+    for (int child = 0; child < 8; ++child) {
+      const BlockIndex corner{low.x + ((child >> 2) & 1) * half, low.y + ((child >> 1) & 1) * half,
+                              low.z + (child & 1) * half};
+      if (view == View::kFree) {
+        EmitFree(corner, level - 1, visible);
+      } else {
+        Visit(corner, level - 1, visible);
+      }
+    }
+  }
+
+ private:
+  enum class View { kNothing, kFree, kMixed };
+
+  static void EmitFree(BlockIndex low, int level, std::vector<VisibleBlock>& visible) {
+    const int side = 1 << level;
+    for (int x = 0; x < side; ++x) {
+      for (int y = 0; y < side; ++y) {
+        for (int z = 0; z < side; ++z) visible.push_back({{low.x + x, low.y + y, low.z + z}, true});
+      }
+    }
+  }
+
+  // What the frame can say of a cube, judged by its bounding sphere.
+  View Look(BlockIndex low, int level) const {
+    const double edge = options_.block_size * (1 << level);
+    const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
+                                     Eigen::Vector3d::Constant(edge / 2);
+    const Eigen::Vector3d p = T_C_W_ * center_W;
+    const double radius = edge * std::sqrt(3.0) / 2;
+    const double z_near = p.z() - radius, z_far = p.z() + radius;
+    if (z_far < options_.min_range || z_near > range_ + options_.truncation) return View::kNothing;
+    if (z_near < 0.02)
+      return level == 0 && z_far < 0.02 ? View::kNothing
+                                        : View::kMixed;  // around the camera itself
+
+    const auto [u_low, u_high] = Extent(p.x(), radius, z_near, z_far, camera_.fx, camera_.cx);
+    const auto [v_low, v_high] = Extent(p.y(), radius, z_near, z_far, camera_.fy, camera_.cy);
+    const double u_last = camera_.width - 1, v_last = camera_.height - 1;
+    if (u_high < -0.5 || v_high < -0.5 || u_low > u_last + 0.5 || v_low > v_last + 0.5)
+      return View::kNothing;
+    const bool inside = u_low >= 0 && v_low >= 0 && u_high <= u_last && v_high <= v_last;
+
+    const DepthRange depth = pyramid_.Bound(static_cast<int>(std::max(u_low, 0.0)),
+                                            static_cast<int>(std::max(v_low, 0.0)),
+                                            static_cast<int>(std::min(u_high + 1, u_last)),
+                                            static_cast<int>(std::min(v_high + 1, v_last)));
+    if (!(depth.farthest > 0) ||
+        z_near > static_cast<double>(depth.farthest) + options_.truncation) {
+      return View::kNothing;
+    }
+    const bool before_surface = z_far < static_cast<double>(depth.nearest) - options_.truncation;
+    if (before_surface && !options_.free_space) return View::kNothing;
+    const bool in_range = z_near > options_.min_range && z_far < options_.free_space_range;
+    return before_surface && inside && depth.complete && in_range ? View::kFree : View::kMixed;
+  }
+
+  // Pixel interval that a sphere can cover along one image axis.
+  static std::pair<double, double> Extent(double x, double radius, double z_near, double z_far,
+                                          double focal, double center) {
+    const double low = x - radius, high = x + radius;
+    return {focal * std::min(low / z_near, low / z_far) + center,
+            focal * std::max(high / z_near, high / z_far) + center};
+  }
+
+  const PinholeCamera& camera_;
+  const Pose T_C_W_;
+  const DepthPyramid& pyramid_;
+  const VisibilityOptions& options_;
+  const double range_;
+};
+
+// The top cubes that the view up to `range` can touch: the bounding box of the camera centre and
+// the far corners.
+std::vector<BlockIndex> TopCubes(const FrameHeader& header, double range, double block_size) {
+  const PinholeCamera& camera = header.camera;
+  Eigen::AlignedBox3d box(header.T_W_C.translation());
+  for (const double u : {-0.5, camera.width - 0.5}) {
+    for (const double v : {-0.5, camera.height - 0.5})
+      box.extend(header.T_W_C * camera.BackProject(u, v, range));
+  }
+  const double edge = block_size * (1 << kTopLevel);
+  const Eigen::Vector3i low = (box.min() / edge).array().floor().cast<int>() - 1;
+  const Eigen::Vector3i high = (box.max() / edge).array().floor().cast<int>() + 1;
+  std::vector<BlockIndex> cubes;
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int z = low.z(); z <= high.z(); ++z)
+        cubes.push_back({x << kTopLevel, y << kTopLevel, z << kTopLevel});
+    }
+  }
+  return cubes;
+}
+
+}  // namespace
+
+std::vector<VisibleBlock> FindVisibleBlocks(const FrameHeader& header, const DepthPyramid& pyramid,
+                                            const VisibilityOptions& options) {
+  const Descent descent(header, pyramid, options);
+  const std::vector<BlockIndex> cubes =
+      TopCubes(header, descent.range() + options.truncation, options.block_size);
+  std::vector<std::vector<VisibleBlock>> parts(cubes.size());
+  ParallelFor(cubes.size(), 1, [&](size_t i) { descent.Visit(cubes[i], kTopLevel, parts[i]); });
+  std::vector<VisibleBlock> visible;
+  for (const auto& part : parts) visible.insert(visible.end(), part.begin(), part.end());
+  std::sort(visible.begin(), visible.end(),
+            [](const VisibleBlock& a, const VisibleBlock& b) { return a.index < b.index; });
+  return visible;
+}
+
+}  // namespace vismap

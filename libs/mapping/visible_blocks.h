@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "geometry/frame.h"
+#include "mapping/depth_pyramid.h"
+#include "volume/block.h"
+
+namespace vismap {
+
+/// How far from the camera blocks are looked for.
+struct VisibilityOptions {
+  double block_size = 0.08;       ///< [m]
+  double truncation = 0.04;       ///< [m]
+  double min_range = 0.1;         ///< [m along z]
+  double max_range = 5.0;         ///< of surfaces [m along z]
+  double free_space_range = 5.0;  ///< [m along z]
+  bool free_space = true;
+};
+
+/// A block that the frame says something about.
+struct VisibleBlock {
+  BlockIndex index;
+  bool wholly_free =
+      false;  ///< every voxel of it projects to a measured pixel and lies before the surface there
+};
+
+/// The blocks that the frame may change, ascending: those that a surface may pass near and those
+/// with seen-empty space. Blocks hidden behind surfaces and outside the view are left out. Found by
+/// descending an octree over the view.
+std::vector<VisibleBlock> FindVisibleBlocks(const FrameHeader& header, const DepthPyramid& pyramid,
+                                            const VisibilityOptions& options);
+
+}  // namespace vismap
