@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+
+namespace vismap {
+
+/// A channel of the bus: its name, which carries one message type, and the largest message [bytes]
+/// that a reader accepts on it. Names are plain (capital letters and underscores), since LCM
+/// subscribes by regular expression.
+struct Channel {
+  const char* name;
+  size_t max_bytes;
+};
+
+inline constexpr size_t kMegabyte = size_t{1} << 20;
+
+inline constexpr Channel kRgbdFrameChannel{"RGBD_FRAME", 64 * kMegabyte};   ///< rgbd_frame_t
+inline constexpr Channel kDetectionsChannel{"DETECTIONS", 16 * kMegabyte};  ///< detections_t
+inline constexpr Channel kSegmentedFrameChannel{"SEGMENTED_FRAME",
+                                                64 * kMegabyte};             ///< segmented_frame_t
+inline constexpr Channel kMapCommitChannel{"MAP_COMMIT", kMegabyte / 16};    ///< frame_commit_t
+inline constexpr Channel kMapDeltaChannel{"MAP_DELTA", 64 * kMegabyte};      ///< map_delta_t
+inline constexpr Channel kMeshDeltaChannel{"MESH_DELTA", 64 * kMegabyte};    ///< mesh_delta_t
+inline constexpr Channel kObjectsChannel{"OBJECTS", 16 * kMegabyte};         ///< object_list_t
+inline constexpr Channel kOctomapChannel{"OCTOMAP", 192 * kMegabyte};        ///< octree_t
+inline constexpr Channel kMapRequestChannel{"MAP_REQUEST", kMegabyte / 16};  ///< map_request_t
+inline constexpr Channel kMapReplyChannel{"MAP_REPLY", 192 * kMegabyte};     ///< map_reply_t
+inline constexpr Channel kStatusChannel{"STATUS", kMegabyte / 16};           ///< process_status_t
+
+/// No message of any channel is larger.
+inline constexpr size_t kMaxMessageBytes = 192 * kMegabyte;
+
+}  // namespace vismap

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vismap/rgbd_frame_t.hpp>
+
+#include "base/result.h"
+#include "geometry/frame.h"
+
+namespace vismap {
+
+/// A sensor's frame as a message; seq, source and checksum are left for the bus to fill.
+rgbd_frame_t Encode(const SensorFrame& frame);
+
+/// The frame in a message. Fails, naming the field, on a negative utime or camera_id, an
+/// implausible camera, a pose that is not finite and rigid, a depth unit outside (0, 1] m, an
+/// unknown encoding, depth bytes that are not an image of the stated size, and a JPEG header of
+/// another size. The JPEG's pixels are not looked at: DecodeFrame does that.
+Result<SensorFrame> Decode(const rgbd_frame_t& message);
+
+/// The header alone, checked as above, without decoding the images.
+Result<FrameHeader> DecodeHeader(const rgbd_frame_t& message);
+
+}  // namespace vismap
