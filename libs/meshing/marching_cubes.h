@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "meshing/mesh.h"
+
+/// The room of surfaces: triangle meshes with ids out of the map (ALGORITHM 6.1), objects with
+/// their boxes and meshes (6.2), and the files people take home. It reads the map and never changes
+/// it. Pictures are drawn in render/.
+namespace vismap {
+
+struct MeshingOptions {
+  double min_weight = 1e-4;  ///< voxels up to this weight count as unseen (1 = one frame at 1 m)
+  int min_observations = 1;  ///< voxels that fewer frames saw count as unseen
+  /// Neighbouring voxels beyond this part of the truncation distance on either side are a jump
+  /// between two surfaces, not a surface: their cells stay empty. Above 1 = keep them.
+  double jump_fraction = 0.9;
+  /// Connected pieces with fewer triangles are left out of the mesh of a whole map.
+  int min_component_triangles = 20;
+};
+
+/// Surface of one block: of the cells whose lowest corner voxel lies in it.
+struct BlockMesh {
+  BlockIndex block;
+  Mesh mesh;  ///< no triangles = the block has no surface (any more): delete what was shown there
+};
+
+/// The blocks whose surface may differ from before, ascending.
+struct MeshDelta {
+  int64_t revision = 0;  ///< of the map that it was made from
+  std::vector<BlockMesh> blocks;
+};
+
+/// Zero level of the TSDF of the whole map (marching cubes over cells whose eight corners were all
+/// observed; voxels of free blocks count as observed at + truncation). Cells share vertices, also
+/// across blocks: where the map has no gaps and no rim, every edge belongs to exactly two
+/// triangles. Order: ascending blocks. A vertex reads out the nearest voxel with votes; the class
+/// of an instance is the one with most evidence over its labels, weighted by their vertices.
+Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options = {});
+
+/// The same, block by block, for viewers that follow the map: of all blocks whose surface depends
+/// on the `changed` ones: these, and their neighbours that are near a surface.
+/// Blocks do not share vertices, small components stay, and the class of an instance weighs its
+/// labels equally.
+MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed,
+                     const MeshingOptions& options = {});
+
+}  // namespace vismap
