@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,18 @@ struct VectorImage {
   bool valid(int v, int u) const { return z(v, u) == z(v, u); }
 };
 
+/// Bits of SurfaceMap::joined.
+inline constexpr uint8_t kJoinedRight = 1;  ///< one surface with pixel (u + 1, v)
+inline constexpr uint8_t kJoinedDown = 2;   ///< one surface with pixel (u, v + 1)
+
 /// Back-projected depth image with normals. HxW; both NaN where depth is NaN; a normal may also be
 /// NaN where its neighbourhood does not define a plane.
 struct SurfaceMap {
-  VectorImage points_C;   ///< [m], camera frame
-  VectorImage normals_C;  ///< unit length, toward the camera: n . p <= 0
+  VectorImage points_C;       ///< [m], camera frame
+  VectorImage normals_C;      ///< unit length, toward the camera: n . p <= 0
+  Image<float> normal_sigma;  ///< expected error of the normal [rad]; NaN where there is no normal
+  Image<uint8_t> joined;      ///< kJoined bits: no depth jump between the two pixels
+  Image<uint8_t> radius;      ///< of the window that the normal was asked from [px]; 0 = no depth
 };
 
 }  // namespace vismap

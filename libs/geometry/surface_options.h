@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/noise_model.h"
+
+namespace vismap {
+
+/// How normals are estimated.
+enum class NormalMethod {
+  kInverseDepthFit,   ///< plane fit to inverse depth over an edge-bounded window
+  kWindowCovariance,  ///< the published code: covariance of all points near in a square window;
+                      ///< slow
+};
+
+/// Options of ComputeSurface.
+struct SurfaceOptions {
+  NormalMethod method = NormalMethod::kInverseDepthFit;
+  DepthNoiseModel noise = KinectNoise();
+  double min_depth = 0.1;  ///< nearer depth is no return [m]
+  double max_depth = 10;   ///< farther depth is no return [m]
+
+  // kInverseDepthFit
+  double normal_sigma_deg = 3.0;  ///< the window grows with noise until normals are this good [deg]
+  int min_radius = 2;             ///< of the window [px at width 640]
+  int max_radius = 10;            ///< of the window [px at width 640], at most 31
+  double jump_sigmas = 5.0;       ///< neighbours whose inverse depths differ by more are not joined
+  double max_incidence_deg = 84;  ///< steeper surfaces count as depth jumps [deg]
+
+  // kWindowCovariance (Grinvald 2019, published code)
+  int window = 13;             ///< side of the square [px], odd
+  double window_depth = 0.05;  ///< points farther than this times z are left out
+};
+
+/// All that is wrong with the options, one sentence each; empty = nothing.
+std::vector<std::string> Validate(const SurfaceOptions& options);
+
+}  // namespace vismap

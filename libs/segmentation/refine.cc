@@ -1,0 +1,171 @@
+#include "segmentation/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "base/require.h"
+
+namespace vismap {
+namespace {
+
+constexpr int32_t kNobody = -1;
+
+size_t At(SegmentIndex index) { return static_cast<size_t>(Raw(index)); }
+size_t At(int32_t index) { return static_cast<size_t>(index); }
+
+/// Calls visit(v, u) for the pixels of a mask that lie in the image, in row order.
+template <typename Visit>
+void ForMask(const Mask& mask, int width, int height, const Visit& visit) {
+  for (int y = std::max(0, -mask.v0); y < std::min(mask.inside.height(), height - mask.v0); ++y) {
+    const uint8_t* inside = mask.inside.row(y);
+    for (int x = std::max(0, -mask.u0); x < std::min(mask.inside.width(), width - mask.u0); ++x) {
+      if (inside[x]) visit(y + mask.v0, x + mask.u0);
+    }
+  }
+}
+
+int32_t MaskArea(const Mask& mask) {
+  const auto& inside = mask.inside.pixels();
+  return static_cast<int32_t>(inside.size() -
+                              static_cast<size_t>(std::count(inside.begin(), inside.end(), 0)));
+}
+
+/// The detections that take part, best first: by score, then smaller area, then index.
+std::vector<int32_t> RankDetections(const DetectionSet& set, double min_score) {
+  std::vector<int32_t> order;
+  std::vector<int32_t> area;
+  for (size_t k = 0; k < set.detections.size(); ++k) {
+    area.push_back(MaskArea(set.detections[k].mask));
+    if (set.detections[k].score >= min_score) order.push_back(static_cast<int32_t>(k));
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
+    const float score_a = set.detections[At(a)].score, score_b = set.detections[At(b)].score;
+    return score_a != score_b ? score_a > score_b : area[At(a)] < area[At(b)];
+  });
+  return order;
+}
+
+/// The masks of a frame against its segments.
+class Refiner {
+ public:
+  Refiner(const DetectionSet& set, const RefineOptions& options, SegmentedFrame* out)
+      : set_(set),
+        options_(options),
+        out_(*out),
+        width_(out->image.index.width()),
+        height_(out->image.index.height()),
+        order_(RankDetections(set, options.min_score)) {
+    if (options_.resolve_overlaps) ClaimPixels();
+  }
+
+  void Split();
+  void Match();
+
+ private:
+  /// Pixels per segment that belong to mask k.
+  std::vector<int32_t> CountInside(int32_t k) const;
+  void ClaimPixels();
+  bool Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const;
+  int32_t Scaled(int pixels_at_vga) const;
+
+  template <typename Visit>
+  void ForPixelsOf(int32_t k, const Visit& visit) const {
+    ForMask(set_.detections[At(k)].mask, width_, height_, [&](int v, int u) {
+      if (owner_.empty() || owner_(v, u) == k) visit(v, u);
+    });
+  }
+
+  const DetectionSet& set_;
+  const RefineOptions& options_;
+  SegmentedFrame& out_;
+  int width_, height_;
+  std::vector<int32_t> order_;
+  Image<int32_t> owner_;  ///< detection that owns the pixel; empty = masks may share pixels
+};
+
+void Refiner::ClaimPixels() {
+  owner_ = Image<int32_t>(width_, height_, kNobody);
+  for (auto k = order_.rbegin(); k != order_.rend(); ++k) {  // the best one last, on top
+    ForMask(set_.detections[At(*k)].mask, width_, height_,
+            [&](int v, int u) { owner_(v, u) = *k; });
+  }
+}
+
+std::vector<int32_t> Refiner::CountInside(int32_t k) const {
+  std::vector<int32_t> inside(out_.segments.size());
+  ForPixelsOf(k, [&](int v, int u) {
+    const SegmentIndex segment = out_.image.index(v, u);
+    if (segment != SegmentIndex::kNone) ++inside[At(segment)];
+  });
+  return inside;
+}
+
+int32_t Refiner::Scaled(int pixels_at_vga) const {
+  const double area = static_cast<double>(width_) * height_ / (640.0 * 480.0);
+  return std::max(1, static_cast<int32_t>(std::lround(pixels_at_vga * area)));
+}
+
+bool Refiner::Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const {
+  return inside >= Scaled(options_.split_min_pixels) &&
+         pixels - inside >= Scaled(options_.split_min_rest_pixels) &&
+         inside >= options_.split_min_mask_part * mask_pixels;
+}
+
+void Refiner::Split() {
+  for (const int32_t k : order_) {
+    if (set_.detections[At(k)].score < options_.split_min_score) continue;
+    const std::vector<int32_t> inside = CountInside(k);
+    const int32_t mask_pixels = std::accumulate(inside.begin(), inside.end(), 0);
+    const size_t main =
+        static_cast<size_t>(std::max_element(inside.begin(), inside.end()) - inside.begin());
+    if (inside.empty() || !Splits(inside[main], out_.segments[main].pixels, mask_pixels)) continue;
+    const auto cut = static_cast<SegmentIndex>(out_.image.segment_count++);
+    ForPixelsOf(k, [&](int v, int u) {
+      SegmentIndex& segment = out_.image.index(v, u);
+      if (segment != SegmentIndex::kNone && At(segment) == main) segment = cut;
+    });
+    out_.segments[main].pixels -= inside[main];
+    out_.segments.push_back({.pixels = inside[main]});
+  }
+}
+
+void Refiner::Match() {
+  for (const int32_t k : order_) {  // best score first: a later one must cover strictly more
+    const Detection& detection = set_.detections[At(k)];
+    const std::vector<int32_t> inside = CountInside(k);
+    for (size_t i = 0; i < inside.size(); ++i) {
+      FrameSegment& segment = out_.segments[i];
+      const float overlap = static_cast<float>(inside[i]) / static_cast<float>(segment.pixels);
+      if (!(overlap > static_cast<float>(options_.min_overlap)) || overlap <= segment.overlap) {
+        continue;
+      }
+      segment.detection = static_cast<DetectionIndex>(k);
+      segment.class_id = detection.class_id;
+      segment.score = detection.score;
+      segment.overlap = overlap;
+    }
+  }
+}
+
+}  // namespace
+
+SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
+                                    const DetectionSet* detections, const RefineOptions& options) {
+  Require(
+      frame.depth.width() == image.index.width() && frame.depth.height() == image.index.height(),
+      "a segment image has the size of its frame");
+  SegmentedFrame out{std::move(frame), std::move(image), {}, detections != nullptr};
+  out.segments.resize(At(out.image.segment_count));
+  for (const SegmentIndex segment : out.image.index.pixels()) {
+    if (segment != SegmentIndex::kNone) ++out.segments[At(segment)].pixels;
+  }
+  if (detections == nullptr) return out;
+  Refiner refiner(*detections, options, &out);
+  if (options.split) refiner.Split();
+  refiner.Match();
+  return out;
+}
+
+}  // namespace vismap

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/surface_options.h"
+
+namespace vismap {
+
+/// How a depth image is cut into segments.
+enum class SegmentationMethod {
+  kNoiseScaled,  ///< ours: edges in units of the sensor's noise, given back by a flood
+  kPublished,    ///< the published code's fixed thresholds; slow, and shatters beyond 3 m
+};
+
+/// Options of SegmentDepth.
+struct SegmentationOptions {
+  SegmentationMethod method = SegmentationMethod::kNoiseScaled;
+  int min_segment_pixels = 500;  ///< smaller segments are dropped [px at 640x480, scaled by area]
+
+  // kNoiseScaled
+  double concave_angle_deg = 16;  ///< a concave fold is an edge from here on [deg] ...
+  double concave_sigmas = 4.0;    ///< ... and from this multiple of the normals' error
+  int min_seed_pixels = 60;       ///< flat areas smaller than this start no segment [px at 640x480]
+  double join_angle_deg = 20;  ///< a small segment joins its one neighbour if this parallel [deg]
+
+  // kPublished (Grinvald 2019; constants of the published code)
+  double depth_ratio = 0.01;          ///< depth step over z from which a pixel is an edge
+  double concave_tolerance = 0.0005;  ///< points that rise less are not concave [m]
+  double concave_cosine = 0.97;       ///< concave neighbours with normals farther apart are edges
+  int convexity_window = 5;           ///< side of the window looked at [px], odd
+  int give_back_window = 9;           ///< edge pixels search this window for a segment [px], odd
+  double give_back_distance = 0.05;   ///< and join the nearest point within [m]
+};
+
+/// Options of RefineWithDetections.
+struct RefineOptions {
+  double min_overlap = 0.8;          ///< tau_p: a mask must cover more than this part of a segment
+  double min_score = 0.0;            ///< detections below are ignored, as if they were not there
+  bool resolve_overlaps = true;      ///< a pixel in several masks belongs only to the best one
+  bool split = true;                 ///< good masks may split segments
+  double split_min_score = 0.7;      ///< only masks with at least this score split
+  double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the one segment
+  int split_min_pixels = 300;        ///< of the part cut out [px at 640x480, scaled by area]
+  int split_min_rest_pixels = 500;   ///< of the part left [px at 640x480, scaled by area]
+};
+
+/// Options of the whole stage: depth image in, segmented frame out.
+struct SegmentationStageOptions {
+  SurfaceOptions surface;
+  SegmentationOptions segmentation;
+  RefineOptions refine;
+};
+
+/// The constants and the behaviour of the published code (Grinvald 2019, Sec. III-A, III-B), as far
+/// as its errors do not hinder it.
+SegmentationStageOptions PublishedOptions();
+
+/// All that is wrong with the options, one sentence each; empty = nothing.
+std::vector<std::string> Validate(const SegmentationOptions& options);
+std::vector<std::string> Validate(const RefineOptions& options);
+std::vector<std::string> Validate(const SegmentationStageOptions& options);
+
+}  // namespace vismap
