@@ -1,8 +1,36 @@
 #include "wire/envelope.h"
 
+#include <algorithm>
 #include <cstdio>
 
-namespace vismap::envelope {
+#include "lcm_guard.h"
+
+namespace vismap {
+namespace {
+
+uint64_t ReadBigEndian(std::span<const uint8_t> bytes) {
+  uint64_t value = 0;
+  for (const uint8_t byte : bytes) value = (value << 8) | byte;
+  return value;
+}
+
+}  // namespace
+
+std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes) {
+  constexpr size_t kFixed = 28;  // fingerprint, utime, seq, length of source
+  if (bytes.size() < kFixed) return std::nullopt;
+  const auto length = static_cast<int32_t>(ReadBigEndian(bytes.subspan(24, 4)));
+  const std::span<const uint8_t> rest = bytes.subspan(kFixed);
+  if (!vismap_lcm_guard::IsString(rest.data(), length, static_cast<int>(rest.size())))
+    return std::nullopt;
+  return MessageHead{
+      static_cast<int64_t>(ReadBigEndian(bytes.first(8))),
+      static_cast<int64_t>(ReadBigEndian(bytes.subspan(8, 8))),
+      static_cast<int64_t>(ReadBigEndian(bytes.subspan(16, 8))),
+      std::string(reinterpret_cast<const char*>(rest.data()), static_cast<size_t>(length) - 1)};
+}
+
+namespace envelope {
 
 int64_t ChecksumAfter(std::span<const uint8_t> bytes, size_t checksum_offset) {
   const auto sum = static_cast<int64_t>(Checksum64(bytes.subspan(checksum_offset + 8)));
@@ -15,8 +43,7 @@ void WriteBigEndian(int64_t value, uint8_t* destination) {
 }
 
 std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, int64_t expected) {
-  uint64_t found = 0;
-  for (size_t i = 0; i < 8 && i < bytes.size(); ++i) found = (found << 8) | bytes[i];
+  const uint64_t found = ReadBigEndian(bytes.first(std::min<size_t>(8, bytes.size())));
   if (bytes.size() >= 8 && static_cast<int64_t>(found) != expected) {
     char text[160];
     std::snprintf(
@@ -29,4 +56,5 @@ std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, i
          std::to_string(bytes.size()) + " bytes";
 }
 
-}  // namespace vismap::envelope
+}  // namespace envelope
+}  // namespace vismap

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,17 @@ void WriteBigEndian(int64_t value, uint8_t* destination);
 std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, int64_t expected);
 
 }  // namespace envelope
+
+/// What every message begins with.
+struct MessageHead {
+  int64_t fingerprint = 0;  ///< of its type
+  int64_t utime = 0;        ///< [us]
+  int64_t seq = 0;          ///< 0, 1, ... per source and channel
+  std::string source;       ///< the process that published it
+};
+
+/// Reads the head of an encoded message without looking at the rest; none when it is cut short.
+std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes);
 
 /// The bytes of a message as they travel, with its checksum computed and filled in where the type
 /// has one. Throws when an array of the message has not the length that its size field states, a

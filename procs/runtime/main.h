@@ -1,0 +1,80 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "runtime/bus.h"
+#include "runtime/log.h"
+#include "runtime/status.h"
+#include "runtime/stop_signal.h"
+
+namespace CLI {
+class App;
+}
+
+namespace vismap {
+
+/// What a process answers to its caller.
+enum class ExitCode : int { kOk = 0, kFailed = 1, kUsage = 2, kUnreadable = 3 };
+
+/// Why a process ends other than well: its exit code and a sentence for the log.
+struct ExitFailure {
+  ExitCode code = ExitCode::kFailed;
+  std::string message;
+};
+using Outcome = tl::expected<void, ExitFailure>;
+
+/// `return ExitWith(ExitCode::kUnreadable, error.message);`
+inline tl::unexpected<ExitFailure> ExitWith(ExitCode code, std::string message) {
+  return tl::unexpected<ExitFailure>(ExitFailure{code, std::move(message)});
+}
+
+/// Options that every process has.
+struct CommonOptions {
+  std::string lcm_url = DefaultLcmUrl();
+  std::string name;             ///< of this instance on the bus; empty = the program's
+  double connect_timeout = 10;  ///< [s]
+  std::string config_path;      ///< --config; empty = none given
+};
+
+/// What a process has to work with while it runs.
+struct ProcessContext {
+  const CommonOptions& options;
+  StopSignal& stop;          ///< SIGINT or SIGTERM came
+  Bus* bus = nullptr;        ///< none when the spec says so
+  Status* status = nullptr;  ///< goes with bus
+};
+
+/// One program: its name, its options, its work. See RunProcess.
+struct ProcessSpec {
+  std::string name;       ///< without "vismap-", for example "depth-segmenter"
+  std::string summary;    ///< one sentence for --help
+  bool joins_bus = true;  ///< false: `run` gets no bus; it may open one with OpenBus
+
+  /// Adds the program's own options and flags; may be empty.
+  std::function<void(CLI::App&)> add_options;
+
+  /// Takes the text of the --config file (empty = none was given), checks it together with the
+  /// options of the command line, and returns the effective config as text for --print-config. An
+  /// error here is a usage error. May be empty: then --config is refused.
+  std::function<Result<std::string>(const std::string& config_text, const std::string& config_path)>
+      configure;
+
+  /// The work. Comes back when done or when the context's stop is requested.
+  std::function<Outcome(ProcessContext&)> run;
+};
+
+/// Everything around the work of a process: the options --help --version --config --print-config
+/// --lcm-url --name
+/// --connect-timeout --log-level, the log, signals, the bus, the status, exceptions. Returns the
+/// exit code for main: 0 well, 1 failed, 2 wrong usage or config, 3 unreadable input.
+int RunProcess(int argc, char** argv, const ProcessSpec& spec);
+
+/// Joins the bus as the common options say; for programs that do not always need it. `source` =
+/// name on the bus.
+Result<std::unique_ptr<Bus>> OpenBus(const CommonOptions& options, const std::string& source,
+                                     const StopSignal* stop);
+
+}  // namespace vismap

@@ -1,0 +1,54 @@
+#include "runtime/peers.h"
+
+#include <algorithm>
+#include <vismap/process_status_t.hpp>
+
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "wire/fingerprint.h"
+
+namespace vismap {
+namespace {
+
+constexpr size_t kMaxPeers = 1024;
+
+bool IsAlive(const Peer& peer) {
+  return peer.state != "stopping" && MonotonicSeconds() - peer.last_heard < Peers::kMaxSilence;
+}
+
+}  // namespace
+
+Peers::Peers(Bus* bus) {
+  bus->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& status) {
+    if (peers_.size() >= kMaxPeers && !peers_.contains(status.source)) return;
+    peers_[status.source] = {status.process, status.state, status.message, MonotonicSeconds()};
+    if (status.types_fingerprint != TypesFingerprint()) {
+      LogWarningSometimes("fingerprint " + status.source,
+                          status.source + " on " + status.host +
+                              " has other message types (version " + status.version +
+                              "); it cannot understand all that is said here");
+    }
+  });
+}
+
+bool Peers::Alive(const std::string& process) const {
+  return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
+    return entry.second.process == process && IsAlive(entry.second);
+  });
+}
+
+bool Peers::Ready(const std::string& process) const {
+  return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
+    return entry.second.process == process && IsAlive(entry.second) &&
+           entry.second.state != "starting";
+  });
+}
+
+std::vector<std::string> Peers::Missing(const std::vector<std::string>& processes) const {
+  std::vector<std::string> missing;
+  std::copy_if(processes.begin(), processes.end(), std::back_inserter(missing),
+               [this](const std::string& process) { return !Ready(process); });
+  return missing;
+}
+
+}  // namespace vismap

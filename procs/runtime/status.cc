@@ -1,0 +1,122 @@
+#include "runtime/status.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+#include <vismap/process_status_t.hpp>
+
+#include "runtime/clock.h"
+#include "runtime/version.h"
+#include "wire/fingerprint.h"
+
+namespace vismap {
+namespace {
+
+constexpr size_t kMaxTimings = 10000;  // per stage between two status messages
+
+std::string HostName() {
+  char name[256] = {};
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+double Median(std::vector<double>* values) {
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+void AddCounter(process_status_t* message, const std::string& name, int64_t value) {
+  message->counter_names.push_back(name);
+  message->counter_values.push_back(value);
+  message->n_counters = static_cast<int32_t>(message->counter_names.size());
+}
+
+void AddChannel(process_status_t* message, const std::string& channel,
+                const ChannelCounters& counters) {
+  const std::pair<const char*, int64_t> figures[] = {{".received", counters.received},
+                                                     {".received_bytes", counters.received_bytes},
+                                                     {".rejected", counters.rejected},
+                                                     {".lost", counters.lost},
+                                                     {".superseded", counters.superseded},
+                                                     {".published", counters.published},
+                                                     {".published_bytes", counters.published_bytes},
+                                                     {".unsent", counters.unsent}};
+  for (const auto& [figure, value] : figures) {
+    if (value != 0) AddCounter(message, channel + figure, value);
+  }
+}
+
+}  // namespace
+
+const char* StateName(ProcessState state) {
+  switch (state) {
+    case ProcessState::kStarting:
+      return "starting";
+    case ProcessState::kReady:
+      return "ready";
+    case ProcessState::kWaiting:
+      return "waiting";
+    case ProcessState::kRunning:
+      return "running";
+    case ProcessState::kStopping:
+      break;
+  }
+  return "stopping";
+}
+
+Status::Status(Bus* bus, std::string process)
+    : bus_(bus), process_(std::move(process)), host_(HostName()), start_utime_(WallUtime()) {
+  bus_->Every(1.0, [this] { Publish(); });
+}
+
+void Status::Set(ProcessState state, const std::string& message) {
+  if (state == state_ && message == message_) return;
+  const bool changed = state != state_;
+  state_ = state;
+  message_ = message;
+  if (changed) Publish();  // a mere change of words waits for the next second
+}
+
+int64_t Status::counter(const std::string& name) const {
+  const auto found = counters_.find(name);
+  return found == counters_.end() ? 0 : found->second;
+}
+
+void Status::AddTiming(const std::string& stage, double ms) {
+  std::vector<double>& timings = timings_ms_[stage];
+  if (timings.size() < kMaxTimings) timings.push_back(ms);
+}
+
+void Status::Publish() {
+  process_status_t message{};
+  message.utime = WallUtime();
+  message.process = process_;
+  message.host = host_;
+  message.pid = getpid();
+  message.start_utime = start_utime_;
+  message.state = StateName(state_);
+  message.message = message_;
+  message.version = Version();
+  message.types_fingerprint = TypesFingerprint();
+  for (const auto& [name, value] : counters_) AddCounter(&message, name, value);
+  for (const auto& [channel, counters] : bus_->counters()) AddChannel(&message, channel, counters);
+  AddCounter(&message, "reconnects", bus_->reconnects());
+  for (auto& [stage, values] : timings_ms_) {
+    if (values.empty()) continue;
+    message.timing_names.push_back(stage);
+    message.max_ms.push_back(*std::max_element(values.begin(), values.end()));
+    message.median_ms.push_back(Median(&values));
+    values.clear();
+  }
+  message.n_timings = static_cast<int32_t>(message.timing_names.size());
+  bus_->Publish(kStatusChannel, message);
+}
+
+StageTimer::StageTimer(Status* status, std::string stage)
+    : status_(status), stage_(std::move(stage)), start_(MonotonicSeconds()) {}
+
+StageTimer::~StageTimer() { status_->AddTiming(stage_, (MonotonicSeconds() - start_) * 1000); }
+
+}  // namespace vismap
