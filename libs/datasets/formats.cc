@@ -1,0 +1,85 @@
+#include "datasets/formats.h"
+
+#include <cmath>
+#include <set>
+
+#include "datasets/image_file.h"
+
+namespace vismap {
+
+int64_t UtimeAtRate(int64_t number, double rate) {
+  return std::llround(static_cast<double>(number) * 1e6 / rate);
+}
+
+Result<PinholeCamera> WithSizeOfFirstDepth(PinholeCamera camera,
+                                           const std::vector<FrameFiles>& frames) {
+  const Result<ImageFileInfo> info = ReadImageInfo(frames.front().depth);
+  if (!info) return Fail(info.error().message);
+  camera.width = info->width;
+  camera.height = info->height;
+  return camera;
+}
+
+Result<std::vector<LoggedPose>> ReadTrajectoryLog(const std::filesystem::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  const std::vector<TextLine> lines = SplitLines(*text);
+  std::vector<LoggedPose> poses;
+  for (size_t begin = 0; begin < lines.size(); begin += 5) {
+    const auto fail = [&](size_t line, const char* expected) {
+      return Fail(path.string() + ":" + std::to_string(lines[line].number) + ": expected " +
+                  expected);
+    };
+    const std::optional<int64_t> index = ParseInteger(lines[begin].words[0]);
+    if (!index || lines[begin].words.size() != 3) return fail(begin, "three integers \"i i i+1\"");
+    if (begin + 5 > lines.size()) return fail(begin, "four rows of a matrix after this line");
+    std::vector<double> numbers;
+    for (size_t row = begin + 1; row < begin + 5; ++row) {
+      for (const std::string_view word : lines[row].words) {
+        const std::optional<double> number = ParseNumber(word);
+        if (!number) return fail(row, "four numbers");
+        numbers.push_back(*number);
+      }
+      if (lines[row].words.size() != 4) return fail(row, "four numbers");
+    }
+    poses.push_back({*index, MakePose(RowMajor4x4(numbers.data()))});
+  }
+  return poses;
+}
+
+Result<std::vector<FrameFiles>> PairByNumber(const NamePattern& color, const NamePattern& depth) {
+  const Result<std::vector<NumberedFile>> colors = ListNumberedFiles(color);
+  if (!colors) return Fail(colors.error().message);
+  const Result<std::vector<NumberedFile>> depths = ListNumberedFiles(depth);
+  if (!depths) return Fail(depths.error().message);
+  if (colors->empty() && depths->empty()) {
+    return Fail(color.folder.string() + ": no images " + color.prefix + "N" + color.suffixes[0]);
+  }
+  std::vector<FrameFiles> frames;
+  for (size_t i = 0; i < std::max(colors->size(), depths->size()); ++i) {
+    const bool has_color = i < colors->size();
+    const bool has_depth = i < depths->size();
+    if (!has_color || (has_depth && (*depths)[i].number < (*colors)[i].number)) {
+      return Fail((*depths)[i].path.string() + " has no colour image " + color.prefix + "N" +
+                  color.suffixes[0] + " of its number in " + color.folder.string());
+    }
+    if (!has_depth || (*depths)[i].number != (*colors)[i].number) {
+      return Fail((*colors)[i].path.string() + " has no depth image " + depth.prefix + "N" +
+                  depth.suffixes[0] + " of its number in " + depth.folder.string());
+    }
+    FrameFiles frame;
+    frame.number = (*colors)[i].number;
+    frame.color = (*colors)[i].path;
+    frame.depth = (*depths)[i].path;
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+Result<Result<Pose>> ReadPoseFile(const std::filesystem::path& path) {
+  const Result<std::vector<double>> numbers = ReadNumbers(path, 16);
+  if (!numbers) return Fail(numbers.error().message);
+  return MakePose(RowMajor4x4(numbers->data()));
+}
+
+}  // namespace vismap

@@ -1,0 +1,135 @@
+// SceneNN as its players extract it: image/imageNNNNN.png, depth/depthNNNNN.png (16-bit, mm), both
+// counted from 1, trajectory.log (image k has the pose of index k - 1), intrinsic/asus.ini in the
+// sequence or beside it, and optionally timestamp.txt (lines "k utime").
+#include <map>
+
+#include "datasets/formats.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ini {
+  PinholeCamera camera;
+  double rate = 30;  ///< frames a second
+};
+
+bool LooksLikeSceneNn(const fs::path& folder) {
+  return fs::is_directory(folder / "image") && fs::is_directory(folder / "depth") &&
+         fs::exists(folder / "trajectory.log");
+}
+
+Result<fs::path> FindIni(const fs::path& folder) {
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    if (fs::exists(place / "intrinsic" / "asus.ini")) return place / "intrinsic" / "asus.ini";
+  }
+  return Fail(folder.string() + ": no intrinsic/asus.ini in the folder or beside it");
+}
+
+Result<Ini> ReadIni(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  std::map<std::string_view, double> values;
+  for (const TextLine& line : SplitLines(*text)) {
+    const std::optional<double> number = ParseNumber(line.words.back());
+    if (number) values[line.words.front()] = *number;
+  }
+  for (const char* key : {"depth_width", "depth_height", "fx", "fy", "cx", "cy"}) {
+    if (!values.contains(key)) return Fail(path.string() + ": no line \"" + key + " NUMBER\"");
+  }
+  Ini ini;
+  ini.camera = {static_cast<int>(values["depth_width"]),
+                static_cast<int>(values["depth_height"]),
+                values["fx"],
+                values["fy"],
+                values["cx"],
+                values["cy"]};
+  if (values.contains("depth_fps")) ini.rate = values["depth_fps"];
+  if (!(ini.rate > 0 && ini.rate < 1e4)) {
+    return Fail(path.string() + ": depth_fps is " + std::to_string(ini.rate) +
+                "; expected frames a second");
+  }
+  return ini;
+}
+
+using Timestamps = std::map<int64_t, int64_t>;
+
+Result<Timestamps> ReadTimestamps(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  Timestamps utimes;
+  for (const TextLine& line : SplitLines(*text)) {
+    const auto number = ParseInteger(line.words.front());
+    const auto utime = ParseInteger(line.words.back());
+    if (line.words.size() != 2 || !number || !utime) {
+      return Fail(path.string() + ":" + std::to_string(line.number) +
+                  ": expected \"IMAGE_NUMBER UTIME\"");
+    }
+    utimes[*number] = *utime;
+  }
+  return utimes;
+}
+
+Result<void> SetTimes(const fs::path& folder, double rate, std::vector<FrameFiles>* frames) {
+  const fs::path path = folder / "timestamp.txt";
+  if (!fs::exists(path)) {
+    for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, rate);
+    return {};
+  }
+  const Result<Timestamps> utimes = ReadTimestamps(path);
+  if (!utimes) return Fail(utimes.error().message);
+  for (FrameFiles& frame : *frames) {
+    const auto found = utimes->find(frame.number);
+    if (found == utimes->end()) {
+      return Fail(path.string() + ": no line for image " + std::to_string(frame.number));
+    }
+    frame.utime = found->second;
+  }
+  return {};
+}
+
+Result<void> SetPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
+  const Result<std::vector<LoggedPose>> log = ReadTrajectoryLog(path);
+  if (!log) return Fail(log.error().message);
+  std::map<int64_t, const Result<Pose>*> poses;
+  for (const LoggedPose& pose : *log) {
+    if (!poses.emplace(pose.index, &pose.T_W_C).second) {
+      return Fail(path.string() + ": two poses of index " + std::to_string(pose.index));
+    }
+  }
+  for (FrameFiles& frame : *frames) {
+    const auto found = poses.find(frame.number - 1);
+    frame.T_W_C =
+        found != poses.end()
+            ? *found->second
+            : Fail("trajectory.log has no pose of index " + std::to_string(frame.number - 1));
+  }
+  return {};
+}
+
+Result<SequenceFiles> ListSceneNn(const fs::path& folder) {
+  const Result<fs::path> ini_path = FindIni(folder);
+  if (!ini_path) return Fail(ini_path.error().message);
+  const Result<Ini> ini = ReadIni(*ini_path);
+  if (!ini) return Fail(ini.error().message);
+  Result<std::vector<FrameFiles>> frames = PairByNumber(
+      {folder / "image", "image", {".png", ".jpg"}}, {folder / "depth", "depth", {".png"}});
+  if (!frames) return Fail(frames.error().message);
+  if (const auto set = SetTimes(folder, ini->rate, &*frames); !set)
+    return Fail(set.error().message);
+  if (const auto set = SetPoses(folder / "trajectory.log", &*frames); !set) {
+    return Fail(set.error().message);
+  }
+  return SequenceFiles{.camera = ini->camera,
+                       .color_camera = {},
+                       .depth_unit_m = 0.001,
+                       .frames = std::move(*frames)};
+}
+
+}  // namespace
+
+const DatasetFormat kSceneNnFormat{"scenenn", "image/, depth/ and trajectory.log", LooksLikeSceneNn,
+                                   ListSceneNn};
+
+}  // namespace vismap

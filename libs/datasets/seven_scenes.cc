@@ -1,0 +1,52 @@
+// 7-Scenes: frame-NNNNNN.color.{png,jpg}, .depth.png (16-bit, mm; 65535 and 0 = none), .pose.txt
+// (4x4 camera to world), and optionally camera-intrinsics.txt (3x3). 30 frames a second.
+#include "datasets/formats.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kRate = 30;
+// what the authors of the data set give for its Kinect
+constexpr PinholeCamera kDefaultCamera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
+
+bool LooksLikeSevenScenes(const fs::path& folder) {
+  const auto poses = ListNumberedFiles({folder, "frame-", {".pose.txt"}});
+  const auto depths = ListNumberedFiles({folder, "frame-", {".depth.png"}});
+  return poses && depths && !poses->empty() && !depths->empty();
+}
+
+Result<PinholeCamera> ReadIntrinsics(const fs::path& path) {
+  if (!fs::exists(path)) return kDefaultCamera;
+  const Result<std::vector<double>> k = ReadNumbers(path, 9);
+  if (!k) return Fail(k.error().message);
+  return PinholeCamera{.fx = (*k)[0], .fy = (*k)[4], .cx = (*k)[2], .cy = (*k)[5]};
+}
+
+Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
+  Result<std::vector<FrameFiles>> frames = PairByNumber(
+      {folder, "frame-", {".color.png", ".color.jpg"}}, {folder, "frame-", {".depth.png"}});
+  if (!frames) return Fail(frames.error().message);
+  for (FrameFiles& frame : *frames) {
+    std::string name = frame.depth.filename().string();
+    name.replace(name.size() - std::string_view("depth.png").size(), std::string::npos, "pose.txt");
+    Result<Result<Pose>> pose = ReadPoseFile(folder / name);
+    if (!pose) return Fail(pose.error().message);
+    frame.T_W_C = std::move(*pose);
+    frame.utime = UtimeAtRate(frame.number, kRate);
+  }
+  const Result<PinholeCamera> intrinsics = ReadIntrinsics(folder / "camera-intrinsics.txt");
+  if (!intrinsics) return Fail(intrinsics.error().message);
+  const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, *frames);
+  if (!camera) return Fail(camera.error().message);
+  return SequenceFiles{
+      .camera = *camera, .color_camera = {}, .depth_unit_m = 0.001, .frames = std::move(*frames)};
+}
+
+}  // namespace
+
+const DatasetFormat kSevenScenesFormat{"7scenes", "frame-N.depth.png and frame-N.pose.txt",
+                                       LooksLikeSevenScenes, ListSevenScenes};
+
+}  // namespace vismap
