@@ -1,0 +1,158 @@
+#include "freespace/coarsen.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace vismap {
+namespace {
+
+/// The part of a block's eight voxels along one axis that lies in one cell.
+struct Overlap {
+  int cell = 0;   ///< 0..7 in the coarse block
+  int begin = 0;  ///< first voxel, 0..7
+  int count = 0;
+  uint64_t mask = 0;  ///< the voxels, as bits 0..7
+  uint64_t rows = 0;  ///< the same for rows of a layer: eight bits for each
+};
+
+/// The cells that block `position` (0..factor-1) of a coarse block touches along one axis. A block
+/// need not hold a whole number of cells, nor a cell of blocks.
+struct Overlaps {
+  std::array<Overlap, kBlockSide> items;
+  size_t size = 0;
+  const Overlap* begin() const { return items.data(); }
+  const Overlap* end() const { return items.data() + size; }
+};
+
+Overlaps OverlapsAt(int position, int factor) {
+  Overlaps overlaps;
+  for (int voxel = 0; voxel < kBlockSide; ++voxel) {
+    const int cell = (kBlockSide * position + voxel) / factor;
+    if (overlaps.size == 0 || overlaps.items[overlaps.size - 1].cell != cell) {
+      overlaps.items[overlaps.size++] = {cell, voxel, 0, 0, 0};
+    }
+    Overlap& last = overlaps.items[overlaps.size - 1];
+    ++last.count;
+    last.mask |= uint64_t{1} << voxel;
+    last.rows |= uint64_t{0xff} << (8 * voxel);
+  }
+  return overlaps;
+}
+
+constexpr uint64_t kEveryRow = 0x0101010101010101ull;
+
+struct Counters {
+  std::array<uint32_t, kBlockVoxels> free{};
+  std::array<uint32_t, kBlockVoxels> occupied{};
+};
+
+size_t CellOffset(const Overlap& x, const Overlap& y, const Overlap& z) {
+  return static_cast<size_t>(LinearIndex(x.cell, y.cell, z.cell));
+}
+
+void AddUniform(const Overlaps& xs, const Overlaps& ys, const Overlaps& zs,
+                std::array<uint32_t, kBlockVoxels>* count) {
+  for (const Overlap& z : zs) {
+    for (const Overlap& y : ys) {
+      for (const Overlap& x : xs) {
+        (*count)[CellOffset(x, y, z)] += static_cast<uint32_t>(x.count * y.count * z.count);
+      }
+    }
+  }
+}
+
+void AddPlane(const std::array<uint64_t, 8>& plane, const Overlaps& xs, const Overlaps& ys,
+              const Overlaps& zs, std::array<uint32_t, kBlockVoxels>* count) {
+  for (const Overlap& z : zs) {
+    for (int layer = z.begin; layer < z.begin + z.count; ++layer) {
+      const uint64_t slab = plane[static_cast<size_t>(layer)];
+      if (slab == 0) continue;
+      for (const Overlap& y : ys) {
+        for (const Overlap& x : xs) {
+          const uint64_t voxels = slab & y.rows & (x.mask * kEveryRow);
+          (*count)[CellOffset(x, y, z)] += static_cast<uint32_t>(std::popcount(voxels));
+        }
+      }
+    }
+  }
+}
+
+BlockOccupancy Decide(const Counters& counters, const CoarsenOptions& options) {
+  const double voxels = std::pow(options.factor, 3);
+  const auto enough = static_cast<uint32_t>(std::ceil(options.free_fraction * voxels - 1e-9));
+  OccupancyPlanes planes;
+  for (size_t i = 0; i < kBlockVoxels; ++i) {
+    const bool occupied = counters.occupied[i] > 0;
+    const bool free = !occupied && counters.free[i] >= enough;
+    planes.occupied[i / 64] |= uint64_t{occupied} << (i % 64);
+    planes.free[i / 64] |= uint64_t{free} << (i % 64);
+  }
+  return BlockOccupancy(planes);
+}
+
+int32_t FloorDivide(int32_t a, int32_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+BlockIndex CoarseIndex(BlockIndex fine, int factor) {
+  return {FloorDivide(fine.x, factor), FloorDivide(fine.y, factor), FloorDivide(fine.z, factor)};
+}
+
+}  // namespace
+
+BlockOccupancy CoarsenBlock(const OccupancyMap& fine, BlockIndex index,
+                            const CoarsenOptions& options) {
+  const int n = options.factor;
+  Require(n >= 1 && n <= 64, "a cell has 1 to 64 voxels along its edge");
+  std::vector<Overlaps> overlaps;
+  for (int position = 0; position < n; ++position) overlaps.push_back(OverlapsAt(position, n));
+  Counters counters;
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        const BlockOccupancy& block =
+            fine.At(BlockIndex{index.x * n + x, index.y * n + y, index.z * n + z});
+        if (block.is(CellState::kUnknown)) continue;
+        const Overlaps& xs = overlaps[static_cast<size_t>(x)];
+        const Overlaps& ys = overlaps[static_cast<size_t>(y)];
+        const Overlaps& zs = overlaps[static_cast<size_t>(z)];
+        if (const OccupancyPlanes* planes = block.mixed()) {
+          AddPlane(planes->free, xs, ys, zs, &counters.free);
+          AddPlane(planes->occupied, xs, ys, zs, &counters.occupied);
+        } else {
+          const bool free = block.uniform_state() == CellState::kFree;
+          AddUniform(xs, ys, zs, free ? &counters.free : &counters.occupied);
+        }
+      }
+    }
+  }
+  return Decide(counters, options);
+}
+
+OccupancyMap Coarsen(const OccupancyMap& fine, const CoarsenOptions& options) {
+  OccupancyMap coarse(fine.cell_size() * options.factor);
+  UpdateCoarse(fine, fine.SortedIndices(), options, &coarse);
+  return coarse;
+}
+
+OccupancyDelta UpdateCoarse(const OccupancyMap& fine, std::span<const BlockIndex> changed,
+                            const CoarsenOptions& options, OccupancyMap* coarse) {
+  std::vector<BlockIndex> indices;
+  for (const BlockIndex& index : changed) {
+    const BlockIndex parent = CoarseIndex(index, options.factor);
+    if (indices.empty() || indices.back() != parent) indices.push_back(parent);
+  }
+  std::sort(indices.begin(), indices.end());
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+  std::vector<BlockOccupancy> now(indices.size());
+  ParallelFor(indices.size(), 8,
+              [&](size_t i) { now[i] = CoarsenBlock(fine, indices[i], options); });
+  OccupancyDelta delta{coarse->cell_size(), false, {}};
+  for (size_t i = 0; i < indices.size(); ++i) {
+    if (coarse->Set(indices[i], now[i])) delta.blocks.emplace_back(indices[i], now[i]);
+  }
+  return delta;
+}
+
+}  // namespace vismap

@@ -1,0 +1,189 @@
+#include "freespace/occupancy_codec.h"
+
+#include <zstd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include "base/require.h"
+
+namespace vismap {
+namespace {
+
+// Before compression, little endian: version u8, complete u8, voxel size f64, block count u32;
+// then per block its index (i32 x 3, as differences to the block before), then per block its kind
+// (u8), then the planes of the mixed blocks. Like beside like compresses best.
+static_assert(std::endian::native == std::endian::little);
+constexpr uint8_t kVersion = 1;
+constexpr uint8_t kMixed = 3;
+constexpr size_t kHeaderBytes = 14;
+constexpr size_t kBytesPerBlock = 13;
+constexpr int32_t kMaxIndex = 1 << 27;  // so that voxel indices fit 31 bits
+constexpr int kZstdLevel = 1;
+
+template <typename T>
+void Put(const T& value, std::vector<uint8_t>* out) {
+  const auto* bytes = reinterpret_cast<const uint8_t*>(&value);
+  out->insert(out->end(), bytes, bytes + sizeof(T));
+}
+
+/// Reads values one after another; the caller has checked that they are there.
+class Cursor {
+ public:
+  explicit Cursor(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+  size_t left() const { return bytes_.size() - at_; }
+  template <typename T>
+  T Take() {
+    Require(left() >= sizeof(T), "the size was checked before reading");
+    T value;
+    std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+    at_ += sizeof(T);
+    return value;
+  }
+
+ private:
+  std::span<const uint8_t> bytes_;
+  size_t at_ = 0;
+};
+
+std::vector<uint8_t> Compress(const std::vector<uint8_t>& raw) {
+  std::vector<uint8_t> packed(ZSTD_compressBound(raw.size()));
+  const size_t size =
+      ZSTD_compress(packed.data(), packed.size(), raw.data(), raw.size(), kZstdLevel);
+  Require(!ZSTD_isError(size), "zstd compresses into a buffer of its own bound");
+  packed.resize(size);
+  return packed;
+}
+
+/// Grows with what is really there, not with what a header claims.
+Result<std::vector<uint8_t>> Decompress(std::span<const uint8_t> packed, size_t max_bytes) {
+  const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
+                                                                          &ZSTD_freeDStream);
+  Require(stream != nullptr, "zstd has memory for a stream");
+  ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax, 27);
+  std::vector<uint8_t> raw;
+  std::vector<uint8_t> chunk(ZSTD_DStreamOutSize());
+  ZSTD_inBuffer in{packed.data(), packed.size(), 0};
+  size_t hint = 1;
+  while (hint != 0) {
+    ZSTD_outBuffer out{chunk.data(), chunk.size(), 0};
+    hint = ZSTD_decompressStream(stream.get(), &out, &in);
+    if (ZSTD_isError(hint)) {
+      return Fail(std::string("occupancy delta: zstd says ") + ZSTD_getErrorName(hint));
+    }
+    if (raw.size() + out.pos > max_bytes) {
+      return Fail("occupancy delta: expected at most " + std::to_string(max_bytes) +
+                  " bytes, found more");
+    }
+    raw.insert(raw.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(out.pos));
+    if (hint != 0 && in.pos == in.size && out.pos < chunk.size()) {
+      return Fail("occupancy delta: the compressed data end early");
+    }
+  }
+  if (in.pos != in.size) return Fail("occupancy delta: bytes are left after the compressed data");
+  return raw;
+}
+
+bool InRange(BlockIndex index) {
+  const auto fits = [](int32_t i) { return i > -kMaxIndex && i < kMaxIndex; };
+  return fits(index.x) && fits(index.y) && fits(index.z);
+}
+
+/// Wraps instead of overflowing: the bytes may say anything.
+int32_t Sum(int32_t a, int32_t b) {
+  return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
+}
+
+Result<std::vector<BlockIndex>> TakeIndices(size_t count, Cursor* cursor) {
+  std::vector<BlockIndex> indices;
+  indices.reserve(count);
+  BlockIndex last{};
+  for (size_t i = 0; i < count; ++i) {
+    const auto step = cursor->Take<BlockIndex>();
+    const BlockIndex index{Sum(last.x, step.x), Sum(last.y, step.y), Sum(last.z, step.z)};
+    if (!InRange(index)) return Fail("occupancy delta: a block lies outside the grid");
+    if (i > 0 && !(last < index)) return Fail("occupancy delta: blocks are not in order");
+    indices.push_back(index);
+    last = index;
+  }
+  return indices;
+}
+
+Result<BlockOccupancy> TakeOccupancy(uint8_t kind, Cursor* planes_cursor) {
+  if (kind < kMixed) return BlockOccupancy(static_cast<CellState>(kind));
+  if (kind > kMixed) return Fail("occupancy delta: unknown kind of block");
+  if (planes_cursor->left() < sizeof(OccupancyPlanes)) {
+    return Fail("occupancy delta: planes are missing");
+  }
+  const auto planes = planes_cursor->Take<OccupancyPlanes>();
+  for (size_t i = 0; i < planes.free.size(); ++i) {
+    if ((planes.free[i] & planes.occupied[i]) != 0) {
+      return Fail("occupancy delta: a voxel is free and occupied");
+    }
+  }
+  BlockOccupancy occupancy(planes);
+  if (occupancy.is_uniform()) return Fail("occupancy delta: a uniform block has planes");
+  return occupancy;
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodeOccupancyDelta(const OccupancyDelta& delta) {
+  std::vector<uint8_t> raw;
+  raw.reserve(kHeaderBytes + delta.blocks.size() * (kBytesPerBlock + sizeof(OccupancyPlanes)));
+  Put(kVersion, &raw);
+  Put(static_cast<uint8_t>(delta.complete), &raw);
+  Put(delta.voxel_size, &raw);
+  Put(static_cast<uint32_t>(delta.blocks.size()), &raw);
+  BlockIndex last{};
+  for (const auto& [index, occupancy] : delta.blocks) {
+    Put(BlockIndex{index.x - last.x, index.y - last.y, index.z - last.z}, &raw);
+    last = index;
+  }
+  for (const auto& [index, occupancy] : delta.blocks) {
+    Put(occupancy.is_uniform() ? static_cast<uint8_t>(occupancy.uniform_state()) : kMixed, &raw);
+  }
+  for (const auto& [index, occupancy] : delta.blocks) {
+    if (occupancy.mixed() != nullptr) Put(*occupancy.mixed(), &raw);
+  }
+  return Compress(raw);
+}
+
+Result<OccupancyDelta> DecodeOccupancyDelta(std::span<const uint8_t> bytes,
+                                            size_t max_decoded_bytes) {
+  const Result<std::vector<uint8_t>> raw = Decompress(bytes, max_decoded_bytes);
+  if (!raw) return tl::unexpected(raw.error());
+  if (raw->size() < kHeaderBytes) return Fail("occupancy delta: too short for its header");
+  Cursor cursor(*raw);
+  const auto version = cursor.Take<uint8_t>();
+  if (version != kVersion) {
+    return Fail("occupancy delta: expected version " + std::to_string(kVersion) + ", found " +
+                std::to_string(version));
+  }
+  const auto complete = cursor.Take<uint8_t>();
+  if (complete > 1) return Fail("occupancy delta: 'complete' is neither 0 nor 1");
+  OccupancyDelta delta{cursor.Take<double>(), complete == 1, {}};
+  if (!(delta.voxel_size > 1e-4 && delta.voxel_size < 1e3)) {
+    return Fail("occupancy delta: the voxel size is not a plausible length");
+  }
+  const size_t count = cursor.Take<uint32_t>();
+  if (cursor.left() / kBytesPerBlock < count) return Fail("occupancy delta: blocks are missing");
+  const Result<std::vector<BlockIndex>> indices = TakeIndices(count, &cursor);
+  if (!indices) return tl::unexpected(indices.error());
+  const std::span<const uint8_t> all(*raw);
+  Cursor planes_cursor(all.subspan(kHeaderBytes + count * kBytesPerBlock));
+  delta.blocks.reserve(count);
+  for (const BlockIndex& index : *indices) {
+    Result<BlockOccupancy> occupancy = TakeOccupancy(cursor.Take<uint8_t>(), &planes_cursor);
+    if (!occupancy) return tl::unexpected(occupancy.error());
+    delta.blocks.emplace_back(index, std::move(*occupancy));
+  }
+  if (planes_cursor.left() != 0) return Fail("occupancy delta: bytes are left at the end");
+  return delta;
+}
+
+}  // namespace vismap

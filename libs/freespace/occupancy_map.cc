@@ -1,0 +1,187 @@
+#include "freespace/occupancy_map.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include "base/digest.h"
+#include "base/parallel.h"
+
+namespace vismap {
+namespace {
+
+const BlockOccupancy kUnknownBlock;
+
+/// Hash of one block's place and content; `salt` makes the two halves of the digest independent.
+uint64_t HashOf(BlockIndex index, const BlockOccupancy& occupancy, uint32_t salt) {
+  struct {
+    uint32_t salt;
+    BlockIndex index;
+    uint64_t state;
+    OccupancyPlanes planes;
+  } content{salt, index, 0, {}};
+  static_assert(sizeof(content) == 4 + 12 + 8 + 128, "no padding: all bytes are hashed");
+  size_t size = sizeof(content) - sizeof(OccupancyPlanes);
+  content.state = static_cast<uint64_t>(occupancy.uniform_state());
+  if (const OccupancyPlanes* planes = occupancy.mixed()) {
+    content.state = 3;
+    content.planes = *planes;
+    size = sizeof(content);
+  }
+  return Checksum64({reinterpret_cast<const uint8_t*>(&content), size});
+}
+
+/// Range of set bits of an OR of words, as [first, last + 1).
+std::pair<int, int> BitRange(uint64_t bits) {
+  return {std::countr_zero(bits), 64 - std::countl_zero(bits)};
+}
+
+/// Box of the known cells within a block, in 0..8.
+CellBox KnownInBlock(const BlockOccupancy& occupancy) {
+  if (occupancy.is_uniform()) return {{0, 0, 0}, {8, 8, 8}};
+  uint64_t layers = 0;
+  uint64_t slab = 0;
+  for (size_t z = 0; z < 8; ++z) {
+    const uint64_t known = occupancy.mixed()->free[z] | occupancy.mixed()->occupied[z];
+    if (known != 0) layers |= uint64_t{1} << z;
+    slab |= known;
+  }
+  uint64_t rows = 0;
+  uint64_t columns = 0;
+  for (int y = 0; y < 8; ++y) {
+    const uint64_t row = (slab >> (8 * y)) & 0xff;
+    if (row != 0) rows |= uint64_t{1} << y;
+    columns |= row;
+  }
+  const auto [x0, x1] = BitRange(columns);
+  const auto [y0, y1] = BitRange(rows);
+  const auto [z0, z1] = BitRange(layers);
+  return {{x0, y0, z0}, {x1, y1, z1}};
+}
+
+std::vector<BlockIndex> SortedUnique(std::span<const BlockIndex> indices) {
+  std::vector<BlockIndex> sorted(indices.begin(), indices.end());
+  if (!std::is_sorted(sorted.begin(), sorted.end())) std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  return sorted;
+}
+
+}  // namespace
+
+std::vector<BlockIndex> OccupancyMap::SortedIndices() const {
+  std::vector<BlockIndex> indices;
+  indices.reserve(blocks_.size());
+  for (const auto& entry : blocks_) indices.push_back(entry.first);
+  std::sort(indices.begin(), indices.end());
+  return indices;
+}
+
+const BlockOccupancy& OccupancyMap::At(BlockIndex index) const {
+  const auto found = blocks_.find(index);
+  return found == blocks_.end() ? kUnknownBlock : found->second;
+}
+
+CellState OccupancyMap::At(const Eigen::Vector3d& p_W) const {
+  const Eigen::Vector3d cell = (p_W / cell_size_).array().floor();
+  if (!(cell.cwiseAbs().maxCoeff() < 1e9)) return CellState::kUnknown;
+  return At(VoxelIndex{static_cast<int32_t>(cell.x()), static_cast<int32_t>(cell.y()),
+                       static_cast<int32_t>(cell.z())});
+}
+
+void OccupancyMap::Toggle(BlockIndex index, const BlockOccupancy& occupancy, bool add) {
+  for (uint32_t half = 0; half < 2; ++half) {
+    const uint64_t hash = HashOf(index, occupancy, half);
+    digest_[half] += add ? hash : 0 - hash;
+  }
+}
+
+bool OccupancyMap::Set(BlockIndex index, const BlockOccupancy& occupancy) {
+  const auto found = blocks_.find(index);
+  if (found != blocks_.end()) {
+    if (found->second == occupancy) return false;
+    Toggle(index, found->second, false);
+    if (occupancy.is(CellState::kUnknown)) {
+      blocks_.erase(found);
+      return true;
+    }
+    found.value() = occupancy;
+  } else {
+    if (occupancy.is(CellState::kUnknown)) return false;
+    blocks_.emplace(index, occupancy);
+  }
+  Toggle(index, occupancy, true);
+  return true;
+}
+
+OccupancyDelta OccupancyMap::Update(const SemanticMap& map, std::span<const BlockIndex> changed,
+                                    const OccupancyOptions& options) {
+  Require(map.voxels.voxel_size() == cell_size_, "occupancy and map have one voxel size");
+  const std::vector<BlockIndex> indices = SortedUnique(changed);
+  std::vector<BlockOccupancy> now(indices.size());
+  ParallelFor(indices.size(), 64, [&](size_t i) {
+    if (const Block* block = map.voxels.Find(indices[i])) {
+      now[i] = ClassifyBlock(*block, map.voxels.options(), options);
+    }
+  });
+  OccupancyDelta delta{cell_size_, false, {}};
+  for (size_t i = 0; i < indices.size(); ++i) {
+    if (Set(indices[i], now[i])) delta.blocks.emplace_back(indices[i], now[i]);
+  }
+  return delta;
+}
+
+Result<void> OccupancyMap::Apply(const OccupancyDelta& delta) {
+  if (delta.complete) {
+    *this = OccupancyMap(delta.voxel_size);
+  } else if (delta.voxel_size != cell_size_) {
+    return Fail("occupancy delta: expected voxels of " + std::to_string(cell_size_) +
+                " m as in the map so far, found " + std::to_string(delta.voxel_size) + " m");
+  }
+  for (const auto& [index, occupancy] : delta.blocks) Set(index, occupancy);
+  return {};
+}
+
+OccupancyDelta OccupancyMap::Snapshot() const {
+  OccupancyDelta delta{cell_size_, true, {}};
+  delta.blocks.reserve(blocks_.size());
+  for (const BlockIndex& index : SortedIndices()) delta.blocks.emplace_back(index, At(index));
+  return delta;
+}
+
+std::string OccupancyMap::Digest() const {
+  vismap::Digest digest;
+  digest.Add(cell_size_);
+  digest.Add(static_cast<uint64_t>(blocks_.size()));
+  digest.Add(digest_[0]);
+  digest.Add(digest_[1]);
+  return digest.Hex();
+}
+
+std::optional<CellBox> OccupancyMap::KnownCells() const {
+  if (blocks_.empty()) return std::nullopt;
+  constexpr int32_t kMin = std::numeric_limits<int32_t>::min();
+  constexpr int32_t kMax = std::numeric_limits<int32_t>::max();
+  CellBox box{{kMax, kMax, kMax}, {kMin, kMin, kMin}};
+  for (const auto& [index, occupancy] : blocks_) {
+    const CellBox local = KnownInBlock(occupancy);
+    const auto grow = [](int32_t block, int32_t low, int32_t high, int32_t* min, int32_t* max) {
+      *min = std::min(*min, kBlockSide * block + low);
+      *max = std::max(*max, kBlockSide * block + high);
+    };
+    grow(index.x, local.min.x, local.max.x, &box.min.x, &box.max.x);
+    grow(index.y, local.min.y, local.max.y, &box.min.y, &box.max.y);
+    grow(index.z, local.min.z, local.max.z, &box.min.z, &box.max.z);
+  }
+  return box;
+}
+
+OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options) {
+  OccupancyMap occupancy(map.voxels.voxel_size());
+  occupancy.Update(map, map.voxels.SortedIndices(), options);
+  return occupancy;
+}
+
+}  // namespace vismap

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <tsl/robin_map.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/result.h"
+#include "freespace/occupancy.h"
+#include "mapping/semantic_map.h"
+
+namespace vismap {
+
+/// What changed in an OccupancyMap, or all of it.
+struct OccupancyDelta {
+  double voxel_size = 0;  ///< [m]
+  bool complete = false;  ///< blocks that are not listed are unknown
+  /// Ascending by index; uniform unknown = nothing is known of the block any more.
+  std::vector<std::pair<BlockIndex, BlockOccupancy>> blocks;
+  friend bool operator==(const OccupancyDelta&, const OccupancyDelta&) = default;
+};
+
+/// Cells min <= cell < max along each axis.
+struct CellBox {
+  VoxelIndex min, max;
+  friend bool operator==(const CellBox&, const CellBox&) = default;
+};
+
+/// Occupancy of the whole map, by blocks of 8x8x8 cells. A cell is a voxel of the map, or a larger
+/// cube where a coarser map was made of it. Kept up to date by deltas: from a SemanticMap in the
+/// same process, or from another process.
+class OccupancyMap {
+ public:
+  using Table = tsl::robin_map<BlockIndex, BlockOccupancy, BlockIndexHash>;
+
+  /// `cell_size` [m].
+  explicit OccupancyMap(double cell_size) : cell_size_(cell_size) {}
+
+  double cell_size() const { return cell_size_; }
+  size_t size() const { return blocks_.size(); }  ///< blocks of which anything is known
+  const Table& table() const { return blocks_; }  ///< unordered: sort before an output
+  std::vector<BlockIndex> SortedIndices() const;
+
+  const BlockOccupancy& At(BlockIndex index) const;
+  CellState At(VoxelIndex cell) const { return At(BlockOf(cell)).At(OffsetInBlock(cell)); }
+  /// The cell that contains a point [m].
+  CellState At(const Eigen::Vector3d& p_W) const;
+
+  /// Returns whether the block was different before.
+  bool Set(BlockIndex index, const BlockOccupancy& occupancy);
+
+  /// Classifies the given blocks of the map again and returns those that turned out different.
+  /// Throws when the voxel sizes differ.
+  OccupancyDelta Update(const SemanticMap& map, std::span<const BlockIndex> changed,
+                        const OccupancyOptions& options);
+
+  /// Takes over a delta made by another OccupancyMap. Fails when it is of another voxel size,
+  /// unless it is complete.
+  Result<void> Apply(const OccupancyDelta& delta);
+
+  /// All blocks, as a complete delta.
+  OccupancyDelta Snapshot() const;
+
+  /// 32 hexadecimal digits: equal for equal content, whatever way it came about. Constant time.
+  std::string Digest() const;
+
+  /// The smallest box around all cells that are not unknown; nullopt when there are none.
+  std::optional<CellBox> KnownCells() const;
+
+ private:
+  void Toggle(BlockIndex index, const BlockOccupancy& occupancy, bool add);
+
+  double cell_size_;
+  Table blocks_;
+  std::array<uint64_t, 2> digest_{};  ///< sums over the blocks' hashes, so that order cannot matter
+};
+
+/// The occupancy of all of a map.
+OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options);
+
+}  // namespace vismap

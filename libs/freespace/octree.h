@@ -1,0 +1,103 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "freespace/occupancy_map.h"
+
+namespace vismap {
+
+/// What becomes of space that the map knows nothing of. FCL, and planners on top of it, take an
+/// absent node for free.
+enum class UnknownPolicy : uint8_t {
+  kAbsent = 0,    ///< no node: honest
+  kOccupied = 1,  ///< occupied, inside the bounds of the tree: what a collision checker needs
+};
+
+struct OctreeOptions {
+  /// Edge of a leaf [m]: a whole multiple, 2 to 64, of the voxel size. 0 = the smallest such
+  /// multiple of at least 5 cm.
+  double resolution = 0;
+  UnknownPolicy unknown = UnknownPolicy::kAbsent;
+  double free_fraction = 1.0;  ///< part of a leaf's voxels that must be free, (0, 1]
+  /// Only leaves within this box [m]; nothing = the box around all that is known.
+  std::optional<Eigen::AlignedBox3d> bounds_W;
+};
+
+/// A whole OctoMap file, text header included, and what it is.
+struct OctreeBytes {
+  std::vector<uint8_t> bytes;
+  double resolution = 0;  ///< edge of a leaf [m]
+  int64_t nodes = 0;      ///< inner nodes and leaves; 0 = empty tree
+  UnknownPolicy unknown = UnknownPolicy::kAbsent;
+  Eigen::AlignedBox3d bounds_W;  ///< the region that the tree speaks about [m]; empty = none
+};
+
+/// Edge of a leaf, and how many voxels that is.
+struct OctreeGrid {
+  int factor = 0;
+  double resolution = 0;  ///< [m]
+};
+
+/// Resolves OctreeOptions::resolution. Fails, naming the nearest one possible, when it is not a
+/// whole multiple of the voxel size.
+Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
+
+/// The map as an OctoMap `.bt` stream. A leaf is occupied when any of its voxels is, free when
+/// enough of them are free and none is occupied, and else unknown. Fails on a resolution that does
+/// not fit, or a map too large for OctoMap's 65536 leaves along an axis.
+Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
+
+/// The same from a map that already has cells of the leaf size (see coarsen.h).
+Result<OctreeBytes> EncodeOctree(const OccupancyMap& leaves, double resolution,
+                                 UnknownPolicy unknown,
+                                 const std::optional<Eigen::AlignedBox3d>& bounds_W);
+
+/// The same tree as an `.ot` stream, for readers that cannot take `.bt`: five bytes per node.
+Result<std::vector<uint8_t>> ConvertToOt(const OctreeBytes& octree);
+
+/// Writes the stream to a file, all or nothing; the directory must exist.
+Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree);
+
+/// An octree read from a `.bt` or `.ot` stream.
+class Octree {
+ public:
+  struct Leaf {
+    Eigen::Vector3d min_W;  ///< lower corner [m]
+    double size = 0;        ///< edge [m]
+    CellState state = CellState::kUnknown;
+  };
+
+  /// Checks every byte before OctoMap sees it: header, depth, node count, nothing missing, nothing
+  /// left over. `name` stands in the error.
+  static Result<Octree> Parse(std::span<const uint8_t> bytes, const std::string& name);
+
+  Octree(Octree&&) noexcept;
+  Octree& operator=(Octree&&) noexcept;
+  ~Octree();
+
+  double resolution() const;
+  int64_t nodes() const;
+  CellState At(const Eigen::Vector3d& p_W) const;
+  /// All free and occupied leaves, pruned as stored, in OctoMap's order.
+  std::vector<Leaf> Leaves() const;
+  /// The tree as an `.ot` stream.
+  std::vector<uint8_t> EncodeOt() const;
+
+ private:
+  struct Impl;
+  explicit Octree(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+Result<Octree> ReadOctree(const std::filesystem::path& path);
+
+}  // namespace vismap

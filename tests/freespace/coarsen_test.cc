@@ -1,0 +1,98 @@
+#include "freespace/coarsen.h"
+
+#include <gtest/gtest.h>
+
+#include "freespace/random_occupancy.h"
+
+namespace vismap {
+namespace {
+
+using testing_support::Random;
+using testing_support::RandomBlock;
+using testing_support::RandomOccupancy;
+
+/// The rule, cell by cell and voxel by voxel.
+CellState NaiveCell(const OccupancyMap& fine, VoxelIndex cell, const CoarsenOptions& options) {
+  const int n = options.factor;
+  int free = 0;
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        const CellState state = fine.At(VoxelIndex{cell.x * n + x, cell.y * n + y, cell.z * n + z});
+        if (state == CellState::kOccupied) return CellState::kOccupied;
+        free += state == CellState::kFree;
+      }
+    }
+  }
+  return free >= options.free_fraction * n * n * n - 1e-6 ? CellState::kFree : CellState::kUnknown;
+}
+
+/// Blocks of whole rooms of free space with a few mixed ones, as maps are; random ones hardly ever
+/// have a cell that is free.
+OccupancyMap MostlyFree(uint64_t seed) {
+  Random random(seed);
+  OccupancyMap map(0.01);
+  for (int z = -3; z < 4; ++z) {
+    for (int y = -5; y < 4; ++y) {
+      for (int x = -4; x < 6; ++x) {
+        const int kind = random.Below(12);
+        if (kind == 0) continue;
+        OccupancyPlanes planes = BlockOccupancy(CellState::kFree).Planes();
+        if (kind == 1) planes.occupied[3] = uint64_t{1} << random.Below(64);
+        if (kind == 2) planes.free[5] = random.Next();
+        if (kind == 1) planes.free[3] &= ~planes.occupied[3];
+        map.Set({x, y, z}, kind == 3 ? RandomBlock(&random) : BlockOccupancy(planes));
+      }
+    }
+  }
+  return map;
+}
+
+TEST(Coarsen, EqualsTheNaiveRuleForEveryFactor) {
+  const OccupancyMap fine = MostlyFree(5);
+  for (const CoarsenOptions options :
+       {CoarsenOptions{1, 1.0}, CoarsenOptions{2, 1.0}, CoarsenOptions{3, 1.0},
+        CoarsenOptions{5, 1.0}, CoarsenOptions{5, 0.9}, CoarsenOptions{8, 0.5},
+        CoarsenOptions{11, 1.0}, CoarsenOptions{16, 0.7}}) {
+    const OccupancyMap coarse = Coarsen(fine, options);
+    const int reach = 60 / options.factor;
+    std::array<int, 3> seen{};
+    for (int z = -reach; z < reach; ++z) {
+      for (int y = -reach; y < reach; ++y) {
+        for (int x = -reach; x < reach; ++x) {
+          const CellState expected = NaiveCell(fine, {x, y, z}, options);
+          ASSERT_EQ(coarse.At(VoxelIndex{x, y, z}), expected)
+              << "factor " << options.factor << " at " << x << " " << y << " " << z;
+          ++seen[static_cast<size_t>(expected)];
+        }
+      }
+    }
+    EXPECT_GT(seen[0], 0);
+    EXPECT_GT(seen[1], 0);
+    EXPECT_GT(seen[2], 0);
+  }
+}
+
+TEST(Coarsen, IncrementalEqualsFull) {
+  OccupancyMap fine = MostlyFree(6);
+  const CoarsenOptions options{5, 1.0};
+  OccupancyMap coarse = Coarsen(fine, options);
+  OccupancyMap follower(coarse.cell_size());
+  ASSERT_TRUE(follower.Apply(coarse.Snapshot()));
+  Random random(7);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<BlockIndex> changed;
+    for (int i = 0; i < 5; ++i) {
+      changed.push_back({random.Below(14) - 7, random.Below(14) - 7, random.Below(9) - 4});
+      fine.Set(changed.back(),
+               random.Below(3) == 0 ? BlockOccupancy(CellState::kUnknown) : RandomBlock(&random));
+    }
+    const OccupancyDelta delta = UpdateCoarse(fine, changed, options, &coarse);
+    ASSERT_EQ(coarse.Digest(), Coarsen(fine, options).Digest());
+    ASSERT_TRUE(follower.Apply(delta));
+    ASSERT_EQ(follower.Digest(), coarse.Digest());
+  }
+}
+
+}  // namespace
+}  // namespace vismap

@@ -1,0 +1,285 @@
+#include "freespace/octree.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <octomap/octomap.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "base/file.h"
+#include "freespace/coarsen.h"
+#include "freespace/random_occupancy.h"
+#include "support/analytic_map.h"
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+using testing_support::Random;
+using testing_support::RandomOccupancy;
+
+/// The same tree the slow way: every cell set in OctoMap, then its own pruning and writer.
+std::string OctomapBytes(const OccupancyMap& leaves, double resolution, UnknownPolicy unknown,
+                         const CellBox& box) {
+  octomap::OcTree tree(resolution);
+  for (int z = box.min.z; z < box.max.z; ++z) {
+    for (int y = box.min.y; y < box.max.y; ++y) {
+      for (int x = box.min.x; x < box.max.x; ++x) {
+        CellState state = leaves.At(VoxelIndex{x, y, z});
+        if (state == CellState::kUnknown) {
+          if (unknown == UnknownPolicy::kAbsent) continue;
+          state = CellState::kOccupied;
+        }
+        const octomap::OcTreeKey key(static_cast<octomap::key_type>(x + 32768),
+                                     static_cast<octomap::key_type>(y + 32768),
+                                     static_cast<octomap::key_type>(z + 32768));
+        tree.setNodeValue(key, state == CellState::kOccupied ? 3.5F : -2.0F, true);
+      }
+    }
+  }
+  tree.updateInnerOccupancy();
+  tree.prune();
+  std::ostringstream bytes;
+  tree.writeBinary(bytes);
+  return bytes.str();
+}
+
+std::string Text(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+
+TEST(EncodeOctree, BytesAreThoseOfOctomap) {
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    const OccupancyMap leaves = RandomOccupancy(seed, 10 + 20 * static_cast<int>(seed));
+    for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
+      const Result<OctreeBytes> octree = EncodeOctree(leaves, 0.05, unknown, std::nullopt);
+      ASSERT_TRUE(octree);
+      ASSERT_EQ(Text(octree->bytes), OctomapBytes(leaves, 0.05, unknown, *leaves.KnownCells()));
+    }
+  }
+}
+
+TEST(EncodeOctree, BoundsCutTheTreeAndAreClosedWhollyEvenBeyondTheMap) {
+  const OccupancyMap leaves = RandomOccupancy(77, 120);
+  const Eigen::AlignedBox3d bounds_W(Eigen::Vector3d(-0.55, -3.0, -0.2),
+                                     Eigen::Vector3d(2.35, 0.4, 0.15));
+  const CellBox box{{-11, -60, -4}, {47, 8, 3}};
+  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
+    const Result<OctreeBytes> octree = EncodeOctree(leaves, 0.05, unknown, bounds_W);
+    ASSERT_TRUE(octree);
+    EXPECT_EQ(Text(octree->bytes), OctomapBytes(leaves, 0.05, unknown, box));
+    EXPECT_TRUE(octree->bounds_W.isApprox(bounds_W, 1e-9));
+  }
+}
+
+TEST(EncodeOctree, ReadBackGivesEveryCellAgain) {
+  const OccupancyMap leaves = RandomOccupancy(21, 150);
+  const Result<OctreeBytes> octree =
+      EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);
+  ASSERT_TRUE(octree);
+  const Result<Octree> tree = Octree::Parse(octree->bytes, "tree");
+  ASSERT_TRUE(tree) << tree.error().message;
+  EXPECT_EQ(tree->nodes(), octree->nodes);
+  const Result<std::vector<uint8_t>> full = ConvertToOt(*octree);
+  ASSERT_TRUE(full);
+  const Result<Octree> same = Octree::Parse(*full, "full");
+  ASSERT_TRUE(same) << same.error().message;
+  for (int z = -20; z < 30; ++z) {
+    for (int y = -48; y < 48; ++y) {
+      for (int x = -40; x < 48; ++x) {
+        const Eigen::Vector3d p_W = (Eigen::Vector3d(x, y, z).array() + 0.5) * 0.05;
+        const CellState expected = leaves.At(VoxelIndex{x, y, z});
+        ASSERT_EQ(tree->At(p_W), expected);
+        ASSERT_EQ(same->At(p_W), expected);
+      }
+    }
+  }
+}
+
+TEST(EncodeOctree, EmptyMapIsAnEmptyTree) {
+  const Result<OctreeBytes> octree =
+      EncodeOctree(OccupancyMap(0.05), 0.05, UnknownPolicy::kOccupied, std::nullopt);
+  ASSERT_TRUE(octree);
+  EXPECT_EQ(octree->nodes, 0);
+  EXPECT_TRUE(octree->bounds_W.isEmpty());
+  const Result<Octree> tree = Octree::Parse(octree->bytes, "tree");
+  ASSERT_TRUE(tree) << tree.error().message;
+  EXPECT_EQ(tree->At({0, 0, 0}), CellState::kUnknown);
+  EXPECT_TRUE(ConvertToOt(*octree));
+}
+
+TEST(EncodeOctree, HugeUnknownBoxStaysSmall) {
+  OccupancyMap leaves(0.05);
+  leaves.Set({-64, -64, -64}, BlockOccupancy(CellState::kFree));
+  leaves.Set({63, 63, 63}, BlockOccupancy(CellState::kFree));
+  const Result<OctreeBytes> octree =
+      EncodeOctree(leaves, 0.05, UnknownPolicy::kOccupied, std::nullopt);
+  ASSERT_TRUE(octree);
+  EXPECT_LT(octree->bytes.size(), 1000u) << "a billion cells, all in large nodes";
+  EXPECT_EQ(Octree::Parse(octree->bytes, "tree")->At({0, 0, 0}), CellState::kOccupied);
+}
+
+TEST(EncodeOctree, MapBeyondTheKeySpaceIsRefusedAndItsEdgeIsNot) {
+  OccupancyMap leaves(0.05);
+  leaves.Set({-4096, 0, 4095}, BlockOccupancy(CellState::kOccupied));
+  const Result<OctreeBytes> octree =
+      EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);
+  ASSERT_TRUE(octree);
+  EXPECT_EQ(Octree::Parse(octree->bytes, "tree")->At({-1638.3, 0.1, 1638.3}), CellState::kOccupied);
+  leaves.Set({4096, 0, 0}, BlockOccupancy(CellState::kFree));
+  const auto refused = EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("1638.4 m"));
+}
+
+TEST(ChooseOctreeGrid, TakesWholeMultiplesAndNamesTheNearest) {
+  EXPECT_EQ(ChooseOctreeGrid(0.01, 0)->factor, 5);
+  EXPECT_EQ(ChooseOctreeGrid(0.02, 0)->factor, 3);
+  EXPECT_EQ(ChooseOctreeGrid(0.05, 0)->factor, 2) << "never one voxel per leaf";
+  EXPECT_EQ(ChooseOctreeGrid(0.01, 0.07)->factor, 7);
+  EXPECT_EQ(ChooseOctreeGrid(0.01, 0.07)->resolution, 0.07);
+  for (const double wrong : {0.05, 0.02, 0.031, 100.0, 1e-9, -0.04}) {
+    EXPECT_FALSE(ChooseOctreeGrid(0.02, wrong)) << wrong;
+  }
+  EXPECT_THAT(ChooseOctreeGrid(0.02, 0.05).error().message, HasSubstr("nearest is 0.06 m"));
+  EXPECT_THAT(ChooseOctreeGrid(0.02, 0.02).error().message, HasSubstr("nearest is 0.04 m"));
+  EXPECT_FALSE(ChooseOctreeGrid(0.02, std::nan("")));
+}
+
+TEST(BuildOctree, RefusesAFreeFractionThatIsNone) {
+  OctreeOptions options;
+  options.free_fraction = 0;
+  EXPECT_FALSE(BuildOctree(OccupancyMap(0.01), options));
+}
+
+/// A room seen from inside with a table board of 2 cm; the distance in it is exact.
+testing_support::AnalyticScene RoomWithBoard() {
+  testing_support::AnalyticScene scene;
+  scene.distance = [](const Eigen::Vector3d& p) {
+    const double room = -testing_support::BoxDistance(p, {0.003, 0.004, 0.001}, {0.9, 0.8, 0.6});
+    const double board = testing_support::BoxDistance(p, {0.1, 0.05, 0.013}, {0.4, 0.3, 0.01});
+    return std::min(room, board);
+  };
+  return scene;
+}
+
+TEST(BuildOctree, NoFreeLeafOfARoomContainsSolidDeeperThanAVoxel) {
+  const testing_support::AnalyticScene scene = RoomWithBoard();
+  testing_support::AnalyticRegion region;
+  region.min_W.setConstant(-1.1);
+  region.max_W.setConstant(1.1);
+  const OccupancyMap map = ClassifyMap(MakeAnalyticMap(scene, region, {0.01, 4.0}), {});
+  const Result<OctreeBytes> octree = BuildOctree(map, {});
+  ASSERT_TRUE(octree);
+  EXPECT_EQ(octree->resolution, 0.05);
+  const Result<Octree> tree = Octree::Parse(octree->bytes, "room");
+  ASSERT_TRUE(tree);
+  double free_volume = 0;
+  for (const Octree::Leaf& leaf : tree->Leaves()) {
+    if (leaf.state != CellState::kFree) continue;
+    free_volume += std::pow(leaf.size, 3);
+    for (double z = 0.005; z < leaf.size; z += 0.01) {
+      for (double y = 0.005; y < leaf.size; y += 0.01) {
+        for (double x = 0.005; x < leaf.size; x += 0.01) {
+          ASSERT_GT(scene.distance(leaf.min_W + Eigen::Vector3d(x, y, z)), -0.01);
+        }
+      }
+    }
+  }
+  const double true_volume = 1.8 * 1.6 * 1.2 - 0.8 * 0.6 * 0.02;
+  EXPECT_GT(free_volume, 0.75 * true_volume);
+  EXPECT_LT(free_volume, true_volume);
+  for (double x = -0.28; x < 0.48; x += 0.01) {
+    EXPECT_EQ(tree->At({x, 0.05, 0.013}), CellState::kOccupied) << "the board has no hole";
+  }
+}
+
+class OctreeFile : public testing::Test {
+ protected:
+  OctreeFile() : folder_(testing::TempDir() + "vismap_octree_" + std::to_string(getpid())) {
+    std::filesystem::create_directories(folder_);
+    const OccupancyMap leaves = RandomOccupancy(5, 60);
+    octree_ = *EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);
+  }
+  ~OctreeFile() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_;
+  OctreeBytes octree_;
+};
+
+TEST_F(OctreeFile, IsReadAgainByUsAndByOctomap) {
+  const std::filesystem::path path = folder_ / "map.bt";
+  ASSERT_TRUE(WriteOctree(path, octree_));
+  const Result<Octree> tree = ReadOctree(path);
+  ASSERT_TRUE(tree) << tree.error().message;
+  octomap::OcTree reference(path.string());
+  EXPECT_EQ(static_cast<int64_t>(reference.size()), tree->nodes());
+  EXPECT_EQ(reference.getNumLeafNodes(), tree->Leaves().size());
+}
+
+TEST_F(OctreeFile, IsAcceptedByConvertOctree) {
+  if (std::system("command -v convert_octree > /dev/null") != 0) {
+    GTEST_SKIP() << "convert_octree (octomap-tools) is not installed";
+  }
+  const std::string path = (folder_ / "map.bt").string();
+  ASSERT_TRUE(WriteOctree(path, octree_));
+  const std::string command = "convert_octree " + path + " " + path + ".ot > /dev/null 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  const Result<Octree> converted = ReadOctree(path + ".ot");
+  ASSERT_TRUE(converted) << converted.error().message;
+  EXPECT_EQ(converted->nodes(), octree_.nodes);
+}
+
+TEST_F(OctreeFile, MissingFolderIsAnError) {
+  EXPECT_FALSE(WriteOctree(folder_ / "none" / "map.bt", octree_));
+  EXPECT_FALSE(ReadOctree(folder_ / "none.bt"));
+}
+
+TEST_F(OctreeFile, EveryCutIsAnError) {
+  for (size_t size = 0; size < octree_.bytes.size(); ++size) {
+    const std::span<const uint8_t> cut(octree_.bytes.data(), size);
+    ASSERT_FALSE(Octree::Parse(cut, "cut")) << "at " << size;
+  }
+  std::vector<uint8_t> longer = octree_.bytes;
+  longer.push_back(0);
+  EXPECT_FALSE(Octree::Parse(longer, "longer"));
+}
+
+TEST_F(OctreeFile, FlippedBytesGiveATreeOrAnError) {
+  const std::vector<uint8_t> full = *ConvertToOt(octree_);
+  Random random(99);
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<uint8_t> bytes = i % 2 == 0 ? octree_.bytes : full;
+    const size_t range = i % 3 == 0 ? 200 : bytes.size();
+    const size_t at = static_cast<size_t>(random.Next()) % range;
+    bytes[at] = static_cast<uint8_t>(random.Next());
+    const Result<Octree> tree = Octree::Parse(bytes, "flipped");
+    if (tree) tree->At({0.1, 0.2, 0.3});
+  }
+}
+
+TEST(Octree, EndlessNestingIsAnErrorNotAStackOverflow) {
+  const std::string header = "# Octomap OcTree binary file\nid OcTree\nsize 9\nres 0.05\ndata\n";
+  std::vector<uint8_t> bytes(header.begin(), header.end());
+  bytes.resize(bytes.size() + 1000000, 0xff);
+  const Result<Octree> tree = Octree::Parse(bytes, "evil");
+  ASSERT_FALSE(tree);
+  EXPECT_THAT(tree.error().message, HasSubstr("evil"));
+}
+
+TEST(ReadOctree, TakesOtherPeoplesTrees) {
+  const char* data = std::getenv("VISMAP_DATA");
+  if (data == nullptr) GTEST_SKIP() << "VISMAP_DATA is not set";
+  const std::filesystem::path folder = std::filesystem::path(data) / "octomap";
+  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << folder << " is not there";
+  int read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const Result<Octree> tree = ReadOctree(entry.path());
+    EXPECT_TRUE(tree) << tree.error().message;
+    ++read;
+  }
+  EXPECT_GT(read, 0);
+}
+
+}  // namespace
+}  // namespace vismap
