@@ -34,6 +34,8 @@ Result<JpegSize> ReadSize(void* turbo, std::span<const uint8_t> bytes) {
                           &subsampling, &colorspace) != 0) {
     return Fail(std::string("JPEG: header is damaged: ") + tjGetErrorStr2(turbo));
   }
+  // the library calls a header that ends before the frame's size complete
+  if (size.width < 1 || size.height < 1) return Fail("JPEG: header is cut off");
   return size;
 }
 
