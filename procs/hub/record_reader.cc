@@ -1,0 +1,116 @@
+#include "hub/record_reader.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace vismap {
+namespace {
+
+constexpr uint32_t kClientMagic = 0x287617fb;
+constexpr uint32_t kProtocolVersion = 0x0100;
+constexpr uint32_t kMaxChannelName = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
+constexpr uint32_t kMaxPattern = 1024;
+constexpr size_t kGrowth = size_t{4} << 20;  // largest step ahead of what has arrived [bytes]
+
+}  // namespace
+
+uint32_t RecordReader::Word(size_t offset) const {
+  uint32_t word = 0;
+  std::memcpy(&word, buffer_.data() + offset, 4);
+  return ntohl(word);
+}
+
+std::string RecordReader::Name() const {
+  return std::string(reinterpret_cast<const char*>(buffer_.data()) + 8, Word(4));
+}
+
+void RecordReader::Expect(Stage stage, size_t bytes) {
+  stage_ = stage;
+  need_ = have_ + bytes;
+}
+
+Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
+                                    const std::function<void(HubRecord)>& on_record) {
+  for (size_t taken = 0; taken < max_bytes;) {
+    const size_t step = std::min(need_ - have_, kGrowth);
+    if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
+    const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);
+    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return {};
+    if (got < 0) return Fail(std::strerror(errno));
+    if (got == 0) return Fail("");
+    // LCM's client sends one message in five small writes and waits for the acknowledgement of
+    // each.
+    const int on = 1;
+    setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof(on));
+    have_ += static_cast<size_t>(got);
+    taken += static_cast<size_t>(got);
+    while (have_ == need_) {
+      const bool record_ends = stage_ == Stage::kData;
+      if (Result<void> advanced = Advance(on_record); !advanced) return advanced;
+      if (record_ends) break;
+    }
+  }
+  return {};
+}
+
+Result<void> RecordReader::Advance(const std::function<void(HubRecord)>& on_record) {
+  switch (stage_) {
+    case Stage::kHello:
+      if (Word(0) != kClientMagic || Word(4) >> 8 != kProtocolVersion >> 8)
+        return Fail("is no LCM tcpq client");
+      have_ = 0;
+      Expect(Stage::kHead, 8);
+      return {};
+    case Stage::kHead:
+      return StartName();
+    case Stage::kName:
+      if (Word(0) == static_cast<uint32_t>(HubRecord::Kind::kPublish)) {
+        Expect(Stage::kDataSize, 4);
+        return {};
+      }
+      on_record({static_cast<HubRecord::Kind>(Word(0)), Name(), nullptr});
+      have_ = 0;
+      Expect(Stage::kHead, 8);
+      return {};
+    case Stage::kDataSize:
+      return StartData();
+    case Stage::kData:
+      break;
+  }
+  HubRecord record{HubRecord::Kind::kPublish, Name(), nullptr};
+  buffer_.resize(have_);
+  record.bytes = std::make_shared<const std::vector<uint8_t>>(std::exchange(buffer_, {}));
+  on_record(std::move(record));
+  have_ = 0;
+  Expect(Stage::kHead, 8);
+  return {};
+}
+
+Result<void> RecordReader::StartName() {
+  const uint32_t kind = Word(0);
+  const uint32_t size = Word(4);
+  if (kind < 1 || kind > 3) return Fail("sent a record of unknown type " + std::to_string(kind));
+  if (size < 1 || size > (kind == 1 ? kMaxChannelName : kMaxPattern)) {
+    return Fail("sent a channel name of " + std::to_string(size) + " characters");
+  }
+  Expect(Stage::kName, size);
+  return {};
+}
+
+Result<void> RecordReader::StartData() {
+  const uint32_t size = Word(have_ - 4);
+  if (size > max_message_bytes_) {
+    return Fail("sent a message of " + std::to_string(size) + " bytes on " + Name() + ", at most " +
+                std::to_string(max_message_bytes_) + " are allowed");
+  }
+  Expect(Stage::kData, size);
+  return {};
+}
+
+}  // namespace vismap
