@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+namespace vismap {
+
+/// Well-mixed 64 bits of a number (splitmix64): random numbers that depend on what they are for
+/// (seed, frame, pixel), not on who asked first, so that any number of threads draws the same.
+inline uint64_t Mix(uint64_t x) {
+  x += 0x9e3779b97f4a7c15u;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+inline uint64_t Mix(uint64_t a, uint64_t b) { return Mix(Mix(a) ^ b); }
+
+/// Uniform in [0, 1).
+inline double Uniform(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+
+/// Nearly normal with mean 0 and deviation 1, within +-6: the sum of 12 uniform numbers less 6.
+/// Needs no logarithm, whose last bits differ between C libraries.
+inline double Normal(uint64_t key) {
+  uint64_t sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    uint64_t bits = Mix(key + static_cast<uint64_t>(i) * 0xd1b54a32d192ed03u);
+    for (int k = 0; k < 4; ++k, bits >>= 16) sum += bits & 0xffff;
+  }
+  return (static_cast<double>(sum) + 6) / 65536.0 - 6;
+}
+
+}  // namespace vismap

@@ -1,0 +1,52 @@
+#include "simulation/scene.h"
+
+#include <algorithm>
+
+namespace vismap {
+
+std::optional<Hit> CastRay(const Scene& scene, const Eigen::Vector3d& origin_W,
+                           const Eigen::Vector3d& direction_W) {
+  std::optional<Hit> first;
+  for (const SceneObject& object : scene.objects) {
+    for (const Shape& shape : object.shapes) {
+      const Pose T_O_W = shape.T_W_O.inverse();
+      const Eigen::Vector3d origin_O = T_O_W * origin_W;
+      const Eigen::Vector3d direction_O = T_O_W.linear() * direction_W;
+      const double t = EnterSolid(shape, origin_O, direction_O);
+      if (t >= (first ? first->t : kNoHit)) continue;
+      const Eigen::Vector3d normal_O = OutwardNormal(shape, origin_O + t * direction_O);
+      first = Hit{t, object.id, shape.T_W_O.linear() * normal_O};
+    }
+  }
+  return first;
+}
+
+double SignedDistance(const SceneObject& object, const Eigen::Vector3d& p_W) {
+  double distance = kNoHit;
+  for (const Shape& shape : object.shapes) {
+    distance = std::min(distance, SignedDistance(shape, p_W));
+  }
+  return distance;
+}
+
+double SignedDistance(const Scene& scene, const Eigen::Vector3d& p_W) {
+  double distance = kNoHit;
+  for (const SceneObject& object : scene.objects) {
+    distance = std::min(distance, SignedDistance(object, p_W));
+  }
+  return distance;
+}
+
+Eigen::AlignedBox3d BoundingBox(const SceneObject& object) {
+  Eigen::AlignedBox3d box;
+  for (const Shape& shape : object.shapes) box.extend(BoundingBox(shape));
+  return box;
+}
+
+const SceneObject* FindObject(const Scene& scene, uint16_t id) {
+  const auto found = std::find_if(scene.objects.begin(), scene.objects.end(),
+                                  [id](const SceneObject& object) { return object.id == id; });
+  return found == scene.objects.end() ? nullptr : &*found;
+}
+
+}  // namespace vismap

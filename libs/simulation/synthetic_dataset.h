@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "datasets/dataset.h"
+#include "datasets/detections_file.h"
+#include "simulation/simulate.h"
+
+namespace vismap {
+
+/// A computed sequence, written "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10";
+/// all parameters optional, in any order.
+struct SyntheticOptions {
+  std::string scene = "room";
+  int frames = 80;    ///< on one closed tour, 1..100000
+  int width = 640;    ///< [px], 16..4096; height is 3/4 of it, focal length 525/640 of it
+  bool noise = true;  ///< "kinect" or "none": sensor and detector errors
+  uint64_t seed = 1;
+  double rate = 10;  ///< frames a second
+};
+
+/// Whether a path names a computed sequence.
+bool IsSyntheticPath(const std::string& path);
+
+/// Fails naming the parameter when it is unknown or out of range.
+Result<SyntheticOptions> ParseSyntheticPath(const std::string& path);
+
+/// The truth behind a computed sequence.
+Scene MakeScene(const SyntheticOptions& options);
+/// Headers of all its frames: frame_number from 1, as SceneNN counts; utime = frame_number / rate.
+std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options);
+
+std::unique_ptr<Dataset> MakeSyntheticDataset(const SyntheticOptions& options,
+                                              const DatasetOptions& selection);
+std::unique_ptr<DetectionSource> MakeSyntheticDetections(const SyntheticOptions& options);
+
+}  // namespace vismap
