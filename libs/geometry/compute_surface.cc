@@ -43,6 +43,7 @@ void PrepareRow(const float* depth, const PinholeCamera& camera, const SurfaceOp
   float* pz = out->points_C.z.row(v);
   float* w = inverse->w.row(v);
   float* sigma = inverse->sigma.row(v);
+  float* depth_sigma = out->depth_sigma.row(v);
   for (int u = 0; u < camera.width; ++u) {
     const float z = depth[u];
     const bool valid = z >= low && z <= high;
@@ -54,6 +55,7 @@ void PrepareRow(const float* depth, const PinholeCamera& camera, const SurfaceOp
     py[u] = pz[u] * y;
     w[u] = valid ? inv : 0.0F;
     sigma[u] = valid ? std::sqrt(axial * axial + step * step) : 0.0F;
+    depth_sigma[u] = valid ? sigma[u] * z * z : 0.0F;
   }
 }
 
@@ -99,14 +101,16 @@ void JoinRow(const InverseDepth& inverse, const PinholeCamera& camera,
 }
 
 /// Window radius at which a plane fit reaches the wanted normal error: the slope of a square window
-/// of radius r errs by about sqrt(3)/2 sigma / r^2 per pixel, the normal by that times f z.
+/// of radius r errs by about sqrt(3)/2 sigma / r^2 per pixel, the normal by that times f z, both
+/// times the noise's correlation length.
 void RadiusRow(const InverseDepth& inverse, const PinholeCamera& camera,
                const SurfaceOptions& options, int v, Image<uint8_t>* radius) {
   const double scale = std::max(1.0, inverse.w.width() / 640.0);
   const auto low = static_cast<float>(options.min_radius);
   const auto high = static_cast<float>(std::min(31.0, options.max_radius * scale));
-  const auto gain = static_cast<float>(0.5 * std::sqrt(3.0) * camera.fx /
-                                       (options.normal_sigma_deg * std::numbers::pi / 180));
+  const auto gain =
+      static_cast<float>(0.5 * std::sqrt(3.0) * camera.fx * options.noise.correlation /
+                         (options.normal_sigma_deg * std::numbers::pi / 180));
   const float* w = inverse.w.row(v);
   const float* sigma = inverse.sigma.row(v);
   uint8_t* out = radius->row(v);
@@ -199,9 +203,10 @@ void AddRow(const RowSums& sums, int row, int dy, const uint8_t* up, const uint8
 }
 
 /// Least-squares plane w = a x + b y + c per pixel, turned into a normal and its expected error.
-void SolveRow(const Moments& m, const InverseDepth& inverse, const PinholeCamera& camera, int v,
-              SurfaceMap* out) {
+void SolveRow(const Moments& m, const InverseDepth& inverse, const PinholeCamera& camera,
+              double correlation, int v, SurfaceMap* out) {
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto sigma_scale = static_cast<float>(correlation) * std::max(fx, fy);
   const float y = static_cast<float>((v - camera.cy) / camera.fy);
   for (size_t u = 0; u < m.n.size(); ++u) {
     const int column = static_cast<int>(u);
@@ -222,7 +227,7 @@ void SolveRow(const Moments& m, const InverseDepth& inverse, const PinholeCamera
     // a x + b y + c is the fitted inverse depth at the pixel: positive unless the fit is nonsense.
     const bool good = plane && a * x + b * y + c > 0;
     const float sigma =
-        inverse.sigma(v, column) * std::max(fx, fy) * inv_length * std::sqrt(trace * inv_det);
+        inverse.sigma(v, column) * sigma_scale * inv_length * std::sqrt(trace * inv_det);
     out->normals_C.x(v, column) = good ? -a * inv_length : kNaN;
     out->normals_C.y(v, column) = good ? -b * inv_length : kNaN;
     out->normals_C.z(v, column) = good ? -c * inv_length : kNaN;
@@ -230,7 +235,8 @@ void SolveRow(const Moments& m, const InverseDepth& inverse, const PinholeCamera
   }
 }
 
-void FitNormals(const InverseDepth& inverse, const PinholeCamera& camera, SurfaceMap* out) {
+void FitNormals(const InverseDepth& inverse, const PinholeCamera& camera, double correlation,
+                SurfaceMap* out) {
   const int width = camera.width, height = camera.height;
   const auto rows = static_cast<size_t>(height);
   const Image<float> zero(width, height);
@@ -247,14 +253,14 @@ void FitNormals(const InverseDepth& inverse, const PinholeCamera& camera, Surfac
     for (int dy = -reach_up; dy <= reach_down; ++dy) {
       AddRow(sums, v + dy, dy, up.row(v), down.row(v), &moments);
     }
-    SolveRow(moments, inverse, camera, v, out);
+    SolveRow(moments, inverse, camera, correlation, v, out);
   });
 }
 
 SurfaceMap EmptySurface(int width, int height) {
   const Image<float> nan(width, height, kNaN);
   const Image<uint8_t> none(width, height);
-  return {{nan, nan, nan}, {nan, nan, nan}, nan, none, none};
+  return {{nan, nan, nan}, {nan, nan, nan}, nan, Image<float>(width, height), none, none};
 }
 
 }  // namespace
@@ -278,7 +284,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   if (options.method == NormalMethod::kWindowCovariance) {
     EstimateWindowNormals(options, &out);
   } else {
-    FitNormals(inverse, camera, &out);
+    FitNormals(inverse, camera, options.noise.correlation, &out);
   }
   return out;
 }

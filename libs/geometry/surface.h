@@ -29,6 +29,7 @@ struct SurfaceMap {
   VectorImage points_C;       ///< [m], camera frame
   VectorImage normals_C;      ///< unit length, toward the camera: n . p <= 0
   Image<float> normal_sigma;  ///< expected error of the normal [rad]; NaN where there is no normal
+  Image<float> depth_sigma;   ///< expected error of the depth [m]; 0 where there is none
   Image<uint8_t> joined;      ///< kJoined bits: no depth jump between the two pixels
   Image<uint8_t> radius;      ///< of the window that the normal was asked from [px]; 0 = no depth
 };

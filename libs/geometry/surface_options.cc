@@ -25,6 +25,7 @@ std::vector<std::string> Validate(const DepthNoiseModel& model) {
   problems.Unless(InRange(model.axial_quadratic, 0, 1), "axial_quadratic must be in [0, 1]");
   problems.Unless(InRange(model.axial_offset, 0, 10), "axial_offset must be in [0, 10] m");
   problems.Unless(InRange(model.disparity_step, 0, 1), "disparity_step must be in [0, 1]");
+  problems.Unless(InRange(model.correlation, 1, 20), "correlation must be in [1, 20] px");
   return std::move(problems).list();
 }
 

@@ -22,7 +22,7 @@ struct SurfaceOptions {
   double max_depth = 10;   ///< farther depth is no return [m]
 
   // kInverseDepthFit
-  double normal_sigma_deg = 3.0;  ///< the window grows with noise until normals are this good [deg]
+  double normal_sigma_deg = 7.0;  ///< the window grows with noise until normals are this good [deg]
   int min_radius = 2;             ///< of the window [px at width 640]
   int max_radius = 10;            ///< of the window [px at width 640], at most 31
   double jump_sigmas = 5.0;       ///< neighbours whose inverse depths differ by more are not joined

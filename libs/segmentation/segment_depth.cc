@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/require.h"
+#include "segmentation/coplanar.h"
 #include "segmentation/published.h"
 #include "segmentation/regions.h"
 
@@ -134,6 +135,9 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   DropSmallRegions(ScaledPixels(options.min_seed_pixels, camera), &regions);
   FloodRegions(surface, strength, &regions);
   AddMissedRegions(surface, min_pixels, &regions);
+  if (options.coplanar_sigmas > 0) {
+    JoinCoplanarRegions(surface, camera, options.coplanar_sigmas, &regions);
+  }
   JoinSmallRegions(surface, min_pixels, options.join_angle_deg * std::numbers::pi / 180, &regions);
   DropSmallRegions(min_pixels, &regions);
   return NumberRegions(regions);

@@ -41,6 +41,7 @@ std::vector<std::string> Validate(const SegmentationOptions& options) {
                   "concave_angle_deg must be in [1, 90]");
   problems.Unless(InRange(options.concave_sigmas, 0, 100), "concave_sigmas must be in [0, 100]");
   problems.Unless(options.min_seed_pixels >= 1, "min_seed_pixels must be at least 1");
+  problems.Unless(InRange(options.coplanar_sigmas, 0, 100), "coplanar_sigmas must be in [0, 100]");
   problems.Unless(InRange(options.join_angle_deg, 0, 180), "join_angle_deg must be in [0, 180]");
   problems.Unless(InRange(options.depth_ratio, 1e-5, 1), "depth_ratio must be in [1e-5, 1]");
   problems.Unless(InRange(options.concave_tolerance, 0, 1),

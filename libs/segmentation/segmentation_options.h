@@ -20,8 +20,9 @@ struct SegmentationOptions {
 
   // kNoiseScaled
   double concave_angle_deg = 16;  ///< a concave fold is an edge from here on [deg] ...
-  double concave_sigmas = 4.0;    ///< ... and from this multiple of the normals' error
+  double concave_sigmas = 3.0;    ///< ... and from this multiple of the normals' error
   int min_seed_pixels = 60;       ///< flat areas smaller than this start no segment [px at 640x480]
+  double coplanar_sigmas = 1.5;   ///< neighbours on one plane within this many sigma are joined
   double join_angle_deg = 20;  ///< a small segment joins its one neighbour if this parallel [deg]
 
   // kPublished (Grinvald 2019; constants of the published code)
