@@ -11,8 +11,9 @@ namespace vismap {
 
 /// A vertex of the surface with the ids of what it belongs to.
 struct MeshVertex {
-  Eigen::Vector3f position_W;  ///< [m]
-  Eigen::Vector3f normal_W;    ///< unit, out of the surface (toward free space)
+  Eigen::Vector3f position_W = Eigen::Vector3f::Zero();  ///< [m]
+  Eigen::Vector3f normal_W =
+      Eigen::Vector3f::Zero();  ///< unit, out of the surface (toward free space)
   Rgb8 color;
   SegmentLabel segment = SegmentLabel::kNone;  ///< canonical label
   InstanceId instance = InstanceId::kNone;

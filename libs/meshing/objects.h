@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "meshing/marching_cubes.h"
+#include "meshing/oriented_box.h"
+
+namespace vismap {
+
+/// One thing in the map as users see it: an instance that a detector named, or a discovered
+/// segment.
+struct ObjectSummary {
+  InstanceId instance = InstanceId::kNone;      ///< kNone = discovered
+  std::vector<SegmentLabel> segments;           ///< ascending; one for a discovered segment
+  ClassId class_id = ClassId::kUnknown;         ///< kUnknown = discovered
+  std::map<ClassId, double> class_probability;  ///< sums to 1; empty = discovered
+  double score = 0;         ///< [0, 1]: how surely this is an object of this class; 0 = discovered
+  int64_t points = 0;       ///< surface vertices
+  double area = 0;          ///< of its surface [m^2]
+  OrientedBox box;          ///< of its main parts, without outliers
+  uint32_t frames = 0;      ///< in which its best-seen segment was observed
+  int64_t first_utime = 0;  ///< [us]
+  int64_t last_utime = 0;   ///< [us]
+  bool is_structure = false;  ///< a large plane: floor, wall, ceiling, perhaps a table top
+
+  bool discovered() const { return instance == InstanceId::kNone; }
+};
+
+struct ObjectOptions {
+  Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< unit; third axis of the boxes
+  int min_instance_points = 10;      ///< instances with fewer surface vertices are left out
+  int min_discovered_points = 100;   ///< the same for segments without an instance
+  double box_outliers = 0.01;        ///< share of the points that a box may leave outside per axis
+  double part_gap = 0.05;            ///< parts of an object farther from it than this [m] ...
+  double min_part_share = 0.1;       ///< ... with less than this share of it are not in its box
+  double structure_flatness = 0.02;  ///< structure: most points within this distance of a plane [m]
+  double structure_share = 0.8;      ///< ... and this is most
+  double structure_area = 1.0;       ///< ... with at least this surface [m^2]
+};
+
+/// Instances in ascending order, then discovered segments in ascending order. Segments without any
+/// label are nobody's. `mesh` is the mesh of this map (ExtractMesh), from which the surface is
+/// read.
+///
+/// The class of an instance is the argmax over classes of sum over its labels of Psi(l, c) times
+/// vertices of l (ALGORITHM 4.6), ties to the lower class. The score is the product of: the share
+/// of frames with a detector in which the instance was confirmed (mean over vertices), the share of
+/// the class in the evidence, and n / (n + 1) for n confirmations.
+std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
+                                            const ObjectOptions& options = {});
+
+/// The same with a mesh of its own, made with default options.
+std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map,
+                                            const ObjectOptions& options = {});
+
+}  // namespace vismap

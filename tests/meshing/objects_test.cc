@@ -1,0 +1,225 @@
+#include "meshing/objects.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "base/parallel.h"
+#include "meshing/object_mesh.h"
+#include "meshing/objects_json.h"
+#include "support/analytic_map.h"
+#include "support/mesh_checks.h"
+
+namespace vismap {
+namespace {
+
+using namespace testing_support;
+using Eigen::Vector3d;
+using testing::ElementsAre;
+
+constexpr VoxelGridOptions kGrid{.voxel_size = 0.02, .truncation_voxels = 4};
+constexpr double kVoxel = 0.02;
+const Vector3d kBoxCenter(0.05, -0.3, 0.25);
+const Vector3d kBoxHalf(0.3, 0.15, 0.25);
+constexpr double kYaw = 25 * std::numbers::pi / 180;
+const Vector3d kBallCenter(0.6, 0.6, 0.2);
+constexpr SegmentLabel kFloor{1}, kBoxLeft{2}, kBoxRight{3}, kBall{4};
+constexpr ClassId kChair{62}, kTv{72};
+
+Vector3d InBox(const Vector3d& p) {
+  return Eigen::AngleAxisd(-kYaw, Vector3d::UnitZ()) * (p - kBoxCenter);
+}
+
+// A floor, a turned box of two segments that stands on it, and a ball.
+SemanticMap Room() {
+  const auto box = [](const Vector3d& p) {
+    return BoxDistance(InBox(p), Vector3d::Zero(), kBoxHalf);
+  };
+  const auto ball = [](const Vector3d& p) { return SphereDistance(p, kBallCenter, 0.15); };
+  const AnalyticScene scene{.distance =
+                                [=](const Vector3d& p) {
+                                  return std::min({box(p), ball(p), p.z()});
+                                },
+                            .label =
+                                [=](const Vector3d& p) {
+                                  if (p.z() < std::min(box(p), ball(p))) return kFloor;
+                                  if (ball(p) < box(p)) return kBall;
+                                  return InBox(p).x() < -0.1 ? kBoxLeft : kBoxRight;
+                                }};
+  SemanticMap map = MakeAnalyticMap(
+      scene, {.min_W = Vector3d(-0.8, -0.8, -0.1), .max_W = Vector3d(0.9, 0.9, 0.7)}, kGrid);
+  AddEvidence(&map, kFloor, InstanceId::kNone, ClassId::kUnknown, 20, 0);
+  AddEvidence(&map, kBoxLeft, InstanceId{5}, kTv, 10, 9);
+  AddEvidence(&map, kBoxRight, InstanceId{5}, kChair, 20, 8);
+  AddEvidence(&map, kBall, InstanceId::kNone, ClassId::kUnknown, 4, 0);
+  return map;
+}
+
+TEST(SummarizeObjects, InstancesFirstThenDiscoveredSegments) {
+  const auto objects = SummarizeObjects(Room());
+  ASSERT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[0].instance, InstanceId{5});
+  EXPECT_THAT(objects[0].segments, ElementsAre(kBoxLeft, kBoxRight));
+  EXPECT_THAT(objects[1].segments, ElementsAre(kFloor));
+  EXPECT_THAT(objects[2].segments, ElementsAre(kBall));
+  EXPECT_TRUE(objects[2].discovered());
+}
+
+TEST(SummarizeObjects, BoxOfATurnedBoxIsTheTruth) {
+  const OrientedBox box = SummarizeObjects(Room())[0].box;
+  EXPECT_LT((box.center_W - kBoxCenter).norm(), kVoxel);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(box.size[i], 2 * kBoxHalf[i], kVoxel) << i;
+  const Vector3d along = box.R_W_B * Vector3d::UnitX();
+  const Vector3d truth(std::cos(kYaw), std::sin(kYaw), 0);
+  EXPECT_GT(std::abs(along.dot(truth)), std::cos(2 * std::numbers::pi / 180));
+  EXPECT_LT((box.R_W_B * Vector3d::UnitZ() - Vector3d::UnitZ()).norm(), 1e-9);
+}
+
+TEST(SummarizeObjects, ClassHasMostEvidenceOverSurface) {
+  const ObjectSummary chair = SummarizeObjects(Room())[0];
+  // Nine votes on a third of the surface lose against eight on the rest.
+  EXPECT_EQ(chair.class_id, kChair);
+  ASSERT_EQ(chair.class_probability.size(), 2u);
+  EXPECT_NEAR(chair.class_probability.at(kChair) + chair.class_probability.at(kTv), 1, 1e-9);
+  EXPECT_GT(chair.class_probability.at(kChair), 0.5);
+  EXPECT_GT(chair.score, 0);
+  EXPECT_LT(chair.score, chair.class_probability.at(kChair));
+}
+
+TEST(SummarizeObjects, MoreConfirmationsScoreHigher) {
+  SemanticMap often = Room(), seldom = Room();
+  AddEvidence(&often, kBall, InstanceId{6}, kChair, 16, 18);
+  AddEvidence(&seldom, kBall, InstanceId{6}, kChair, 16, 6);
+  EXPECT_GT(SummarizeObjects(often)[1].score, SummarizeObjects(seldom)[1].score);
+}
+
+TEST(SummarizeObjects, CountsSurfaceFramesAndTimes) {
+  SemanticMap map = Room();
+  map.labels.MutableRecord(kBoxLeft).first_utime = 500;
+  const Mesh mesh = ExtractMesh(map);
+  const auto objects = SummarizeObjects(map, mesh);
+  EXPECT_EQ(objects[0].frames, 20u);
+  EXPECT_EQ(objects[0].first_utime, 500);
+  EXPECT_EQ(objects[0].last_utime, 1'000'000);
+  int64_t points = 0;
+  double area = 0;
+  for (const ObjectSummary& object : objects) {
+    points += object.points;
+    area += object.area;
+  }
+  EXPECT_EQ(points, static_cast<int64_t>(mesh.vertices.size()));
+  const double ball = 4 * std::numbers::pi * 0.15 * 0.15;
+  EXPECT_NEAR(objects[2].area, ball, 0.03 * ball);
+  EXPECT_GT(area, 3);
+}
+
+TEST(SummarizeObjects, OnlyTheFloorIsStructure) {
+  const auto objects = SummarizeObjects(Room());
+  EXPECT_FALSE(objects[0].is_structure);
+  EXPECT_TRUE(objects[1].is_structure);
+  EXPECT_FALSE(objects[2].is_structure);
+}
+
+TEST(SummarizeObjects, StrayPiecesDoNotBlowUpTheBox) {
+  SemanticMap map = Room();
+  Mesh mesh = ExtractMesh(map);
+  // A mask that spilled onto something far behind.
+  for (int i = 0; i < 30; ++i) {
+    MeshVertex stray;
+    stray.position_W = Eigen::Vector3f(4, 4, 0.01F * static_cast<float>(i));
+    stray.segment = kBoxLeft;
+    mesh.vertices.push_back(stray);
+  }
+  EXPECT_LT(SummarizeObjects(map, mesh)[0].box.size.maxCoeff(), 0.7);
+}
+
+TEST(SummarizeObjects, UpAxisIsAnOption) {
+  // The same room, told that y is up: the third axis of the box is y.
+  const OrientedBox box = SummarizeObjects(Room(), {.up_W = Vector3d::UnitY()})[2].box;
+  EXPECT_LT((box.R_W_B * Vector3d::UnitZ() - Vector3d::UnitY()).norm(), 1e-9);
+  EXPECT_NEAR(box.size.z(), 0.3, kVoxel);
+  EXPECT_NEAR(box.R_W_B.toRotationMatrix().determinant(), 1, 1e-9);
+}
+
+TEST(SummarizeObjects, EmptyMapHasNoObjects) {
+  EXPECT_TRUE(SummarizeObjects(SemanticMap(kGrid)).empty());
+}
+
+TEST(SummarizeObjects, SameForAnyNumberOfThreads) {
+  const SemanticMap map = Room();
+  const auto text = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return ObjectsJson("m", SummarizeObjects(map), [](ClassId) { return "x"; });
+  };
+  EXPECT_EQ(text(1), text(4));
+}
+
+TEST(CutObjects, PiecesAreTheWholeMeshAndFitTogether) {
+  const SemanticMap map = Room();
+  const Mesh mesh = ExtractMesh(map);
+  const auto objects = SummarizeObjects(map, mesh);
+  const std::vector<Mesh> parts = CutObjects(mesh, objects);
+  ASSERT_EQ(parts.size(), objects.size());
+  TriangleSet whole, cut;
+  AppendTriangles(mesh, &whole);
+  for (const Mesh& part : parts) AppendTriangles(part, &cut);
+  std::sort(whole.begin(), whole.end());
+  std::sort(cut.begin(), cut.end());
+  EXPECT_EQ(whole, cut);
+}
+
+TEST(CutObjects, MajorityOfTheCornersDecides) {
+  Mesh mesh;
+  mesh.vertices.resize(3);
+  mesh.vertices[0].segment = kFloor;
+  mesh.vertices[1].segment = mesh.vertices[2].segment = kBall;
+  mesh.triangles = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 0, 1}};
+  std::vector<ObjectSummary> objects(2);
+  objects[0].segments = {kFloor};
+  objects[1].segments = {kBall};
+  const auto parts = CutObjects(mesh, objects);
+  EXPECT_EQ(parts[0].triangles.size(), 1u);
+  EXPECT_EQ(parts[1].triangles.size(), 3u);
+  EXPECT_EQ(parts[1].vertices.size(), 3u);
+}
+
+TEST(ObjectFileName, IsSafe) {
+  ObjectSummary object;
+  object.segments = {kBall};
+  EXPECT_EQ(ObjectFileName(object, "chair"), "segment_4");
+  object.instance = InstanceId{7};
+  EXPECT_EQ(ObjectFileName(object, "dining table/../x"), "instance_7_dining_table____x");
+}
+
+TEST(ObjectsJson, HasWhatScriptsRelyOn) {
+  const SemanticMap map = Room();
+  const auto objects = SummarizeObjects(map);
+  const std::string text =
+      ObjectsJson("k \"1\"", objects, [](ClassId id) { return id == kChair ? "chair" : "\xff"; });
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json.at("map_id"), "k \"1\"");
+  ASSERT_EQ(json.at("objects").size(), 1u);
+  ASSERT_EQ(json.at("discovered").size(), 2u);
+  const auto& chair = json["objects"][0];
+  EXPECT_EQ(chair.at("instance"), 5);
+  EXPECT_EQ(chair.at("class"), 62);
+  EXPECT_EQ(chair.at("class_name"), "chair");
+  EXPECT_EQ(chair.at("segments"), nlohmann::json({2, 3}));
+  EXPECT_EQ(chair.at("points"), objects[0].points);
+  EXPECT_EQ(chair.at("frames"), 20);
+  EXPECT_NEAR(chair.at("score").get<double>(), objects[0].score, 1e-6);
+  EXPECT_EQ(chair.at("center").size(), 3u);
+  EXPECT_EQ(chair.at("size").size(), 3u);
+  EXPECT_EQ(chair.at("orientation").size(), 4u);
+  EXPECT_EQ(json["discovered"][0].at("structure"), true);
+  EXPECT_EQ(json["discovered"][0].at("instance"), 0);
+}
+
+TEST(ObjectsJson, EmptyListsAreLists) {
+  EXPECT_EQ(ObjectsJson("m", {}, {}), "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[]}\n");
+}
+
+}  // namespace
+}  // namespace vismap
