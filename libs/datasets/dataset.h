@@ -20,6 +20,9 @@ struct DatasetOptions {
   CameraId camera_id{0};  ///< given to every frame
 };
 
+/// Fails naming the option that is out of range.
+Result<void> CheckOptions(const DatasetOptions& options);
+
 /// A recorded frame that cannot be used, and why (for example: tracking was lost, no pose).
 struct SkippedFrame {
   int64_t frame_number = -1;

@@ -119,13 +119,16 @@ Result<fs::path> CheckFolder(const std::string& path) {
 
 }  // namespace
 
+Result<void> CheckOptions(const DatasetOptions& options) {
+  if (options.stride >= 1 && options.max_frames >= 0) return {};
+  return Fail("data set options: stride is " + std::to_string(options.stride) +
+              " (expected 1 or more), max_frames is " + std::to_string(options.max_frames) +
+              " (expected 0 or more)");
+}
+
 Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std::string& format,
                                              const DatasetOptions& options) {
-  if (options.stride < 1 || options.max_frames < 0) {
-    return Fail("data set options: stride is " + std::to_string(options.stride) +
-                " (expected 1 or more), max_frames is " + std::to_string(options.max_frames) +
-                " (expected 0 or more)");
-  }
+  if (const auto checked = CheckOptions(options); !checked) return Fail(checked.error().message);
   const Result<fs::path> folder = CheckFolder(path);
   if (!folder) return Fail(folder.error().message);
   const Result<const DatasetFormat*> found = FindFormat(*folder, format);
