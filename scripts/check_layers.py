@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Checks the arrows between the rooms of the house: who may include what.
+
+Reads the #include lines of libs/, procs/ and tests/ and the DEPS of every vismap_room(). Prints one line
+per violation (file:line: what) and exits 1 when there is one. Usage: check_layers.py [REPOSITORY]
+"""
+import pathlib
+import re
+import sys
+
+# Room -> rooms that it may include directly; with each comes what that one may include.
+LIBS = {
+    "base": [],
+    "geometry": ["base"],
+    "segmentation": ["geometry"],
+    "codecs": ["segmentation"],
+    "volume": ["geometry"],
+    "association": ["segmentation", "volume"],
+    "mapping": ["association"],
+    "meshing": ["mapping"],
+    "render": ["meshing"],
+    "freespace": ["mapping"],
+    "mapfile": ["mapping"],
+    "datasets": ["codecs"],
+    "simulation": ["datasets"],
+    "evaluation": ["meshing", "datasets"],
+    "config": ["simulation", "meshing", "freespace", "mapfile"],
+}
+# Adapters that several processes share. All other folders of procs/ are processes: they may include any
+# room of libs/ and these, but not each other.
+PROCS = {
+    "wire": ["codecs", "meshing", "freespace"],
+    "runtime": ["wire"],
+    "hub": ["runtime"],
+}
+# Tests of one room see what the room sees; these folders of tests/ see everything.
+OPEN_TESTS = {"process", "support", "bench", "fuzz"}
+
+# Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
+OUTSIDE = [
+    (r"(lcm/|lcm_guard)", ("procs/", "tests/"), False, "no LCM in libs/"),
+    (r"vismap/\w+_t\.hpp", ("procs/", "tests/"), False, "no LCM in libs/"),
+    (r"octomap/(MCTables|octomap_types)\.h", ("libs/meshing/", "tests/meshing/"), True,
+     "only meshing uses the marching cubes tables"),
+    (r"(octomap|dynamicEDT3D)/", ("libs/freespace/", "tests/freespace/", "tests/process/", "tests/bench/"),
+     True, "freespace is the only user of OctoMap"),
+    (r"(google/protobuf/|.*\.pb\.h)", ("libs/mapfile/", "libs/config/", "tests/mapfile/", "tests/config/"),
+     True, "protobuf stays in mapfile and config"),
+    (r"opencv2/", ("libs/", "procs/", "tests/"), True, "OpenCV only in .cc files"),
+    (r"nlohmann/", ("libs/", "procs/", "tests/"), True, "JSON only in .cc files"),
+    (r"(zstd|xxhash|turbojpeg)\.h", ("libs/", "procs/", "tests/"), True,
+     "compression and hashing only in .cc files"),
+    (r"spdlog/", ("procs/runtime/", "tests/runtime/"), True, "libraries do not log"),
+    (r"CLI/", ("procs/", "tests/"), False, "the command line belongs to processes"),
+    (r"tbb/", ("libs/base/", "tests/base/"), False, "threads come from base/parallel.h"),
+]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+ROOM = re.compile(r"vismap_room\(\s*(\w+)([^)]*)\)")
+
+
+def closure(rooms, start):
+    """All rooms that `start` may include, itself among them."""
+    seen = set()
+    todo = [start]
+    while todo:
+        room = todo.pop()
+        if room not in seen:
+            seen.add(room)
+            todo += rooms[room]
+    return seen
+
+
+def allowed_rooms(folder, room):
+    """Rooms that files of libs/ROOM, procs/ROOM or tests/ROOM may include; None = any, of any name."""
+    rooms = {**LIBS, **PROCS}
+    if folder == "tests":
+        if room in OPEN_TESTS:
+            return None
+        below = closure(rooms, room) if room in rooms else set(rooms)
+        return below | {room, "support"}
+    if room in rooms:
+        return closure(rooms, room)
+    return set(rooms) | {room} if folder == "procs" else set()
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match:
+            yield number, match.group(1) == '"', match.group(2)
+
+
+def check_outside(relative, target):
+    for pattern, folders, only_cc, why in OUTSIDE:
+        if re.match(pattern, target):
+            if not relative.startswith(folders):
+                return why
+            return why if only_cc and relative.startswith("libs/") and not relative.endswith(".cc") else None
+    return None
+
+
+def check_inside(root, relative, target, allowed):
+    """A quoted include: names a room and a file of it, and the room is allowed."""
+    if any(re.match(pattern, target) for pattern, _, _, _ in OUTSIDE):
+        return None
+    parts = target.split("/")
+    if len(parts) < 2 or not any((root / top / target).is_file() for top in ("libs", "procs", "tests")):
+        return f'"{target}" is not the path of a file below libs/, procs/ or tests/'
+    if allowed is not None and parts[0] not in allowed:
+        folder, room = relative.split("/")[:2]
+        return f'{folder}/{room} may not include "{target}"'
+    return None
+
+
+def check_file(root, path, relative, allowed, seen=()):
+    """Problems of one file. Headers of tests/support count as part of the test that includes them."""
+    for number, quoted, target in includes(path):
+        outside = check_outside(relative, target)
+        if outside:
+            yield f"{relative}:{number}: {target}: {outside}"
+        if not quoted or outside:
+            continue
+        problem = check_inside(root, relative, target, allowed)
+        if problem:
+            yield f"{relative}:{number}: {problem}"
+        elif allowed is not None and target.startswith("support/") and target not in seen:
+            for nested in check_support(root, target, allowed, seen + (target,)):
+                yield f"{relative}:{number}: by way of {nested}"
+
+
+def check_support(root, target, allowed, seen):
+    relative = f"tests/{target}"
+    for number, quoted, nested in includes(root / relative):
+        if not quoted:
+            continue
+        if nested.split("/")[0] not in allowed:
+            yield f'{relative}:{number}: "{nested}"'
+        elif nested.startswith("support/") and nested not in seen:
+            yield from check_support(root, nested, allowed, seen + (nested,))
+
+
+def check_cmake(path, relative):
+    """DEPS in CMake are arrows of the table, too."""
+    for match in ROOM.finditer(path.read_text()):
+        room, rest = match.group(1), match.group(2)
+        deps = re.search(r"\bDEPS\b([\w\s]*?)(?=\b(?:LINK|PRIVATE_LINK)\b|$)", rest)
+        rooms = {**LIBS, **PROCS}
+        if room not in rooms:
+            yield f"{relative}: room {room} is not in the table of scripts/check_layers.py"
+            continue
+        for dep in deps.group(1).split() if deps else []:
+            if dep != "lcmtypes" and dep not in closure(rooms, room):
+                yield f"{relative}: {room} -> {dep} is not an arrow of the table"
+
+
+def check(root):
+    problems = []
+    for folder in ("libs", "procs", "tests"):
+        for path in sorted((root / folder).rglob("*")):
+            relative = path.relative_to(root).as_posix()
+            parts = relative.split("/")
+            if path.name == "CMakeLists.txt" and len(parts) > 2:
+                problems += check_cmake(path, relative)
+            if path.suffix not in (".h", ".cc") or len(parts) < 3:
+                continue
+            if folder == "libs" and parts[1] not in LIBS:
+                problems.append(f"{relative}: room {parts[1]} is not in the table of scripts/check_layers.py")
+                continue
+            problems += check_file(root, path, relative, allowed_rooms(folder, parts[1]))
+    return problems
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1])
+    if not (root / "libs").is_dir():
+        print(f"{root}: expected a repository with a folder libs/", file=sys.stderr)
+        return 2
+    problems = check(root)
+    for problem in problems:
+        print(problem)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
