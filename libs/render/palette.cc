@@ -1,0 +1,55 @@
+#include "render/palette.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vismap {
+namespace {
+
+// Hue, saturation and value in [0, 1].
+Rgb8 FromHsv(double hue, double saturation, double value) {
+  const auto channel = [&](double shift) {
+    const double k = std::fmod(shift + hue * 6, 6.0);
+    const double c = value - value * saturation * std::clamp(std::min(k, 4 - k), 0.0, 1.0);
+    return static_cast<uint8_t>(std::lround(255 * c));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+double Fraction(double value) { return value - std::floor(value); }
+
+// Successive multiples of the golden ratio spread evenly over the circle, however many are taken.
+double Hue(uint32_t id) { return Fraction(0.08 + id * 0.61803398874989485); }
+
+}  // namespace
+
+Rgb8 StrongColor(uint32_t id) {
+  if (id == 0) return kNobodyColor;
+  // Two more levels of brightness and saturation tell hues apart that come close after some time.
+  const double value = 0.95 - 0.22 * (id / 5 % 2);
+  const double saturation = 0.85 - 0.25 * (id / 10 % 2);
+  return FromHsv(Hue(id), saturation, value);
+}
+
+Rgb8 PaleColor(uint32_t id) {
+  if (id == 0) return kNobodyColor;
+  return FromHsv(Hue(id), 0.16, 0.80 + 0.05 * (id / 5 % 3));
+}
+
+Rgb8 VertexColor(const MeshVertex& vertex, Coloring coloring) {
+  switch (coloring) {
+    case Coloring::kRgb:
+      return vertex.color;
+    case Coloring::kSegment:
+      return StrongColor(Raw(vertex.segment));
+    case Coloring::kClass:
+      if (vertex.class_id != ClassId::kUnknown) return StrongColor(Raw(vertex.class_id));
+      break;
+    case Coloring::kInstance:
+      if (vertex.instance != InstanceId::kNone) return StrongColor(Raw(vertex.instance));
+      break;
+  }
+  return PaleColor(Raw(vertex.segment));
+}
+
+}  // namespace vismap

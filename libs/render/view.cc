@@ -1,0 +1,188 @@
+#include "render/view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "meshing/oriented_box.h"
+
+namespace vismap {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// Twice the area of a triangle along its normal.
+Vector3d FaceVector(const Mesh& mesh, size_t i) {
+  const auto at = [&](size_t corner) -> Vector3d {
+    return mesh.vertices[mesh.triangles[i][corner]].position_W.cast<double>();
+  };
+  return (at(1) - at(0)).cross(at(2) - at(0));
+}
+
+// About `limit` triangles, evenly picked: enough to judge a view by.
+std::vector<Vector3d> SampleFaces(const Mesh& mesh, size_t limit) {
+  const size_t stride = mesh.triangles.size() / limit + 1;
+  std::vector<Vector3d> faces;
+  for (size_t i = 0; i < mesh.triangles.size(); i += stride) faces.push_back(FaceVector(mesh, i));
+  return faces;
+}
+
+// A view from `eye` along `forward` with the picture's top towards `up`.
+Pose LookFrom(const Vector3d& eye, const Vector3d& forward, const Vector3d& up) {
+  const Vector3d z = forward.normalized();
+  const Vector3d x = z.cross(up).normalized();
+  const Vector3d y = z.cross(x);
+  Pose T_W_V = Pose::Identity();
+  T_W_V.linear() << x, y, z;
+  T_W_V.translation() = eye;
+  return T_W_V.inverse();
+}
+
+std::array<Vector3d, 8> Corners(const Scene& scene) {
+  std::array<Vector3d, 8> corners;
+  for (size_t i = 0; i < 8; ++i) {
+    const Vector3d side(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
+    corners[i] = scene.center_W + scene.R_W_B * side.cwiseProduct(scene.size);
+  }
+  return corners;
+}
+
+// Direction from the scene to the viewer.
+Vector3d Toward(const Scene& scene, double azimuth, double elevation) {
+  return scene.R_W_B * Vector3d(std::cos(azimuth) * std::cos(elevation),
+                                std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+}
+
+// How far back the eye must be for all corners to be in the picture.
+double FittingDistance(const Scene& scene, const View& view, const Vector3d& toward) {
+  const Eigen::Matrix3d R_V_W = LookFrom(toward, -toward, scene.up_W).linear();
+  const double margin = 0.94;
+  double distance = 0.1;
+  for (const Vector3d& corner : Corners(scene)) {
+    const Vector3d p = R_V_W * (corner - scene.center_W);
+    const double wide = std::abs(p.x()) * view.scale / (margin * view.width / 2);
+    const double high = std::abs(p.y()) * view.scale / (margin * view.height / 2);
+    distance = std::max(distance, std::max(wide, high) - p.z());
+  }
+  return distance;
+}
+
+// The sum of the faces within 25 degrees of a direction, twice over: a local mean.
+Vector3d Settle(const std::vector<Vector3d>& faces, Vector3d direction, double* area) {
+  for (int round = 0; round < 3; ++round) {
+    const double cosine = std::cos((round == 0 ? 25 : 12) * kDegree);
+    Vector3d sum = Vector3d::Zero();
+    for (const Vector3d& face : faces) {
+      if (face.dot(direction) > cosine * face.norm()) sum += face;
+    }
+    *area = sum.norm();
+    if (*area == 0) return direction;
+    direction = sum / *area;
+  }
+  return direction;
+}
+
+// Directions spread evenly over the sphere.
+std::vector<Vector3d> Directions(int count) {
+  std::vector<Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - 2 * (i + 0.5) / count;
+    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double r = std::sqrt(1 - z * z);
+    directions.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+  }
+  return directions;
+}
+
+struct Peak {
+  Vector3d direction;
+  double area = 0;
+};
+
+// The direction that most of the surface faces, among those within `angle` [rad] of `center`.
+Peak StrongestPeak(const std::vector<Vector3d>& faces, const Vector3d& center, double angle) {
+  Peak best{center, 0};
+  for (const Vector3d& start : Directions(400)) {
+    if (start.dot(center) < std::cos(angle)) continue;
+    Peak peak;
+    peak.direction = Settle(faces, start, &peak.area);
+    if (peak.area > best.area && peak.direction.dot(center) >= std::cos(angle)) best = peak;
+  }
+  return best;
+}
+
+}  // namespace
+
+Scene FrameScene(const Mesh& mesh, const Vector3d& up_W) {
+  const size_t stride = mesh.vertices.size() / 20000 + 1;
+  std::vector<Eigen::Vector3f> points;
+  for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    points.push_back(mesh.vertices[i].position_W);
+  }
+  Scene scene;
+  scene.up_W = up_W;
+  if (points.empty()) return scene;
+  const OrientedBox box = FitUprightBox(points, up_W, 0.01);
+  scene.center_W = box.center_W;
+  scene.R_W_B = box.R_W_B.toRotationMatrix();
+  scene.size = box.size.cwiseMax(0.05);
+  return scene;
+}
+
+View PerspectiveView(const Scene& scene, double azimuth, double elevation, int width, int height) {
+  View view;
+  view.width = width;
+  view.height = height;
+  view.scale = 1.2 * std::max(width, height);  // 45 degrees across
+  const Vector3d toward = Toward(scene, azimuth, elevation);
+  const Vector3d eye = scene.center_W + toward * FittingDistance(scene, view, toward);
+  view.T_V_W = LookFrom(eye, -toward, scene.up_W);
+  return view;
+}
+
+View TopDownView(const Scene& scene, int width, int height) {
+  View view;
+  view.orthographic = true;
+  view.width = width;
+  view.height = height;
+  // The longer side of the box is its x axis; lay it along the longer side of the picture.
+  const bool upright = height > width;
+  const double across = upright ? scene.size.y() : scene.size.x();
+  const double along = upright ? scene.size.x() : scene.size.y();
+  view.scale = 0.94 * std::min(width / across, height / along);
+  const Vector3d eye = scene.center_W + scene.up_W * (scene.size.z() + 1);
+  view.T_V_W = LookFrom(eye, -scene.up_W, scene.R_W_B.col(upright ? 0 : 1));
+  return view;
+}
+
+View BestPerspectiveView(const Mesh& mesh, const Scene& scene, int width, int height) {
+  const std::vector<Vector3d> faces = SampleFaces(mesh, 20000);
+  double most = -1, best_azimuth = 0, best_elevation = 0;
+  for (const double elevation : {35 * kDegree, 50 * kDegree}) {
+    for (int i = 0; i < 8; ++i) {
+      const double azimuth = (22.5 + 45 * i) * kDegree;
+      const Vector3d toward = Toward(scene, azimuth, elevation);
+      double area = 0;
+      for (const Vector3d& face : faces) area += std::max(0.0, face.dot(toward));
+      if (area <= most) continue;
+      most = area;
+      best_azimuth = azimuth;
+      best_elevation = elevation;
+    }
+  }
+  return PerspectiveView(scene, best_azimuth, best_elevation, width, height);
+}
+
+Vector3d EstimateUp(const Mesh& mesh, const std::optional<Vector3d>& hint_W) {
+  const std::vector<Vector3d> faces = SampleFaces(mesh, 5000);
+  if (hint_W) return StrongestPeak(faces, hint_W->normalized(), 40 * kDegree).direction;
+  const Peak usual = StrongestPeak(faces, Vector3d::UnitZ(), 15 * kDegree);
+  const Peak any = StrongestPeak(faces, Vector3d::UnitZ(), std::numbers::pi);
+  return usual.area >= 0.3 * any.area ? usual.direction : any.direction;
+}
+
+}  // namespace vismap

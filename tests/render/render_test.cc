@@ -1,0 +1,242 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+
+#include "base/parallel.h"
+#include "render/overview.h"
+#include "render/png.h"
+#include "render/render_mesh.h"
+#include "support/analytic_map.h"
+#include "support/mesh_checks.h"
+
+namespace vismap {
+namespace {
+
+using namespace testing_support;
+using Eigen::Vector3d;
+
+constexpr VoxelGridOptions kGrid{.voxel_size = 0.025, .truncation_voxels = 4};
+constexpr SegmentLabel kWalls{1}, kFloor{2}, kTable{3}, kBall{4};
+constexpr ClassId kDiningTable{67};
+
+// A room with a floor, a ceiling, four walls, a table (an instance) and a ball (discovered), seen
+// from the inside.
+SemanticMap Room() {
+  const Vector3d center(0, 0, 1), half(1.5, 1, 1);
+  const auto table = [](const Vector3d& p) {
+    return BoxDistance(p, Vector3d(-0.6, 0.2, 0.35), Vector3d(0.5, 0.3, 0.35));
+  };
+  const auto ball = [](const Vector3d& p) { return SphereDistance(p, {0.8, -0.4, 0.25}, 0.25); };
+  const auto walls = [=](const Vector3d& p) { return -BoxDistance(p, center, half); };
+  const AnalyticScene scene{.distance =
+                                [=](const Vector3d& p) {
+                                  return std::min({walls(p), table(p), ball(p)});
+                                },
+                            .label =
+                                [=](const Vector3d& p) {
+                                  if (table(p) < std::min(walls(p), ball(p))) return kTable;
+                                  if (ball(p) < walls(p)) return kBall;
+                                  return p.z() < 0.05 ? kFloor : kWalls;
+                                },
+                            .color =
+                                [](const Vector3d& p) {
+                                  return p.z() < 0.05 ? Rgb8{160, 110, 60} : Rgb8{90, 130, 200};
+                                }};
+  SemanticMap map = MakeAnalyticMap(
+      scene, {.min_W = Vector3d(-1.7, -1.2, -0.2), .max_W = Vector3d(1.7, 1.2, 2.2)}, kGrid);
+  for (const SegmentLabel label : {kWalls, kFloor, kBall}) {
+    AddEvidence(&map, label, InstanceId::kNone, ClassId::kUnknown, 10, 0);
+  }
+  AddEvidence(&map, kTable, InstanceId{3}, kDiningTable, 10, 9);
+  return map;
+}
+
+std::string Name(ClassId id) { return id == kDiningTable ? "dining table" : ""; }
+
+// Where a picture is kept for people to look at, if they say so.
+void Keep(const Image<Rgb8>& image, const std::string& name) {
+  if (const char* folder = std::getenv("VISMAP_PICTURES")) {
+    EXPECT_TRUE(WritePng(std::filesystem::path(folder) / name, image));
+  }
+}
+
+Mesh OneTriangle() {
+  Mesh mesh;
+  mesh.vertices.resize(3);
+  mesh.vertices[0].position_W = {-1, -1, 0};
+  mesh.vertices[1].position_W = {1, -1, 0};
+  mesh.vertices[2].position_W = {0, 1, 0};
+  for (MeshVertex& vertex : mesh.vertices) {
+    vertex.normal_W = Eigen::Vector3f::UnitZ();
+    vertex.instance = InstanceId{1};
+  }
+  mesh.triangles = {{0, 1, 2}};
+  return mesh;
+}
+
+size_t CountNot(const Image<Rgb8>& image, Rgb8 color) {
+  return image.size() -
+         static_cast<size_t>(std::count(image.pixels().begin(), image.pixels().end(), color));
+}
+
+TEST(RenderMesh, FrontIsDrawnWithItsTrueAreaAndBackIsNot) {
+  Scene scene;
+  scene.size = Vector3d(2, 2, 0.1);
+  const View view = TopDownView(scene, 200, 200);
+  const Image<Rgb8> front = RenderMesh(OneTriangle(), view, Coloring::kInstance);
+  const double pixels = 2 * view.scale * view.scale;  // an area of 2 square metres
+  EXPECT_NEAR(static_cast<double>(CountNot(front, kBackground)), pixels, 0.03 * pixels);
+  Mesh back = OneTriangle();
+  std::swap(back.triangles[0][0], back.triangles[0][1]);
+  EXPECT_EQ(CountNot(RenderMesh(back, view, Coloring::kInstance), kBackground), 0u);
+}
+
+TEST(RenderMesh, NearerSurfaceHidesFartherWhateverTheOrder) {
+  Mesh mesh = OneTriangle();
+  for (MeshVertex vertex : OneTriangle().vertices) {
+    vertex.position_W.z() = 0.5F;
+    vertex.instance = InstanceId{2};
+    mesh.vertices.push_back(vertex);
+  }
+  Scene scene;
+  scene.size = Vector3d(2, 2, 2);
+  for (const bool perspective : {false, true}) {
+    const View view =
+        perspective ? PerspectiveView(scene, 0.3, 1.4, 200, 200) : TopDownView(scene, 200, 200);
+    mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+    const Image<Rgb8> one = RenderMesh(mesh, view, Coloring::kInstance);
+    std::swap(mesh.triangles[0], mesh.triangles[1]);
+    EXPECT_EQ(one, RenderMesh(mesh, view, Coloring::kInstance));
+    const auto middle = ProjectToView(view, Vector3d(0, 0, 0.5));
+    ASSERT_TRUE(middle);
+    const Rgb8 seen = one(static_cast<int>(middle->y()), static_cast<int>(middle->x()));
+    const Rgb8 near = StrongColor(2);
+    // Lit from the viewer, so a little darker than the palette.
+    EXPECT_NEAR(seen.r / (near.r + 1.0), seen.g / (near.g + 1.0), 0.05);
+    EXPECT_NEAR(seen.r / (near.r + 1.0), seen.b / (near.b + 1.0), 0.05);
+  }
+}
+
+TEST(RenderMesh, SameForAnyNumberOfThreads) {
+  const Mesh mesh = ExtractMesh(Room());
+  const View view = BestPerspectiveView(mesh, FrameScene(mesh, Vector3d::UnitZ()), 300, 200);
+  const auto with_threads = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return RenderMesh(mesh, view, Coloring::kInstance);
+  };
+  EXPECT_EQ(with_threads(1), with_threads(4));
+}
+
+TEST(View, WholeSceneIsInThePicture) {
+  const Mesh mesh = ExtractMesh(Room());
+  const Scene scene = FrameScene(mesh, Vector3d::UnitZ());
+  for (const View& view :
+       {TopDownView(scene, 300, 500), TopDownView(scene, 500, 300),
+        PerspectiveView(scene, 2, 0.6, 400, 300), BestPerspectiveView(mesh, scene, 300, 400)}) {
+    for (const MeshVertex& vertex : mesh.vertices) {
+      const auto pixel = ProjectToView(view, vertex.position_W.cast<double>());
+      ASSERT_TRUE(pixel);
+      EXPECT_TRUE(pixel->x() > 0 && pixel->x() < view.width);
+      EXPECT_TRUE(pixel->y() > 0 && pixel->y() < view.height);
+    }
+  }
+}
+
+TEST(View, FromAboveTheTableIsSeenThroughTheCeiling) {
+  const Mesh mesh = ExtractMesh(Room());
+  const View view = TopDownView(FrameScene(mesh, Vector3d::UnitZ()), 400, 300);
+  const Image<Rgb8> image = RenderMesh(mesh, view, Coloring::kInstance);
+  const auto pixel = ProjectToView(view, Vector3d(-0.6, 0.2, 0.7));
+  const Rgb8 seen = image(static_cast<int>(pixel->y()), static_cast<int>(pixel->x()));
+  const Rgb8 table = StrongColor(3);
+  EXPECT_NEAR(seen.r, table.r, 6);
+  EXPECT_NEAR(seen.g, table.g, 6);
+  EXPECT_NEAR(seen.b, table.b, 6);
+}
+
+TEST(EstimateUp, FindsTheFloorsNormal) {
+  const Mesh mesh = ExtractMesh(Room());
+  EXPECT_GT(EstimateUp(mesh).z(), 0.999);
+  // The same room in a world that was turned over, with a rough hint from the cameras.
+  const Eigen::Matrix3f turn =
+      Eigen::AngleAxisf(1.9F, Eigen::Vector3f(1, 0.2F, -0.3F).normalized()).toRotationMatrix();
+  Mesh turned = mesh;
+  for (MeshVertex& vertex : turned.vertices) {
+    vertex.position_W = turn * vertex.position_W;
+    vertex.normal_W = turn * vertex.normal_W;
+  }
+  const Vector3d truth = turn.cast<double>().col(2);
+  const Vector3d hint = Eigen::AngleAxisd(0.4, Vector3d::UnitX()) * truth;
+  EXPECT_GT(EstimateUp(turned, hint).dot(truth), 0.999);
+  EXPECT_EQ(EstimateUp({}), Vector3d::UnitZ());
+}
+
+TEST(Palette, IdsNextToEachOtherLookDifferent) {
+  const auto difference = [](Rgb8 a, Rgb8 b) {
+    return std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
+  };
+  for (uint32_t id = 1; id < 200; ++id) {
+    for (uint32_t other = id + 1; other < id + 5; ++other) {
+      EXPECT_GT(difference(StrongColor(id), StrongColor(other)), 60) << id << " " << other;
+    }
+    EXPECT_GT(difference(PaleColor(id), PaleColor(id + 1)), 8) << id;
+    EXPECT_GT(difference(StrongColor(id), PaleColor(id)), 60) << id;
+  }
+}
+
+TEST(Legend, NamesClassesWithCounts) {
+  std::vector<ObjectSummary> objects(5);
+  for (size_t i = 0; i < 3; ++i) {
+    objects[i].instance = InstanceId{static_cast<uint32_t>(i + 1)};
+    objects[i].class_id = i < 2 ? kDiningTable : ClassId{5};
+  }
+  objects[3].segments = {kBall};
+  objects[4].segments = {kFloor};
+  objects[4].is_structure = true;
+  const auto legend = MakeLegend(objects, Coloring::kInstance, Name);
+  ASSERT_EQ(legend.size(), 5u);
+  EXPECT_EQ(legend[0].text, "class 5 x1");
+  EXPECT_EQ(legend[1].text, "dining table x2");
+  EXPECT_EQ(legend[1].swatches, (std::vector<Rgb8>{StrongColor(1), StrongColor(2)}));
+  EXPECT_EQ(legend[2].text, "unknown object x1");
+  EXPECT_EQ(legend[2].swatches, (std::vector<Rgb8>{PaleColor(4)}));
+  EXPECT_EQ(legend[3].text, "structure x1");
+}
+
+TEST(Overview, ShowsTheMap) {
+  const SemanticMap map = Room();
+  const Mesh mesh = ExtractMesh(map);
+  const auto objects = SummarizeObjects(map, mesh);
+  for (const auto& [coloring, name] :
+       {std::pair(Coloring::kInstance, "room_instance.png"),
+        std::pair(Coloring::kRgb, "room_rgb.png"), std::pair(Coloring::kClass, "room_class.png"),
+        std::pair(Coloring::kSegment, "room_segment.png")}) {
+    const Image<Rgb8> image =
+        RenderMapOverview(mesh, objects, Name, "room: 1 object", {.coloring = coloring});
+    EXPECT_EQ(image.width(), 1600);
+    EXPECT_EQ(image.height(), 900);
+    EXPECT_GT(CountNot(image, kBackground), image.size() / 4);
+    Keep(image, name);
+  }
+}
+
+TEST(Overview, EmptyMapGivesAPictureToo) {
+  EXPECT_EQ(RenderMapOverview({}, {}, {}, "empty").width(), 1600);
+}
+
+TEST(Png, DecodesToTheSamePixels) {
+  Image<Rgb8> image(3, 2);
+  image(1, 2) = {255, 10, 30};
+  const auto bytes = EncodePng(image);
+  const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);
+  ASSERT_EQ(decoded.cols, 3);
+  ASSERT_EQ(decoded.rows, 2);
+  EXPECT_EQ(decoded.at<cv::Vec3b>(1, 2), cv::Vec3b(30, 10, 255));
+  EXPECT_FALSE(WritePng("/nonexistent/a.png", image));
+}
+
+}  // namespace
+}  // namespace vismap
