@@ -82,6 +82,9 @@ Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSign
 
 Outcome RunGuarded(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop) {
   try {
+    if (spec.prepare) {
+      if (Outcome prepared = spec.prepare(); !prepared) return prepared;
+    }
     if (spec.joins_bus) return RunOnBus(spec, options, stop);
     ProcessContext context{options, *stop};
     return spec.run(context);

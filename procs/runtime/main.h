@@ -62,6 +62,10 @@ struct ProcessSpec {
   std::function<Result<std::string>(const std::string& config_text, const std::string& config_path)>
       configure;
 
+  /// Opens what the work reads, before the bus is joined, so that a missing file shows at once. May
+  /// be empty.
+  std::function<Outcome()> prepare;
+
   /// The work. Comes back when done or when the context's stop is requested.
   std::function<Outcome(ProcessContext&)> run;
 };

@@ -43,6 +43,7 @@ rgbd_frame_t Encode(const SensorFrame& frame) {
   message.utime = header.utime;
   message.camera_id = Raw(header.camera_id);
   message.frame_number = header.frame_number;
+  message.after_utime = -1;
   message.width = header.camera.width;
   message.height = header.camera.height;
   message.fx = header.camera.fx;

@@ -7,7 +7,8 @@
 
 namespace vismap {
 
-/// A sensor's frame as a message; seq, source and checksum are left for the bus to fill.
+/// A sensor's frame as a message; seq, source and checksum are left for the bus to fill,
+/// after_utime is -1.
 rgbd_frame_t Encode(const SensorFrame& frame);
 
 /// The frame in a message. Fails, naming the field, on a negative utime or camera_id, an

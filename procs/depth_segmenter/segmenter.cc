@@ -1,0 +1,156 @@
+#include "depth_segmenter/segmenter.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "codecs/frame_codec.h"
+#include "runtime/clock.h"
+#include "segmentation/segment_frame.h"
+#include "wire/detections.h"
+#include "wire/rgbd_frame.h"
+#include "wire/segmented_frame.h"
+
+namespace vismap {
+namespace {
+
+constexpr double kPatienceCheck = 0.05;   // how often frames that wait are looked at [s]
+constexpr double kWaitWorthSaying = 0.5;  // [s]
+
+/// Whether two messages show the same images from the same place, whoever sent them and when.
+bool SameImages(const rgbd_frame_t& a, const rgbd_frame_t& b) {
+  return KeyOf(a) == KeyOf(b) && a.width == b.width && a.height == b.height &&
+         a.depth_unit_m == b.depth_unit_m &&
+         std::equal(std::begin(a.T_W_C), std::end(a.T_W_C), std::begin(b.T_W_C)) &&
+         a.depth == b.depth && a.color == b.color;
+}
+
+}  // namespace
+
+Segmenter::Segmenter(const SegmenterOptions& options, ProcessContext* context)
+    : options_(options),
+      bus_(*context->bus),
+      status_(*context->status),
+      peers_(context->bus),
+      join_(options.max_waiting) {
+  bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
+                               [this](const rgbd_frame_t& message) { return OnFrame(message); });
+  if (options_.detections != DetectionPolicy::kNone) {
+    bus_.Subscribe<detections_t>(
+        kDetectionsChannel, [this](const detections_t& message) { return OnDetections(message); });
+  }
+  bus_.Every(kPatienceCheck, [this] { SegmentWaiting(); });
+}
+
+void Segmenter::Run() {
+  status_.Set(ProcessState::kReady);
+  bus_.Run();
+  LogInfo("segmented " + std::to_string(status_.counter("frames")) + " frames, " +
+          std::to_string(join_.counters().frames_without) + " of them without detections");
+}
+
+Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
+  if (AnswerAgain(message)) return {};
+  if (const Result<FrameHeader> header = DecodeHeader(message); !header)
+    return tl::unexpected(header.error());
+  join_.AddFrame(message, MonotonicSeconds());
+  SegmentWaiting();
+  return {};
+}
+
+Result<void> Segmenter::OnDetections(const detections_t& message) {
+  if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
+  join_.AddDetections(message);
+  SegmentWaiting();
+  return {};
+}
+
+bool Segmenter::AnswerAgain(const rgbd_frame_t& message) {
+  const auto answer =
+      std::find_if(answers_.begin(), answers_.end(),
+                   [&](const segmented_frame_t& a) { return SameImages(a.frame, message); });
+  if (answer == answers_.end()) return false;
+  answer->frame = message;  // what must be committed before it may have changed
+  status_.Count("frames_answered_again");
+  bus_.Publish(kSegmentedFrameChannel, *answer);
+  return true;
+}
+
+double Segmenter::Patience() const {
+  switch (options_.detections) {
+    case DetectionPolicy::kRequired:
+      return std::numeric_limits<double>::infinity();
+    case DetectionPolicy::kAuto:
+      return peers_.Alive("detector") ? options_.detection_timeout : 0;
+    case DetectionPolicy::kNone:
+      break;
+  }
+  return 0;
+}
+
+void Segmenter::SegmentWaiting() {
+  while (const std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience())) {
+    Result<segmented_frame_t> answer = Segment(*joined);
+    if (!answer) {
+      status_.Count("frames_unusable");
+      LogWarningSometimes("unusable", "RGBD_FRAME: rejected: " + answer.error().message);
+      continue;
+    }
+    status_.Count("frames");
+    status_.Count("segments", answer->n_segments);
+    bus_.Publish(kSegmentedFrameChannel, *answer);
+    answers_.push_back(std::move(*answer));
+    if (answers_.size() > options_.max_cached) answers_.pop_front();
+  }
+  ShowState();
+}
+
+Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
+  const StageTimer timer(&status_, "segmentation");
+  const Result<SensorFrame> sensor = Decode(joined.frame);
+  if (!sensor) return tl::unexpected(sensor.error());
+  Result<RgbdFrame> frame = DecodeFrame(*sensor);
+  if (!frame) return tl::unexpected(frame.error());
+  std::optional<DetectionSet> detections;
+  if (joined.detections) {
+    const detections_t& message = *joined.detections;
+    if (message.image_width == joined.frame.width && message.image_height == joined.frame.height) {
+      detections = *Decode(message);
+    } else {
+      status_.Count("detections_of_other_size");
+      LogWarningSometimes("size", "DETECTIONS of " + ToText(KeyOf(message)) +
+                                      " are for images of " + std::to_string(message.image_width) +
+                                      "x" + std::to_string(message.image_height) +
+                                      ", the frame has " + std::to_string(joined.frame.width) +
+                                      "x" + std::to_string(joined.frame.height) +
+                                      "; the frame goes on without them");
+    }
+  }
+  return Encode(
+      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, options_.stage),
+      joined.frame);
+}
+
+void Segmenter::ShowState() {
+  const JoinCounters& counters = join_.counters();
+  status_.SetCounter("frames_waiting", static_cast<int64_t>(join_.waiting()));
+  status_.SetCounter("frames_dropped", counters.frames_dropped);
+  status_.SetCounter("frames_repeated", counters.frames_repeated);
+  status_.SetCounter("frames_without_detections", counters.frames_without);
+  status_.SetCounter("detections_dropped", counters.detections_dropped);
+  status_.SetCounter("detections_late", counters.detections_late);
+  status_.SetCounter("detections_repeated", counters.detections_repeated);
+  const double waited = join_.Waited(MonotonicSeconds());
+  if (waited > kWaitWorthSaying) {
+    status_.Set(ProcessState::kWaiting,
+                "waiting for DETECTIONS: none for the oldest frame in " +
+                    std::to_string(static_cast<int>(waited)) + " s" +
+                    (peers_.Alive("detector") ? "" : ", and no detector is on the bus"));
+  } else if (status_.counter("frames") > 0) {
+    const bool alone = options_.detections == DetectionPolicy::kAuto && !peers_.Alive("detector");
+    status_.Set(ProcessState::kRunning, alone ? "no detector is on the bus: geometry alone" : "");
+  }
+}
+
+}  // namespace vismap

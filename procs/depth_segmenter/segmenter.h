@@ -1,0 +1,58 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vismap/detections_t.hpp>
+#include <vismap/rgbd_frame_t.hpp>
+#include <vismap/segmented_frame_t.hpp>
+
+#include "depth_segmenter/frame_detection_join.h"
+#include "runtime/main.h"
+#include "runtime/peers.h"
+#include "segmentation/segmentation_options.h"
+
+namespace vismap {
+
+/// What a frame waits for before it is segmented.
+enum class DetectionPolicy {
+  kRequired,  ///< its detections, however long that takes
+  kAuto,      ///< its detections, but only while a detector is alive and at most detection_timeout
+  kNone,      ///< nothing: geometry alone
+};
+
+struct SegmenterOptions {
+  DetectionPolicy detections = DetectionPolicy::kAuto;
+  double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
+  size_t max_waiting = 64;  ///< frames that wait for detections; beyond, the oldest is given up
+  size_t max_cached = 32;   ///< results kept for frames that are sent again
+  SegmentationStageOptions stage;
+};
+
+/// Turns RGBD_FRAME and DETECTIONS into SEGMENTED_FRAME: one for every frame, in the order of the
+/// frames. A frame that is sent again gets the same answer again.
+class Segmenter {
+ public:
+  /// Subscribes. The context must outlive it.
+  Segmenter(const SegmenterOptions& options, ProcessContext* context);
+
+  /// Works until stop is requested.
+  void Run();
+
+ private:
+  Result<void> OnFrame(const rgbd_frame_t& message);
+  Result<void> OnDetections(const detections_t& message);
+  bool AnswerAgain(const rgbd_frame_t& message);
+  void SegmentWaiting();
+  Result<segmented_frame_t> Segment(const JoinedFrame& joined);
+  double Patience() const;
+  void ShowState();
+
+  SegmenterOptions options_;
+  Bus& bus_;
+  Status& status_;
+  Peers peers_;
+  FrameDetectionJoin join_;
+  std::deque<segmented_frame_t> answers_;  // the newest few
+};
+
+}  // namespace vismap

@@ -1,0 +1,42 @@
+#include "detector/detect.h"
+
+#include <vismap/rgbd_frame_t.hpp>
+
+#include "wire/detections.h"
+#include "wire/rgbd_frame.h"
+
+namespace vismap {
+namespace {
+
+Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
+                    ProcessContext* context) {
+  const StageTimer timer(context->status, "detection");
+  const Result<FrameHeader> header = DecodeHeader(message);
+  if (!header) return tl::unexpected(header.error());
+  const Result<DetectionSet> set = source.ForFrame(*header);
+  if (!set) return tl::unexpected(set.error());
+  context->bus->Publish(kDetectionsChannel,
+                        Encode(*set, header->camera.width, header->camera.height));
+  context->status->Set(ProcessState::kRunning);
+  context->status->Count("frames");
+  context->status->Count("detections", static_cast<int64_t>(set->detections.size()));
+  return {};
+}
+
+}  // namespace
+
+Outcome Detect(const DetectionSource& source, std::optional<CameraId> camera,
+               ProcessContext& context) {
+  context.bus->Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
+                                       [&](const rgbd_frame_t& message) -> Result<void> {
+                                         if (camera && message.camera_id != Raw(*camera)) return {};
+                                         return Answer(message, source, &context);
+                                       });
+  context.status->Set(ProcessState::kReady);
+  context.bus->Run();
+  LogInfo("answered " + std::to_string(context.status->counter("frames")) + " frames with " +
+          std::to_string(context.status->counter("detections")) + " detections");
+  return {};
+}
+
+}  // namespace vismap

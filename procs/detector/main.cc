@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "detector/detect.h"
+#include "simulation/sequence.h"
+
+namespace {
+
+using namespace vismap;
+
+struct Arguments {
+  std::string dataset, format, detections;
+  int camera_id = -1;
+  std::unique_ptr<DetectionSource> source;
+};
+
+void AddOptions(CLI::App& app, Arguments* arguments) {
+  app.add_option("--detections", arguments->detections,
+                 "COCO results file, folder of instance PNGs, or synthetic:room");
+  app.add_option("--dataset", arguments->dataset,
+                 "Sequence whose own detections are taken when --detections is absent");
+  app.add_option("--format", arguments->format,
+                 "Layout of the sequence's folder; found by looking when not given");
+  app.add_option("--camera-id", arguments->camera_id,
+                 "Answer frames of this camera only; -1 = of all")
+      ->check(CLI::Range(-1, 1 << 30));
+}
+
+Result<std::string> DetectionsPath(const Arguments& arguments) {
+  if (!arguments.detections.empty()) return arguments.detections;
+  if (arguments.dataset.empty()) return Fail("expected --detections or --dataset");
+  const auto dataset = OpenSequence(arguments.dataset, arguments.format);
+  if (!dataset) return tl::unexpected(dataset.error());
+  const std::optional<std::string> path = (*dataset)->default_detections_path();
+  if (!path)
+    return Fail(arguments.dataset +
+                ": has no detections of its own, and --detections was not given");
+  return *path;
+}
+
+Outcome Open(Arguments* arguments) {
+  if (arguments->detections.empty() && arguments->dataset.empty()) {
+    return ExitWith(ExitCode::kUsage, "expected --detections or --dataset");
+  }
+  const Result<std::string> path = DetectionsPath(*arguments);
+  if (!path) return ExitWith(ExitCode::kUnreadable, path.error().message);
+  auto source = OpenDetections(*path);
+  if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
+  arguments->source = std::move(*source);
+  return {};
+}
+
+std::optional<CameraId> Camera(const Arguments& arguments) {
+  return arguments.camera_id < 0 ? std::nullopt : std::optional(CameraId{arguments.camera_id});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  ProcessSpec spec;
+  spec.name = "detector";
+  spec.summary = "Answers every frame with recorded detections, as a detector would.";
+  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
+  spec.prepare = [&] { return Open(&arguments); };
+  spec.run = [&](ProcessContext& context) {
+    return Detect(*arguments.source, Camera(arguments), context);
+  };
+  return RunProcess(argc, argv, spec);
+}

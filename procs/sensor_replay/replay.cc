@@ -1,0 +1,211 @@
+#include "sensor_replay/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <vismap/frame_commit_t.hpp>
+
+#include "runtime/clock.h"
+#include "runtime/peers.h"
+#include "runtime/progress.h"
+#include "sensor_replay/lockstep_window.h"
+#include "wire/rgbd_frame.h"
+
+namespace vismap {
+namespace {
+
+std::string Join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// The frames of a sequence, once or again and again; in later rounds utimes are shifted so that
+/// they go on.
+class Frames {
+ public:
+  Frames(const Dataset& dataset, bool loop) : dataset_(dataset), loop_(loop) {
+    const size_t size = dataset.size();
+    const int64_t span = dataset.Header(size - 1).utime - dataset.Header(0).utime;
+    round_us_ = size > 1 ? span + span / static_cast<int64_t>(size - 1) : 33333;
+  }
+
+  bool Has(size_t i) const { return loop_ || i < dataset_.size(); }
+  int64_t utime(size_t i) const { return dataset_.Header(i % dataset_.size()).utime + Shift(i); }
+  FrameKey key(size_t i) const {
+    return {dataset_.Header(i % dataset_.size()).camera_id, utime(i)};
+  }
+
+  Result<rgbd_frame_t> Message(size_t i) const {
+    Result<SensorFrame> frame = dataset_.Read(i % dataset_.size());
+    if (!frame) return tl::unexpected(frame.error());
+    frame->header.utime += Shift(i);
+    return Encode(*frame);
+  }
+
+ private:
+  int64_t Shift(size_t i) const { return static_cast<int64_t>(i / dataset_.size()) * round_us_; }
+
+  const Dataset& dataset_;
+  bool loop_;
+  int64_t round_us_ = 0;
+};
+
+/// What both ways of playing need.
+class Player {
+ public:
+  Player(const Dataset& dataset, const ReplayOptions& options, ProcessContext* context)
+      : frames_(dataset, options.loop),
+        options_(options),
+        bus_(*context->bus),
+        status_(*context->status),
+        peers_(context->bus),
+        progress_(dataset.name(), options.loop ? 0 : static_cast<int64_t>(dataset.size())) {
+    status_.SetCounter("frames_in_sequence", static_cast<int64_t>(dataset.size()));
+    status_.SetCounter("frames_skipped", static_cast<int64_t>(dataset.skipped().size()));
+  }
+
+  Outcome Play() {
+    if (!WaitForPeers()) return ExitWith(ExitCode::kFailed, "stopped before the first frame");
+    status_.Set(ProcessState::kRunning);
+    started_ = MonotonicSeconds();
+    Outcome outcome = options_.lockstep ? PlayInLockstep() : PlayInRealTime();
+    Summarize();
+    return outcome;
+  }
+
+ private:
+  bool WaitForPeers() {
+    status_.Set(ProcessState::kReady);
+    return bus_.Run([this] {
+      const std::vector<std::string> missing = peers_.Missing(options_.wait_for);
+      if (!missing.empty()) {
+        if (status_.state() != ProcessState::kWaiting) LogInfo("waiting for " + Join(missing));
+        status_.Set(ProcessState::kWaiting, "waiting for " + Join(missing));
+      }
+      return missing.empty();
+    });
+  }
+
+  Outcome Send(size_t i, int64_t after_utime) {
+    Result<rgbd_frame_t> message = frames_.Message(i);
+    if (!message) return ExitWith(ExitCode::kUnreadable, message.error().message);
+    message->after_utime = after_utime;
+    bus_.Publish(kRgbdFrameChannel, std::move(*message));
+    status_.Count("frames_sent");
+    return {};
+  }
+
+  Outcome PlayInRealTime() {
+    for (size_t i = 0; frames_.Has(i); ++i) {
+      const double due = options_.speed > 0
+                             ? started_ + static_cast<double>(frames_.utime(i) - frames_.utime(0)) *
+                                              1e-6 / options_.speed
+                             : 0;
+      while (!bus_.stop_requested() &&
+             (bus_.Spin(std::max(0.0, due - MonotonicSeconds())), MonotonicSeconds() < due)) {
+      }
+      if (bus_.stop_requested()) return {};
+      if (due > 0) worst_delay_ = std::max(worst_delay_, MonotonicSeconds() - due);
+      if (const Outcome sent = Send(i, -1); !sent) return sent;
+      progress_.Show(static_cast<int64_t>(i) + 1);
+    }
+    return {};
+  }
+
+  Outcome SendOpen(const LockstepWindow& window, size_t i) {
+    const std::optional<FrameKey> predecessor = window.Predecessor(frames_.key(i));
+    return Send(i, predecessor ? predecessor->utime : -1);
+  }
+
+  void OnCommit(const frame_commit_t& commit, LockstepWindow* window) {
+    if (!window->Commit(KeyOf(commit), MonotonicSeconds())) return;
+    status_.Count("frames_committed");
+    if (commit.status == frame_commit_t::STATUS_SKIPPED) {
+      status_.Count("frames_not_integrated");
+      LogWarningSometimes(
+          "skipped", "the map server left out " + ToText(KeyOf(commit)) + ": " + commit.reason);
+    }
+  }
+
+  // One round: fills the window with new frames, repeats what is overdue, then waits for commits.
+  Outcome Step(LockstepWindow* window, size_t* next) {
+    while (frames_.Has(*next) && window->HasRoom() && bus_.connected()) {
+      window->Sent(*next, frames_.key(*next), MonotonicSeconds());
+      if (const Outcome sent = SendOpen(*window, *next); !sent) return sent;
+      ++*next;
+      bus_.Spin(0);
+    }
+    while (const std::optional<size_t> again = window->NextResend(MonotonicSeconds())) {
+      if (const Outcome sent = SendOpen(*window, *again); !sent) return sent;
+      status_.Count("frames_resent");
+      LogInfo("no commit for a while: sent frame " + std::to_string(*again) + " again");
+    }
+    bus_.Spin(0.05);
+    return {};
+  }
+
+  Outcome PlayInLockstep() {
+    auto window = std::make_shared<LockstepWindow>(options_.window, options_.resend_after);
+    bus_.Subscribe<frame_commit_t>(kMapCommitChannel, [this, window](const frame_commit_t& commit) {
+      OnCommit(commit, window.get());
+    });
+    size_t next = 0;
+    while (frames_.Has(next) || !window->empty()) {
+      if (bus_.stop_requested()) {
+        return ExitWith(ExitCode::kFailed,
+                        "stopped with " + std::to_string(window->open()) + " frames not committed");
+      }
+      if (const Outcome stepped = Step(window.get(), &next); !stepped) return stepped;
+      ShowState(*window);
+    }
+    return {};
+  }
+
+  void ShowState(const LockstepWindow& window) {
+    progress_.Show(status_.counter("frames_committed"));
+    const bool waits = !window.HasRoom() || !bus_.connected();
+    status_.Set(ProcessState::kRunning, !bus_.connected()
+                                            ? "no connection to the hub"
+                                            : (waits ? "waiting for MAP_COMMIT" : ""));
+  }
+
+  void Summarize() {
+    const double seconds = MonotonicSeconds() - started_;
+    const auto sent = status_.counter("frames_sent") - status_.counter("frames_resent");
+    char text[256];
+    std::snprintf(text, sizeof(text), "%lld frames in %.2f s (%.1f per second), %lld sent again, ",
+                  static_cast<long long>(sent), seconds,
+                  static_cast<double>(sent) / std::max(seconds, 1e-9),
+                  static_cast<long long>(status_.counter("frames_resent")));
+    const std::string result =
+        options_.lockstep
+            ? std::to_string(status_.counter("frames_committed")) + " committed, " +
+                  std::to_string(status_.counter("frames_not_integrated")) +
+                  " of them not integrated"
+            : "at most " + std::to_string(static_cast<int>(std::ceil(worst_delay_ * 1000))) +
+                  " ms late";
+    LogInfo(text + result);
+  }
+
+  Frames frames_;
+  const ReplayOptions& options_;
+  Bus& bus_;
+  Status& status_;
+  Peers peers_;
+  Progress progress_;
+  double started_ = 0;
+  double worst_delay_ = 0;
+};
+
+}  // namespace
+
+Outcome Replay(const Dataset& dataset, const ReplayOptions& options, ProcessContext& context) {
+  if (dataset.size() == 0)
+    return ExitWith(ExitCode::kUnreadable, dataset.name() + ": no usable frames");
+  return Player(dataset, options, &context).Play();
+}
+
+}  // namespace vismap
