@@ -111,8 +111,9 @@ void JoinCoplanarRegions(const SurfaceMap& surface, const PinholeCamera& camera,
   std::vector<int32_t> host(count, 0);
   for (const int32_t root : order) {
     PlaneMoments& whole = moments[static_cast<size_t>(root)];
-    if (host[static_cast<size_t>(root)] || whole.count() < 3) continue;
+    if (host[static_cast<size_t>(root)]) continue;
     host[static_cast<size_t>(root)] = root;
+    if (whole.count() < 3) continue;
     Eigen::Vector3d plane = whole.Plane();
     if (whole.MeanSquaredError(plane) > max_sigmas * max_sigmas * whole.variance / whole.count()) {
       continue;  // not a plane itself

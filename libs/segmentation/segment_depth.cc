@@ -63,6 +63,7 @@ class FoldTest {
         normals_(surface.normals_C),
         sigma_(surface.normal_sigma),
         min_angle_(static_cast<float>(options.concave_angle_deg * std::numbers::pi / 180)),
+        sharp_angle_(static_cast<float>(options.sharp_angle_deg * std::numbers::pi / 180)),
         sigmas_(static_cast<float>(options.concave_sigmas)) {}
 
   /// 0 = no concave fold between the two pixels; otherwise 2..255, growing with its angle.
@@ -76,7 +77,8 @@ class FoldTest {
     const float dx = mx - nx, dy = my - ny, dz = mz - nz;
     const float chord = std::sqrt(dx * dx + dy * dy + dz * dz);  // about the angle
     const float a = sigma_(v, u), b = sigma_(v2, u2);
-    if (chord < std::max(min_angle_, sigmas_ * std::sqrt(a * a + b * b))) return 0;
+    const float noise = std::min(sigmas_ * std::sqrt(a * a + b * b), sharp_angle_);
+    if (chord < std::max(min_angle_, noise)) return 0;
     return static_cast<uint8_t>(std::clamp(chord * 127.0F, 2.0F, 255.0F));
   }
 
@@ -84,7 +86,7 @@ class FoldTest {
   const VectorImage& points_;
   const VectorImage& normals_;
   const Image<float>& sigma_;
-  float min_angle_, sigmas_;
+  float min_angle_, sharp_angle_, sigmas_;
 };
 
 bool BesideJump(const SurfaceMap& surface, int v, int u) {

@@ -40,6 +40,7 @@ std::vector<std::string> Validate(const SegmentationOptions& options) {
   problems.Unless(InRange(options.concave_angle_deg, 1, 90),
                   "concave_angle_deg must be in [1, 90]");
   problems.Unless(InRange(options.concave_sigmas, 0, 100), "concave_sigmas must be in [0, 100]");
+  problems.Unless(InRange(options.sharp_angle_deg, 1, 180), "sharp_angle_deg must be in [1, 180]");
   problems.Unless(options.min_seed_pixels >= 1, "min_seed_pixels must be at least 1");
   problems.Unless(InRange(options.coplanar_sigmas, 0, 100), "coplanar_sigmas must be in [0, 100]");
   problems.Unless(InRange(options.join_angle_deg, 0, 180), "join_angle_deg must be in [0, 180]");

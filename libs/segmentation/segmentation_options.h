@@ -21,9 +21,10 @@ struct SegmentationOptions {
   // kNoiseScaled
   double concave_angle_deg = 16;  ///< a concave fold is an edge from here on [deg] ...
   double concave_sigmas = 3.0;    ///< ... and from this multiple of the normals' error
-  int min_seed_pixels = 60;       ///< flat areas smaller than this start no segment [px at 640x480]
-  double coplanar_sigmas = 1.5;   ///< neighbours on one plane within this many sigma are joined
-  double join_angle_deg = 20;  ///< a small segment joins its one neighbour if this parallel [deg]
+  double sharp_angle_deg = 50;  ///< a concave fold is an edge from here on whatever the noise [deg]
+  int min_seed_pixels = 60;     ///< flat areas smaller than this start no segment [px at 640x480]
+  double coplanar_sigmas = 1.5;  ///< neighbours on one plane within this many sigma are joined
+  double join_angle_deg = 20;    ///< a small segment joins its one neighbour if this parallel [deg]
 
   // kPublished (Grinvald 2019; constants of the published code)
   double depth_ratio = 0.01;          ///< depth step over z from which a pixel is an edge

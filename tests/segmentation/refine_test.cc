@@ -1,0 +1,212 @@
+#include "segmentation/refine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace vismap {
+namespace {
+
+constexpr int kWidth = 200, kHeight = 150;
+constexpr ClassId kCup{47}, kTable{67}, kChair{62};
+
+RgbdFrame Frame() {
+  RgbdFrame frame;
+  frame.depth = Image<float>(kWidth, kHeight, 1.0F);
+  return frame;
+}
+
+/// Two segments: 0 = columns below 100, 1 = the rest. The top ten rows belong to none.
+SegmentImage Halves() {
+  SegmentImage image{Image<SegmentIndex>(kWidth, kHeight, SegmentIndex::kNone), 2};
+  for (int v = 10; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) image.index(v, u) = static_cast<SegmentIndex>(u < 100 ? 0 : 1);
+  }
+  return image;
+}
+
+Detection Rectangle(ClassId class_id, float score, int u0, int v0, int width, int height) {
+  Detection detection{class_id, score, {}};
+  detection.mask.image_width = kWidth;
+  detection.mask.image_height = kHeight;
+  detection.mask.u0 = u0;
+  detection.mask.v0 = v0;
+  detection.mask.inside = Image<uint8_t>(width, height, uint8_t{1});
+  return detection;
+}
+
+SegmentedFrame Refine(std::vector<Detection> detections, const RefineOptions& options = {}) {
+  DetectionSet set;
+  set.detections = std::move(detections);
+  return RefineWithDetections(Frame(), Halves(), &set, options);
+}
+
+/// Every property that holds for any input.
+void ExpectConsistent(const SegmentedFrame& out) {
+  ASSERT_EQ(static_cast<int>(out.segments.size()), out.image.segment_count);
+  std::vector<int> pixels(out.segments.size());
+  for (const SegmentIndex index : out.image.index.pixels()) {
+    if (index == SegmentIndex::kNone) continue;
+    ASSERT_LT(Raw(index), out.image.segment_count);
+    ++pixels[static_cast<size_t>(Raw(index))];
+  }
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    EXPECT_EQ(out.segments[i].pixels, pixels[i]);
+    EXPECT_EQ(out.segments[i].overlap > 0, out.segments[i].detection != DetectionIndex::kNone);
+    EXPECT_LE(out.segments[i].overlap, 1);
+  }
+}
+
+TEST(Refine, WithoutDetectorSegmentsAreOnlyCounted) {
+  const SegmentedFrame out = RefineWithDetections(Frame(), Halves(), nullptr, RefineOptions{});
+  ExpectConsistent(out);
+  EXPECT_FALSE(out.had_detections);
+  ASSERT_EQ(out.segments.size(), 2u);
+  EXPECT_EQ(out.segments[0].pixels, 100 * 140);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
+}
+
+TEST(Refine, DetectorThatFoundNothingIsNotNoDetector) {
+  const SegmentedFrame out = Refine({});
+  EXPECT_TRUE(out.had_detections);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
+}
+
+TEST(Refine, SegmentGetsTheMaskThatCoversIt) {
+  const SegmentedFrame out = Refine({Rectangle(kChair, 0.9F, 90, 0, 110, kHeight)});
+  ExpectConsistent(out);
+  ASSERT_EQ(out.segments.size(), 2u);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
+  EXPECT_EQ(out.segments[1].detection, DetectionIndex{0});
+  EXPECT_EQ(out.segments[1].class_id, kChair);
+  EXPECT_FLOAT_EQ(out.segments[1].score, 0.9F);
+  EXPECT_FLOAT_EQ(out.segments[1].overlap, 1.0F);
+}
+
+TEST(Refine, OverlapMustExceedTheThreshold) {
+  RefineOptions options;
+  options.split = false;
+  options.min_overlap = 0.5;
+  EXPECT_EQ(Refine({Rectangle(kChair, 0.9F, 150, 0, 50, kHeight)}, options).segments[1].detection,
+            DetectionIndex::kNone);  // exactly 0.5
+  const auto out = Refine({Rectangle(kChair, 0.9F, 149, 0, 51, kHeight)}, options);
+  EXPECT_EQ(out.segments[1].detection, DetectionIndex{0});
+  EXPECT_FLOAT_EQ(out.segments[1].overlap, 0.51F);
+}
+
+TEST(Refine, OneMaskMayHoldSeveralSegments) {
+  const SegmentedFrame out = Refine({Rectangle(kTable, 0.8F, 0, 0, kWidth, kHeight)});
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex{0});
+  EXPECT_EQ(out.segments[1].detection, DetectionIndex{0});
+}
+
+TEST(Refine, DetectionsBelowTheMinimumScoreDoNotExist) {
+  RefineOptions options;
+  options.min_score = 0.5;
+  const SegmentedFrame out = Refine({Rectangle(kTable, 0.4F, 0, 0, kWidth, kHeight)}, options);
+  EXPECT_TRUE(out.had_detections);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
+}
+
+TEST(Refine, TiesGoToTheHigherScoreThenTheSmallerMaskThenTheLowerIndex) {
+  RefineOptions options;
+  options.resolve_overlaps = false;
+  options.split = false;
+  const auto first = [&](std::vector<Detection> detections) {
+    return Raw(Refine(std::move(detections), options).segments[0].detection);
+  };
+  const Detection low = Rectangle(kTable, 0.6F, 0, 0, kWidth, kHeight);
+  const Detection high = Rectangle(kChair, 0.7F, 0, 0, kWidth, kHeight);
+  const Detection smaller = Rectangle(kCup, 0.6F, 0, 0, 100, kHeight);
+  EXPECT_EQ(first({low, high}), 1);
+  EXPECT_EQ(first({high, low}), 0);
+  EXPECT_EQ(first({low, smaller}), 1);
+  EXPECT_EQ(first({low, low}), 0);
+}
+
+TEST(Refine, GoodMaskCutsTheCupOutOfTheTable) {
+  const SegmentedFrame out = Refine({Rectangle(kCup, 0.9F, 30, 60, 30, 30)});
+  ExpectConsistent(out);
+  ASSERT_EQ(out.segments.size(), 3u);
+  EXPECT_EQ(out.segments[2].class_id, kCup);
+  EXPECT_EQ(out.segments[2].pixels, 900);
+  EXPECT_EQ(out.image.index(60, 30), SegmentIndex{2});
+  EXPECT_EQ(out.image.index(59, 30), SegmentIndex{0});
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
+}
+
+TEST(Refine, TableAroundTheCupStillGetsItsOwnMask) {
+  const SegmentedFrame out =
+      Refine({Rectangle(kTable, 0.8F, 0, 0, 100, kHeight), Rectangle(kCup, 0.9F, 30, 60, 30, 30)});
+  ExpectConsistent(out);
+  ASSERT_EQ(out.segments.size(), 3u);
+  EXPECT_EQ(out.segments[0].class_id, kTable);
+  EXPECT_FLOAT_EQ(out.segments[0].overlap, 1.0F);
+  EXPECT_EQ(out.segments[2].class_id, kCup);
+}
+
+TEST(Refine, PoorOrTornMasksDoNotSplit) {
+  EXPECT_EQ(Refine({Rectangle(kCup, 0.3F, 30, 60, 30, 30)}).segments.size(), 2u);  // score
+  EXPECT_EQ(Refine({Rectangle(kCup, 0.9F, 30, 60, 5, 5)}).segments.size(), 2u);    // size
+  EXPECT_EQ(Refine({Rectangle(kCup, 0.9F, 85, 60, 30, 30)}).segments.size(), 2u);  // on both
+  EXPECT_EQ(Refine({Rectangle(kCup, 0.9F, 0, 0, 100, 149)}).segments.size(), 2u);  // nearly all
+  RefineOptions off;
+  off.split = false;
+  EXPECT_EQ(Refine({Rectangle(kCup, 0.9F, 30, 60, 30, 30)}, off).segments.size(), 2u);
+}
+
+TEST(Refine, SoftRimOfAMaskOnTheBackgroundIsNotCutOut) {
+  // The chair is segment 1; its mask laps over 8 px onto segment 0.
+  const SegmentedFrame out = Refine({Rectangle(kChair, 0.95F, 92, 0, 108, kHeight)});
+  ASSERT_EQ(out.segments.size(), 2u);
+  EXPECT_EQ(out.segments[0].pixels, 100 * 140);
+  EXPECT_EQ(out.segments[1].class_id, kChair);
+}
+
+TEST(Refine, PixelInTwoMasksBelongsToTheBetterOne) {
+  const std::vector<Detection> both{Rectangle(kTable, 0.6F, 0, 0, kWidth, kHeight),
+                                    Rectangle(kChair, 0.9F, 100, 0, 100, kHeight)};
+  const SegmentedFrame resolved = Refine(both);
+  EXPECT_EQ(resolved.segments[0].class_id, kTable);
+  EXPECT_EQ(resolved.segments[1].class_id, kChair);
+}
+
+TEST(Refine, MasksThatReachOutOfTheImageAreCut) {
+  const SegmentedFrame out =
+      Refine({Rectangle(kTable, 0.8F, -50, -50, 1000, 1000),
+              Rectangle(kCup, 0.8F, 500, 500, 10, 10), Rectangle(kCup, 0.8F, 10, 10, 0, 0)});
+  ExpectConsistent(out);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex{0});
+}
+
+TEST(Refine, OrderOfDetectionsWithDistinctScoresDoesNotMatter) {
+  std::vector<Detection> detections{
+      Rectangle(kTable, 0.71F, 0, 0, 150, kHeight), Rectangle(kCup, 0.9F, 30, 60, 30, 30),
+      Rectangle(kChair, 0.8F, 95, 20, 105, 100), Rectangle(kCup, 0.75F, 50, 70, 40, 40)};
+  const SegmentedFrame forward = Refine(detections);
+  std::reverse(detections.begin(), detections.end());
+  const SegmentedFrame backward = Refine(detections);
+  ExpectConsistent(forward);
+  EXPECT_EQ(forward.image.index, backward.image.index);
+  ASSERT_EQ(forward.segments.size(), backward.segments.size());
+  for (size_t i = 0; i < forward.segments.size(); ++i) {
+    EXPECT_EQ(forward.segments[i].class_id, backward.segments[i].class_id);
+    EXPECT_EQ(forward.segments[i].score, backward.segments[i].score);
+  }
+}
+
+TEST(Refine, NoSegmentsAtAllIsFine) {
+  DetectionSet set;
+  set.detections = {Rectangle(kTable, 0.8F, 0, 0, kWidth, kHeight)};
+  const SegmentedFrame out = RefineWithDetections(
+      Frame(), {Image<SegmentIndex>(kWidth, kHeight, SegmentIndex::kNone), 0}, &set, {});
+  EXPECT_TRUE(out.segments.empty());
+}
+
+TEST(Refine, ForeignSegmentImageThrows) {
+  EXPECT_THROW(RefineWithDetections(Frame(), {Image<SegmentIndex>(3, 3), 1}, nullptr, {}),
+               std::logic_error);
+}
+
+}  // namespace
+}  // namespace vismap
