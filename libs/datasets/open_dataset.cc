@@ -13,7 +13,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // In this order of looking: the layouts with the most telling files first.
-constexpr std::array<const DatasetFormat*, 2> kFormats{&kSceneNnFormat, &kSevenScenesFormat};
+constexpr std::array<const DatasetFormat*, 7> kFormats{
+    &kSceneNnFormat, &kSevenScenesFormat, &kIclFormat,    &kTumFormat,
+    &kScanNetFormat, &kRedwoodFormat,     &kReplicaFormat};
 
 /// A listed folder whose unusable frames have been taken out.
 class FolderDataset : public Dataset {

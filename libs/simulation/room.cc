@@ -142,7 +142,7 @@ void AddLargeThings(Furniture* room) {
 
 void AddSmallThings(Furniture* room) {
   const double table = 0.76, cabinet = 0.5;
-  room->Put(Builder(room->Known("backpack", 27, {40, 60, 120}), {2.2, -0.5, 0}, kLeft)
+  room->Put(Builder(room->Known("backpack", 27, {40, 60, 120}), {2.25, 0.55, 0}, kLeft)
                 .Box({0, 0, 0.23}, {0.16, 0.1, 0.23})
                 .Box({0, 0.13, 0.17}, {0.12, 0.05, 0.12}));
   room->Put(Builder(room->Known("cup", 47, {235, 235, 240}), {0.3, 0.12, table}, kAhead)
@@ -212,7 +212,7 @@ std::vector<Pose> MakeRoomTour(int count) {
   }
   for (const Heading at : kRound) {  // from the middle to the walls, turning on as before
     eyes.emplace_back(0.6 * at.c, 0.5 * at.s, 1.5);
-    targets.emplace_back(-2.4 * at.c, -1.9 * at.s, 0.8);
+    targets.emplace_back(-2.4 * at.c, -1.9 * at.s, 0.6);
   }
   std::vector<Pose> poses;
   for (int i = 0; i < count; ++i) {

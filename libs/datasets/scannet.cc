@@ -1,0 +1,73 @@
+// ScanNet as its SensReader exports it: color/N.jpg, depth/N.png (16-bit, mm), pose/N.txt (4x4
+// camera to world; -inf = tracking was lost), intrinsic/intrinsic_depth.txt and intrinsic_color.txt
+// (4x4). 30 frames a second. Colour of another size than depth is resampled to it, nearest
+// neighbour, by the two intrinsics; colour of the size of depth is taken as registered.
+#include "datasets/formats.h"
+#include "datasets/image_file.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kRate = 30;
+
+bool LooksLikeScanNet(const fs::path& folder) {
+  return fs::is_directory(folder / "color") && fs::is_directory(folder / "depth") &&
+         fs::is_directory(folder / "pose");
+}
+
+Result<PinholeCamera> ReadIntrinsics(const fs::path& path) {
+  const Result<std::vector<double>> k = ReadNumbers(path, 16);
+  if (!k) return Fail(k.error().message);
+  return PinholeCamera{.fx = (*k)[0], .fy = (*k)[5], .cx = (*k)[2], .cy = (*k)[6]};
+}
+
+/// The colour camera, when colour has another size than depth.
+Result<std::optional<PinholeCamera>> FindColorCamera(const fs::path& folder,
+                                                     const PinholeCamera& depth_camera,
+                                                     const fs::path& first_color) {
+  const Result<ImageFileInfo> info = ReadImageInfo(first_color);
+  if (!info) return Fail(info.error().message);
+  if (info->width == depth_camera.width && info->height == depth_camera.height) return std::nullopt;
+  const fs::path path = folder / "intrinsic" / "intrinsic_color.txt";
+  Result<PinholeCamera> camera = ReadIntrinsics(path);
+  if (!camera) return Fail(camera.error().message);
+  camera->width = info->width;
+  camera->height = info->height;
+  if (const auto checked = ValidateCamera(*camera); !checked) {
+    return Fail(path.string() + ": " + checked.error().message);
+  }
+  return *camera;
+}
+
+Result<SequenceFiles> ListScanNet(const fs::path& folder) {
+  const Result<PinholeCamera> intrinsics =
+      ReadIntrinsics(folder / "intrinsic" / "intrinsic_depth.txt");
+  if (!intrinsics) return Fail(intrinsics.error().message);
+  Result<std::vector<FrameFiles>> frames =
+      PairByNumber({folder / "color", "", {".jpg", ".png"}}, {folder / "depth", "", {".png"}});
+  if (!frames) return Fail(frames.error().message);
+  for (FrameFiles& frame : *frames) {
+    const std::string name = frame.depth.stem().string() + ".txt";
+    Result<Result<Pose>> pose = ReadPoseFile(folder / "pose" / name);
+    if (!pose) return Fail(pose.error().message);
+    frame.T_W_C = std::move(*pose);
+    frame.utime = UtimeAtRate(frame.number, kRate);
+  }
+  const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, *frames);
+  if (!camera) return Fail(camera.error().message);
+  const auto color_camera = FindColorCamera(folder, *camera, frames->front().color);
+  if (!color_camera) return Fail(color_camera.error().message);
+  return SequenceFiles{.camera = *camera,
+                       .color_camera = *color_camera,
+                       .depth_unit_m = 0.001,
+                       .frames = std::move(*frames)};
+}
+
+}  // namespace
+
+const DatasetFormat kScanNetFormat{"scannet", "color/, depth/ and pose/", LooksLikeScanNet,
+                                   ListScanNet};
+
+}  // namespace vismap

@@ -1,0 +1,297 @@
+// TUM RGB-D: rgb.txt and depth.txt (lines "time file"), or associations.txt (lines "time file time
+// file"), groundtruth.txt (lines "time tx ty tz qx qy qz qw", camera to world), 5000 steps a metre,
+// time in seconds. Frames are numbered from 0 in the order of depth.txt or associations.txt.
+// ICL-NUIM in TUM's layout: associations.txt and one *.gt.freiburg; its time is the number of the
+// frame, 30 a second. Both take their intrinsics from camera.txt ("fx fy cx cy") when there is one.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "datasets/formats.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDepthUnit = 1.0 / 5000;
+constexpr double kMaxTimeDifference = 0.02;  // [s], as the tools of the benchmark
+constexpr double kIclRate = 30;
+
+struct TimedFile {
+  double time = 0;  ///< as written: seconds, or frames for ICL
+  fs::path path;
+};
+
+struct TimedPair {
+  TimedFile color, depth;
+};
+
+struct TimedPose {
+  double time = 0;
+  Result<Pose> T_W_C = Pose::Identity();
+};
+
+tl::unexpected<Error> FailAt(const fs::path& path, const TextLine& line, const std::string& what) {
+  return Fail(path.string() + ":" + std::to_string(line.number) + ": " + what);
+}
+
+Result<std::vector<TimedFile>> ReadList(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  std::vector<TimedFile> files;
+  for (const TextLine& line : SplitLines(*text)) {
+    const auto time = ParseNumber(line.words[0]);
+    if (line.words.size() != 2 || !time || !std::isfinite(*time)) {
+      return FailAt(path, line, "expected \"TIME FILE\"");
+    }
+    files.push_back({*time, path.parent_path() / line.words[1]});
+  }
+  if (files.empty()) return Fail(path.string() + ": no images listed");
+  return files;
+}
+
+/// The depth file is the one whose path says so: TUM lists colour first, ICL depth.
+Result<TimedPair> ParseAssociation(const fs::path& path, const TextLine& line) {
+  if (line.words.size() != 4) return FailAt(path, line, "expected \"TIME FILE TIME FILE\"");
+  std::array<TimedFile, 2> files;
+  std::array<bool, 2> is_depth{};
+  for (size_t i = 0; i < 2; ++i) {
+    const auto time = ParseNumber(line.words[2 * i]);
+    if (!time || !std::isfinite(*time)) return FailAt(path, line, "expected a time");
+    files[i] = {*time, path.parent_path() / line.words[2 * i + 1]};
+    is_depth[i] = line.words[2 * i + 1].find("depth") != std::string_view::npos;
+  }
+  if (is_depth[0] == is_depth[1]) {
+    return FailAt(path, line, "expected exactly one path with \"depth\" in it");
+  }
+  return is_depth[0] ? TimedPair{files[1], files[0]} : TimedPair{files[0], files[1]};
+}
+
+Result<std::vector<TimedPair>> ReadAssociations(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  std::vector<TimedPair> pairs;
+  for (const TextLine& line : SplitLines(*text)) {
+    const Result<TimedPair> pair = ParseAssociation(path, line);
+    if (!pair) return Fail(pair.error().message);
+    pairs.push_back(*pair);
+  }
+  if (pairs.empty()) return Fail(path.string() + ": no images listed");
+  return pairs;
+}
+
+/// As the benchmark's associate.py: the closest pairs first, each file at most once. Depth images
+/// without a partner keep an empty colour path.
+std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<TimedFile> depths) {
+  const auto by_time = [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; };
+  std::stable_sort(colors.begin(), colors.end(), by_time);
+  std::stable_sort(depths.begin(), depths.end(), by_time);
+  std::vector<std::tuple<double, size_t, size_t>> candidates;
+  size_t begin = 0;
+  for (size_t d = 0; d < depths.size(); ++d) {
+    while (begin < colors.size() && colors[begin].time < depths[d].time - kMaxTimeDifference) {
+      ++begin;
+    }
+    for (size_t c = begin; c < colors.size(); ++c) {
+      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;
+      candidates.emplace_back(std::abs(colors[c].time - depths[d].time), d, c);
+    }
+  }
+  std::sort(candidates.begin(), candidates.end());
+  std::vector<TimedPair> pairs(depths.size());
+  for (size_t d = 0; d < depths.size(); ++d) pairs[d].depth = depths[d];
+  std::vector<bool> color_used(colors.size(), false);
+  for (const auto& [difference, d, c] : candidates) {
+    if (color_used[c] || !pairs[d].color.path.empty()) continue;
+    pairs[d].color = colors[c];
+    color_used[c] = true;
+  }
+  return pairs;
+}
+
+Result<Pose> PoseOf(const std::vector<double>& n) {
+  const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
+  // files give 4 digits; anything farther from unit length is not a rotation
+  if (!(std::abs(q.norm() - 1) < 0.01)) {
+    return Fail("quaternion has length " + std::to_string(q.norm()) + "; expected 1");
+  }
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix();
+  matrix.topRightCorner<3, 1>() << n[1], n[2], n[3];
+  return MakePose(matrix);
+}
+
+/// Sorted by time.
+Result<std::vector<TimedPose>> ReadPoses(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  std::vector<TimedPose> poses;
+  for (const TextLine& line : SplitLines(*text)) {
+    std::vector<double> numbers;
+    for (const std::string_view word : line.words) {
+      if (const auto number = ParseNumber(word)) numbers.push_back(*number);
+    }
+    if (line.words.size() != 8 || numbers.size() != 8 || !std::isfinite(numbers[0])) {
+      return FailAt(path, line, "expected \"TIME TX TY TZ QX QY QZ QW\"");
+    }
+    poses.push_back({numbers[0], PoseOf(numbers)});
+  }
+  if (poses.empty()) return Fail(path.string() + ": no poses");
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const TimedPose& a, const TimedPose& b) { return a.time < b.time; });
+  return poses;
+}
+
+Result<Pose> PoseAt(const std::vector<TimedPose>& poses, double time, double max_difference) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), time,
+                       [](const TimedPose& pose, double at) { return pose.time < at; });
+  auto nearest = after == poses.end() ? after - 1 : after;
+  if (nearest != poses.begin() && time - (nearest - 1)->time < std::abs(nearest->time - time)) {
+    --nearest;
+  }
+  const double difference = std::abs(nearest->time - time);
+  if (difference <= max_difference) return nearest->T_W_C;
+  return Fail("no pose at time " + std::to_string(time) + "; the nearest is " +
+              std::to_string(difference) + " away");
+}
+
+Result<PinholeCamera> ReadCameraFile(const fs::path& path) {
+  const Result<std::vector<double>> n = ReadNumbers(path, 4);
+  if (!n) return Fail(n.error().message);
+  return PinholeCamera{.fx = (*n)[0], .fy = (*n)[1], .cx = (*n)[2], .cy = (*n)[3]};
+}
+
+bool Contains(const std::string& text, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return text.find(word) != std::string::npos; });
+}
+
+/// What the benchmark recommends: the ROS default for the distorted fr1 and fr2, the calibration
+/// for the undistorted fr3.
+Result<PinholeCamera> TumCamera(const fs::path& folder) {
+  if (fs::exists(folder / "camera.txt")) return ReadCameraFile(folder / "camera.txt");
+  const std::string name = folder.filename().string();
+  if (Contains(name, {"fr1", "freiburg1", "fr2", "freiburg2"})) {
+    return PinholeCamera{.fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
+  }
+  if (Contains(name, {"fr3", "freiburg3"})) {
+    return PinholeCamera{.fx = 535.4, .fy = 539.2, .cx = 320.1, .cy = 247.6};
+  }
+  return Fail(folder.string() +
+              ": the intrinsics are unknown: the folder's name has none of fr1, fr2, fr3 and there "
+              "is no camera.txt with \"fx fy cx cy\"");
+}
+
+Result<PinholeCamera> IclCamera(const fs::path& folder) {
+  if (fs::exists(folder / "camera.txt")) return ReadCameraFile(folder / "camera.txt");
+  return PinholeCamera{.fx = 481.2, .fy = -480, .cx = 319.5, .cy = 239.5};
+}
+
+/// A negative fy means an image whose y axis points up, hence a left-handed camera and world (those
+/// of POV-Ray). Mirroring y of both gives a right-handed camera with y down in a right-handed
+/// world.
+void MakeRightHanded(SequenceFiles* files) {
+  if (!(files->camera.fy < 0)) return;
+  files->camera.fy = -files->camera.fy;
+  const Eigen::Vector4d mirror(1, -1, 1, 1);
+  for (FrameFiles& frame : files->frames) {
+    if (!frame.T_W_C) continue;
+    frame.T_W_C = MakePose(mirror.asDiagonal() * frame.T_W_C->matrix() * mirror.asDiagonal());
+  }
+}
+
+std::vector<FrameFiles> MakeFrames(const std::vector<TimedPair>& pairs,
+                                   const std::vector<TimedPose>& poses, double max_difference) {
+  std::vector<FrameFiles> frames;
+  for (const TimedPair& pair : pairs) {
+    FrameFiles frame;
+    frame.number = static_cast<int64_t>(frames.size());
+    frame.utime = std::llround(pair.depth.time * 1e6);
+    frame.color = pair.color.path;
+    frame.depth = pair.depth.path;
+    frame.T_W_C = pair.color.path.empty()
+                      ? Fail("no colour image within 20 ms of " + pair.depth.path.string())
+                      : PoseAt(poses, pair.depth.time, max_difference);
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+Result<SequenceFiles> Finish(const Result<PinholeCamera>& intrinsics,
+                             std::vector<FrameFiles> frames) {
+  if (!intrinsics) return Fail(intrinsics.error().message);
+  const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, frames);
+  if (!camera) return Fail(camera.error().message);
+  SequenceFiles files{.camera = *camera,
+                      .color_camera = {},
+                      .depth_unit_m = kDepthUnit,
+                      .frames = std::move(frames)};
+  MakeRightHanded(&files);
+  return files;
+}
+
+Result<std::vector<TimedPair>> ListTumPairs(const fs::path& folder) {
+  if (fs::exists(folder / "associations.txt")) return ReadAssociations(folder / "associations.txt");
+  const Result<std::vector<TimedFile>> colors = ReadList(folder / "rgb.txt");
+  if (!colors) return Fail(colors.error().message);
+  const Result<std::vector<TimedFile>> depths = ReadList(folder / "depth.txt");
+  if (!depths) return Fail(depths.error().message);
+  return Associate(*colors, *depths);
+}
+
+Result<SequenceFiles> ListTum(const fs::path& folder) {
+  const Result<std::vector<TimedPair>> pairs = ListTumPairs(folder);
+  if (!pairs) return Fail(pairs.error().message);
+  const Result<std::vector<TimedPose>> poses = ReadPoses(folder / "groundtruth.txt");
+  if (!poses) return Fail(poses.error().message);
+  return Finish(TumCamera(folder), MakeFrames(*pairs, *poses, kMaxTimeDifference));
+}
+
+bool LooksLikeTum(const fs::path& folder) {
+  return fs::exists(folder / "groundtruth.txt") &&
+         (fs::exists(folder / "associations.txt") ||
+          (fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt")));
+}
+
+Result<fs::path> FindFreiburg(const fs::path& folder) {
+  std::set<fs::path> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().string().ends_with(".gt.freiburg")) found.insert(entry.path());
+  }
+  if (found.size() == 1) return *found.begin();
+  return Fail(folder.string() + ": expected one *.gt.freiburg, found " +
+              std::to_string(found.size()));
+}
+
+Result<SequenceFiles> ListIcl(const fs::path& folder) {
+  const Result<fs::path> poses_path = FindFreiburg(folder);
+  if (!poses_path) return Fail(poses_path.error().message);
+  const Result<std::vector<TimedPair>> pairs = ReadAssociations(folder / "associations.txt");
+  if (!pairs) return Fail(pairs.error().message);
+  const Result<std::vector<TimedPose>> poses = ReadPoses(*poses_path);
+  if (!poses) return Fail(poses.error().message);
+  std::vector<FrameFiles> frames = MakeFrames(*pairs, *poses, 0);
+  for (FrameFiles& frame : frames) {
+    const auto number = NumberInName(frame.depth.filename().string(), "", ".png");
+    if (!number) return Fail(frame.depth.string() + ": expected a number as the name");
+    frame.number = *number;
+    frame.utime = UtimeAtRate(*number, kIclRate);
+  }
+  return Finish(IclCamera(folder), std::move(frames));
+}
+
+bool LooksLikeIcl(const fs::path& folder) {
+  return fs::exists(folder / "associations.txt") && FindFreiburg(folder).has_value();
+}
+
+}  // namespace
+
+const DatasetFormat kTumFormat{"tum", "groundtruth.txt with associations.txt or rgb.txt, depth.txt",
+                               LooksLikeTum, ListTum};
+const DatasetFormat kIclFormat{"icl", "associations.txt with one *.gt.freiburg", LooksLikeIcl,
+                               ListIcl};
+
+}  // namespace vismap
