@@ -23,8 +23,9 @@ LIBS = {
     "mapfile": ["mapping"],
     "datasets": ["codecs"],
     "simulation": ["datasets"],
+    "session": ["render", "freespace", "mapfile", "datasets"],
     "evaluation": ["meshing", "datasets"],
-    "config": ["simulation", "meshing", "freespace", "mapfile"],
+    "config": ["simulation", "session"],
 }
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any
 # room of libs/ and these, but not each other.

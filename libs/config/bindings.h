@@ -1,0 +1,160 @@
+#pragma once
+
+#include "config/config.h"
+
+namespace vismap::config {
+
+// Which key of options.proto is which member of an option struct: said once here, for reading and
+// for writing. A binder has
+//   Value(key, member)        for double, int, bool, std::string and enums (same order in both),
+//   Direction(key, member)    for three numbers of unit length or none,
+//   Sensor(key, noise model)  for the presets of noise models,
+//   Section(key, body)        for a message; calls body(binder of the message).
+
+template <typename Binder>
+void BindSurface(Binder& bind, SurfaceOptions& options) {
+  bind.Sensor("sensor", options.noise);  // before the fields that change it
+  bind.Value("noise_axial_base_m", options.noise.axial_base);
+  bind.Value("noise_axial_quadratic_per_m", options.noise.axial_quadratic);
+  bind.Value("noise_axial_offset_m", options.noise.axial_offset);
+  bind.Value("noise_disparity_step_per_m", options.noise.disparity_step);
+  bind.Value("noise_correlation_px", options.noise.correlation);
+  bind.Value("min_depth_m", options.min_depth);
+  bind.Value("max_depth_m", options.max_depth);
+  bind.Value("method", options.method);
+  bind.Value("normal_sigma_deg", options.normal_sigma_deg);
+  bind.Value("min_radius_px", options.min_radius);
+  bind.Value("max_radius_px", options.max_radius);
+  bind.Value("jump_sigmas", options.jump_sigmas);
+  bind.Value("max_incidence_deg", options.max_incidence_deg);
+  bind.Value("window_px", options.window);
+  bind.Value("window_depth_ratio", options.window_depth);
+}
+
+template <typename Binder>
+void BindSegmentation(Binder& bind, SegmentationOptions& options) {
+  bind.Value("method", options.method);
+  bind.Value("min_segment_px", options.min_segment_pixels);
+  bind.Value("concave_angle_deg", options.concave_angle_deg);
+  bind.Value("concave_sigmas", options.concave_sigmas);
+  bind.Value("min_seed_px", options.min_seed_pixels);
+  bind.Value("coplanar_sigmas", options.coplanar_sigmas);
+  bind.Value("join_angle_deg", options.join_angle_deg);
+  bind.Value("depth_ratio", options.depth_ratio);
+  bind.Value("concave_tolerance_m", options.concave_tolerance);
+  bind.Value("concave_cosine", options.concave_cosine);
+  bind.Value("convexity_window_px", options.convexity_window);
+  bind.Value("give_back_window_px", options.give_back_window);
+  bind.Value("give_back_distance_m", options.give_back_distance);
+}
+
+template <typename Binder>
+void BindRefine(Binder& bind, RefineOptions& options) {
+  bind.Value("min_overlap", options.min_overlap);
+  bind.Value("min_score", options.min_score);
+  bind.Value("resolve_overlaps", options.resolve_overlaps);
+  bind.Value("split", options.split);
+  bind.Value("split_min_score", options.split_min_score);
+  bind.Value("split_min_mask_part", options.split_min_mask_part);
+  bind.Value("split_min_px", options.split_min_pixels);
+  bind.Value("split_min_rest_px", options.split_min_rest_pixels);
+}
+
+template <typename Binder>
+void BindAssociation(Binder& bind, AssociationOptions& options) {
+  bind.Value("min_overlap_points", options.min_overlap_points);
+  bind.Value("max_distance_voxels", options.max_distance_voxels);
+  bind.Value("pixel_stride", options.pixel_stride);
+  bind.Value("merge_overlap_ratio", options.merge_overlap_ratio);
+}
+
+template <typename Binder>
+void BindIntegration(Binder& bind, IntegrationOptions& options) {
+  bind.Value("min_range_m", options.min_range);
+  bind.Value("max_range_m", options.max_range);
+  bind.Value("free_space_range_m", options.free_space_range);
+  bind.Value("free_space", options.free_space);
+  bind.Value("max_weight", options.max_weight);
+  bind.Value("vote_distance_voxels", options.vote_distance_voxels);
+  bind.Value("merge_frames", options.merge_frames);
+}
+
+template <typename Binder>
+void BindMeshing(Binder& bind, MeshingOptions& options) {
+  bind.Value("min_weight", options.min_weight);
+  bind.Value("min_observations", options.min_observations);
+  bind.Value("jump_fraction", options.jump_fraction);
+  bind.Value("min_component_triangles", options.min_component_triangles);
+}
+
+template <typename Binder>
+void BindObjects(Binder& bind, VismapConfig& config) {
+  ObjectOptions& options = config.objects;
+  bind.Direction("up_W", config.up_W);
+  bind.Value("min_instance_points", options.min_instance_points);
+  bind.Value("min_discovered_points", options.min_discovered_points);
+  bind.Value("box_outliers", options.box_outliers);
+  bind.Value("part_gap_m", options.part_gap);
+  bind.Value("min_part_share", options.min_part_share);
+  bind.Value("structure_flatness_m", options.structure_flatness);
+  bind.Value("structure_share", options.structure_share);
+  bind.Value("structure_area_m2", options.structure_area);
+}
+
+template <typename Binder>
+void BindFreeSpace(Binder& bind, OccupancyOptions& options) {
+  bind.Value("occupied_max_voxels", options.occupied_max_voxels);
+  bind.Value("free_min_voxels", options.free_min_voxels);
+  bind.Value("min_observations", options.min_observations);
+}
+
+template <typename Binder>
+void BindDepthSegmenter(Binder& bind, DepthSegmenterConfig& config) {
+  bind.Value("detections", config.detections);
+  bind.Value("detection_timeout_s", config.detection_timeout);
+  bind.Value("max_waiting_frames", config.max_waiting_frames);
+}
+
+template <typename Binder>
+void BindMapServer(Binder& bind, MapServerConfig& config) {
+  bind.Value("load", config.load);
+  bind.Value("save_on_exit", config.save_on_exit);
+  bind.Value("save_period_s", config.save_period);
+  bind.Value("mesh_period_s", config.mesh_period);
+  bind.Value("objects_period_s", config.objects_period);
+}
+
+template <typename Binder>
+void BindOctomapExporter(Binder& bind, OctomapExporterConfig& config) {
+  bind.Value("period_s", config.period);
+  bind.Value("unknown", config.unknown);
+  bind.Value("output_folder", config.output_folder);
+}
+
+template <typename Binder>
+void BindConfig(Binder& bind, VismapConfig& config) {
+  bind.Section("grid", [&](Binder& grid) {
+    grid.Value("voxel_size_m", config.grid.voxel_size);
+    grid.Value("truncation_voxels", config.grid.truncation_voxels);
+  });
+  bind.Section("surface", [&](Binder& at) { BindSurface(at, config.segmentation.surface); });
+  bind.Section("segmentation",
+               [&](Binder& at) { BindSegmentation(at, config.segmentation.segmentation); });
+  bind.Section("refine", [&](Binder& at) { BindRefine(at, config.segmentation.refine); });
+  bind.Section("association", [&](Binder& at) { BindAssociation(at, config.association); });
+  bind.Section("integration", [&](Binder& at) { BindIntegration(at, config.integration); });
+  bind.Section("meshing", [&](Binder& at) { BindMeshing(at, config.meshing); });
+  bind.Section("objects", [&](Binder& at) { BindObjects(at, config); });
+  bind.Section("free_space", [&](Binder& at) { BindFreeSpace(at, config.free_space); });
+  bind.Section("octree", [&](Binder& octree) {
+    octree.Value("resolution_m", config.octree.resolution);
+    octree.Value("free_fraction", config.octree.free_fraction);
+  });
+  bind.Section("depth_segmenter",
+               [&](Binder& at) { BindDepthSegmenter(at, config.depth_segmenter); });
+  bind.Section("map_server", [&](Binder& at) { BindMapServer(at, config.map_server); });
+  bind.Section("octomap_exporter",
+               [&](Binder& at) { BindOctomapExporter(at, config.octomap_exporter); });
+}
+
+}  // namespace vismap::config

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "association/associate.h"
+#include "base/result.h"
+#include "freespace/occupancy.h"
+#include "freespace/octree.h"
+#include "mapping/integrate.h"
+#include "meshing/objects.h"
+#include "segmentation/segmentation_options.h"
+#include "volume/voxel_map.h"
+
+namespace vismap {
+
+// What lives in this room: config files. The only user of options.pb.h (in .cc files). Which keys
+// there are, and what they mean, stands in options.proto; defaults stand in the option structs.
+
+/// What a frame waits for in the depth segmenter.
+enum class WaitForDetections { kRequired, kAuto, kNone };
+
+struct DepthSegmenterConfig {
+  WaitForDetections detections = WaitForDetections::kAuto;
+  double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
+  int max_waiting_frames = 64;     ///< beyond, the oldest is given up
+};
+
+struct MapServerConfig {
+  std::string load;           ///< map file to continue; empty = none
+  std::string save_on_exit;   ///< map file to write when stopped; empty = none
+  double save_period = 0;     ///< and also while running [s]; 0 = do not
+  double mesh_period = 1;     ///< least time between two mesh updates [s]; 0 = every frame
+  double objects_period = 1;  ///< least time between two object lists [s]; 0 = every frame
+};
+
+struct OctomapExporterConfig {
+  double period = 1;  ///< least time between two octrees [s]; 0 = only on request
+  UnknownPolicy unknown = UnknownPolicy::kAbsent;
+  std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere
+};
+
+struct OctreeConfig {
+  double resolution = 0;  ///< see OctreeOptions [m]
+  double free_fraction = 1.0;
+};
+
+/// Everything that can be configured, as the option structs of the rooms.
+struct VismapConfig {
+  VoxelGridOptions grid;
+  SegmentationStageOptions segmentation;
+  AssociationOptions association;  ///< its range is that of the integration
+  IntegrationOptions integration;
+  MeshingOptions meshing;
+  ObjectOptions objects;                ///< its up_W is not used: see up_W
+  std::optional<Eigen::Vector3d> up_W;  ///< upward direction, unit; nullopt = to be estimated
+  OccupancyOptions free_space;
+  OctreeConfig octree;
+  DepthSegmenterConfig depth_segmenter;
+  MapServerConfig map_server;
+  OctomapExporterConfig octomap_exporter;
+};
+
+/// Reads protobuf text. Unknown keys, wrong types, keys given twice and syntax errors fail with
+/// `name`, line and column. Values are not judged: see Validate.
+Result<VismapConfig> ParseConfig(const std::string& text, const std::string& name);
+
+/// Everything that is wrong with the values, one sentence each; empty = nothing.
+std::vector<std::string> Validate(const VismapConfig& config);
+
+/// ParseConfig and Validate: fails with all problems in one sentence.
+Result<VismapConfig> ParseValidConfig(const std::string& text, const std::string& name);
+
+/// ParseValidConfig of a file.
+Result<VismapConfig> LoadConfig(const std::string& path);
+
+/// All values as text that ParseConfig reads back to the same config.
+std::string PrintConfig(const VismapConfig& config);
+
+}  // namespace vismap

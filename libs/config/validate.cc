@@ -1,0 +1,115 @@
+#include <cmath>
+
+#include "config/config.h"
+
+namespace vismap {
+namespace {
+
+/// Collects a sentence for every condition that does not hold.
+class Problems {
+ public:
+  void Unless(bool ok, const std::string& sentence) {
+    if (!ok) list_.push_back(sentence);
+  }
+  void Add(const std::string& prefix, const std::vector<std::string>& list) {
+    for (const std::string& problem : list) list_.push_back(prefix + problem);
+  }
+  std::vector<std::string> list() && { return std::move(list_); }
+
+ private:
+  std::vector<std::string> list_;
+};
+
+bool InRange(double x, double low, double high) { return x >= low && x <= high; }  // false for NaN
+
+void Check(const VoxelGridOptions& grid, Problems* problems) {
+  problems->Unless(InRange(grid.voxel_size, 0.001, 1), "grid.voxel_size_m must be in [0.001, 1] m");
+  problems->Unless(InRange(grid.truncation_voxels, 3, 32),
+                   "grid.truncation_voxels must be in [3, 32]");
+}
+
+void Check(const MeshingOptions& meshing, Problems* problems) {
+  problems->Unless(InRange(meshing.min_weight, 0, 1e6), "meshing.min_weight must be in [0, 1e6]");
+  problems->Unless(InRange(meshing.min_observations, 0, 255),
+                   "meshing.min_observations must be in [0, 255]");
+  problems->Unless(InRange(meshing.jump_fraction, 0, 10),
+                   "meshing.jump_fraction must be in [0, 10]");
+  problems->Unless(meshing.min_component_triangles >= 0,
+                   "meshing.min_component_triangles must not be negative");
+}
+
+void Check(const ObjectOptions& objects, Problems* problems) {
+  problems->Unless(objects.min_instance_points >= 0,
+                   "objects.min_instance_points must not be negative");
+  problems->Unless(objects.min_discovered_points >= 0,
+                   "objects.min_discovered_points must not be negative");
+  problems->Unless(InRange(objects.box_outliers, 0, 0.49),
+                   "objects.box_outliers must be in [0, 0.49]");
+  problems->Unless(InRange(objects.part_gap, 0, 100), "objects.part_gap_m must be in [0, 100] m");
+  problems->Unless(InRange(objects.min_part_share, 0, 1),
+                   "objects.min_part_share must be in [0, 1]");
+  problems->Unless(InRange(objects.structure_flatness, 0, 1),
+                   "objects.structure_flatness_m must be in [0, 1] m");
+  problems->Unless(InRange(objects.structure_share, 0, 1),
+                   "objects.structure_share must be in [0, 1]");
+  problems->Unless(InRange(objects.structure_area, 0, 1e6),
+                   "objects.structure_area_m2 must be in [0, 1e6] m2");
+}
+
+void Check(const OccupancyOptions& options, const VoxelGridOptions& grid, Problems* problems) {
+  problems->Unless(InRange(options.occupied_max_voxels, 0, grid.truncation_voxels),
+                   "free_space.occupied_max_voxels must be in [0, grid.truncation_voxels]");
+  problems->Unless(
+      InRange(options.free_min_voxels, options.occupied_max_voxels, grid.truncation_voxels),
+      "free_space.free_min_voxels must be in [occupied_max_voxels, grid.truncation_voxels]");
+  problems->Unless(options.min_observations >= 1 && options.min_observations <= 255,
+                   "free_space.min_observations must be in [1, 255]");
+}
+
+void Check(const OctreeConfig& octree, const VoxelGridOptions& grid, Problems* problems) {
+  problems->Unless(InRange(octree.free_fraction, 0.01, 1),
+                   "octree.free_fraction must be in [0.01, 1]");
+  const Result<OctreeGrid> resolved = ChooseOctreeGrid(grid.voxel_size, octree.resolution);
+  if (!resolved) problems->Unless(false, resolved.error().message);
+}
+
+void CheckPeriod(double period, const std::string& key, Problems* problems) {
+  problems->Unless(InRange(period, 0, 86400), key + " must be in [0, 86400] s");
+}
+
+void CheckProcesses(const VismapConfig& config, Problems* problems) {
+  problems->Unless(InRange(config.depth_segmenter.detection_timeout, 0.01, 3600),
+                   "depth_segmenter.detection_timeout_s must be in [0.01, 3600] s");
+  problems->Unless(InRange(config.depth_segmenter.max_waiting_frames, 1, 10000),
+                   "depth_segmenter.max_waiting_frames must be in [1, 10000]");
+  const MapServerConfig& server = config.map_server;
+  CheckPeriod(server.save_period, "map_server.save_period_s", problems);
+  CheckPeriod(server.mesh_period, "map_server.mesh_period_s", problems);
+  CheckPeriod(server.objects_period, "map_server.objects_period_s", problems);
+  problems->Unless(server.save_period == 0 || !server.save_on_exit.empty(),
+                   "map_server.save_period_s needs map_server.save_on_exit to say where");
+  CheckPeriod(config.octomap_exporter.period, "octomap_exporter.period_s", problems);
+}
+
+}  // namespace
+
+std::vector<std::string> Validate(const VismapConfig& config) {
+  Problems problems;
+  Check(config.grid, &problems);
+  problems.Add("", Validate(config.segmentation));
+  problems.Add("association.", Validate(config.association));
+  problems.Add("integration.", Validate(config.integration));
+  problems.Unless(config.association.min_range == config.integration.min_range &&
+                      config.association.max_range == config.integration.max_range,
+                  "association and integration must have one range");
+  Check(config.meshing, &problems);
+  Check(config.objects, &problems);
+  problems.Unless(!config.up_W || std::abs(config.up_W->norm() - 1) < 1e-3,
+                  "objects.up_W must have unit length");
+  Check(config.free_space, config.grid, &problems);
+  Check(config.octree, config.grid, &problems);
+  CheckProcesses(config, &problems);
+  return std::move(problems).list();
+}
+
+}  // namespace vismap

@@ -1,0 +1,250 @@
+#include "config/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+
+#include "config/bindings.h"
+#include "options.pb.h"
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+VismapConfig Parsed(const std::string& text) {
+  Result<VismapConfig> config = ParseConfig(text, "test.txtpb");
+  EXPECT_TRUE(config) << config.error().message;
+  return config.value_or(VismapConfig{});
+}
+
+std::string ErrorOf(const std::string& text) {
+  const Result<VismapConfig> config = ParseValidConfig(text, "test.txtpb");
+  EXPECT_FALSE(config) << text;
+  return config ? "" : config.error().message;
+}
+
+/// Counts the keys that the bindings name.
+struct KeyCounter {
+  std::vector<std::string> keys;
+  std::string prefix;
+  template <typename T>
+  void Value(const char* key, T&) {
+    keys.push_back(prefix + key);
+  }
+  void Direction(const char* key, std::optional<Eigen::Vector3d>&) { keys.push_back(prefix + key); }
+  void Sensor(const char* key, DepthNoiseModel&) { keys.push_back(prefix + key); }
+  void Section(const char* key, const std::function<void(KeyCounter&)>& body) {
+    const std::string outer = prefix;
+    prefix += std::string(key) + ".";
+    body(*this);
+    prefix = outer;
+  }
+};
+
+TEST(Bindings, EveryKeyOfTheProtoIsBoundOnce) {
+  KeyCounter counter;
+  VismapConfig config;
+  config::BindConfig(counter, config);
+  std::vector<std::string> expected;
+  const auto* sections = config::Config::descriptor();
+  for (int i = 0; i < sections->field_count(); ++i) {
+    const auto* section = sections->field(i);
+    for (int j = 0; j < section->message_type()->field_count(); ++j) {
+      expected.push_back(section->name() + "." + section->message_type()->field(j)->name());
+    }
+  }
+  EXPECT_THAT(counter.keys, testing::UnorderedElementsAreArray(expected));
+}
+
+/// Gives every value another one, so that a binding to the wrong member shows.
+struct Changer {
+  int* counter;
+  void Value(const char*, double& member) { member += 0.001 * ++*counter; }
+  void Value(const char*, int& member) { member += ++*counter; }
+  void Value(const char*, bool& member) { member = !member; }
+  void Value(const char*, std::string& member) { member += "\"\n" + std::to_string(++*counter); }
+  template <typename Enum>
+  void Value(const char*, Enum& member) {
+    member = static_cast<Enum>(1 - static_cast<int>(member));
+  }
+  void Direction(const char*, std::optional<Eigen::Vector3d>& member) {
+    member = Eigen::Vector3d(1.0 / 3, -2.0 / 3, 2.0 / 3);
+  }
+  void Sensor(const char*, DepthNoiseModel&) {}
+  void Section(const char*, const std::function<void(Changer&)>& body) { body(*this); }
+};
+
+TEST(Config, PrintedTextParsesBackToTheSame) {
+  VismapConfig config;
+  EXPECT_EQ(PrintConfig(Parsed(PrintConfig(config))), PrintConfig(config));
+  int counter = 0;
+  Changer changer{&counter};
+  config::BindConfig(changer, config);
+  EXPECT_GT(counter, 60);
+  const VismapConfig again = Parsed(PrintConfig(config));
+  EXPECT_EQ(PrintConfig(again), PrintConfig(config));
+  EXPECT_EQ(again.grid.voxel_size, config.grid.voxel_size);
+  EXPECT_EQ(again.segmentation.surface.noise, config.segmentation.surface.noise);
+  EXPECT_EQ(again.segmentation.refine.split_min_rest_pixels,
+            config.segmentation.refine.split_min_rest_pixels);
+  EXPECT_EQ(again.up_W, config.up_W);
+  EXPECT_EQ(again.map_server.save_on_exit, config.map_server.save_on_exit);
+  EXPECT_NE(PrintConfig(config), PrintConfig(VismapConfig{}));
+}
+
+TEST(Config, AwkwardNumbersSurvivePrinting) {
+  VismapConfig config;
+  for (const double number :
+       {0.1, 1.0 / 3, 1e-300, 123456789.123456789, std::numeric_limits<double>::infinity()}) {
+    config.integration.max_weight = number;
+    EXPECT_EQ(Parsed(PrintConfig(config)).integration.max_weight, number);
+  }
+}
+
+TEST(ParseConfig, EmptyTextIsTheDefault) {
+  EXPECT_EQ(PrintConfig(Parsed("")), PrintConfig(VismapConfig{}));
+  EXPECT_EQ(PrintConfig(Parsed("# nothing\ngrid {}\n")), PrintConfig(VismapConfig{}));
+  EXPECT_THAT(Validate(VismapConfig{}), IsEmpty());
+}
+
+TEST(ParseConfig, SetsWhatIsSaidAndNothingElse) {
+  const VismapConfig config = Parsed("grid { voxel_size_m: 0.02 } refine { split: false }");
+  VismapConfig expected;
+  expected.grid.voxel_size = 0.02;
+  expected.segmentation.refine.split = false;
+  EXPECT_EQ(PrintConfig(config), PrintConfig(expected));
+}
+
+TEST(ParseConfig, SensorIsAStartThatFieldsChange) {
+  DepthNoiseModel expected = RealSenseNoise();
+  expected.axial_offset = 0.5;
+  const VismapConfig config = Parsed("surface { noise_axial_offset_m: 0.5 sensor: REALSENSE }");
+  EXPECT_EQ(config.segmentation.surface.noise, expected);
+  EXPECT_EQ(Parsed("surface { sensor: CLEAN }").segmentation.surface.noise, CleanNoise());
+}
+
+TEST(ParseConfig, NamesOfChoicesMeanWhatTheySay) {
+  const SurfaceOptions surface =
+      Parsed("surface { method: WINDOW_COVARIANCE }").segmentation.surface;
+  EXPECT_EQ(surface.method, NormalMethod::kWindowCovariance);
+  EXPECT_EQ(Parsed("surface { method: INVERSE_DEPTH_FIT }").segmentation.surface.method,
+            NormalMethod::kInverseDepthFit);
+  EXPECT_EQ(Parsed("segmentation { method: PUBLISHED }").segmentation.segmentation.method,
+            SegmentationMethod::kPublished);
+  EXPECT_EQ(Parsed("segmentation { method: NOISE_SCALED }").segmentation.segmentation.method,
+            SegmentationMethod::kNoiseScaled);
+  EXPECT_EQ(Parsed("depth_segmenter { detections: REQUIRED }").depth_segmenter.detections,
+            WaitForDetections::kRequired);
+  EXPECT_EQ(Parsed("depth_segmenter { detections: AUTO }").depth_segmenter.detections,
+            WaitForDetections::kAuto);
+  EXPECT_EQ(Parsed("depth_segmenter { detections: NONE }").depth_segmenter.detections,
+            WaitForDetections::kNone);
+  EXPECT_EQ(Parsed("octomap_exporter { unknown: OCCUPIED }").octomap_exporter.unknown,
+            UnknownPolicy::kOccupied);
+  EXPECT_EQ(Parsed("octomap_exporter { unknown: ABSENT }").octomap_exporter.unknown,
+            UnknownPolicy::kAbsent);
+}
+
+TEST(ParseConfig, AssociationTakesTheRangeOfTheIntegration) {
+  const VismapConfig config = Parsed("integration { min_range_m: 0.4 max_range_m: 3.5 }");
+  EXPECT_EQ(config.association.min_range, 0.4);
+  EXPECT_EQ(config.association.max_range, 3.5);
+  EXPECT_THAT(Validate(config), IsEmpty());
+}
+
+TEST(ParseConfig, ErrorsNameFileLineAndColumn) {
+  EXPECT_THAT(ErrorOf("grid {\n  voxel_sise_m: 0.02\n}\n"),
+              testing::AllOf(HasSubstr("test.txtpb:2:"), HasSubstr("voxel_sise_m")));
+  EXPECT_THAT(ErrorOf("grid {\n  voxel_size_m: \"small\"\n}\n"), HasSubstr("test.txtpb:2:"));
+  EXPECT_THAT(ErrorOf("refine { split: 3.5 }"), HasSubstr("test.txtpb:1:"));
+  EXPECT_THAT(ErrorOf("surface { method: FAST }"), HasSubstr("FAST"));
+  EXPECT_THAT(ErrorOf("grid {\n"), HasSubstr("test.txtpb:"));
+  EXPECT_THAT(ErrorOf("grid { voxel_size_m: 0.01 voxel_size_m: 0.02 }"), HasSubstr("voxel_size_m"));
+  EXPECT_THAT(ErrorOf("association { min_overlap_points: 1e30 }"), HasSubstr("test.txtpb:1:"));
+  EXPECT_THAT(ErrorOf("objects { up_W: [0, 1] }"), HasSubstr("objects.up_W: expected three"));
+}
+
+TEST(Validate, ReturnsAllProblemsAtOnce) {
+  const VismapConfig config = Parsed(
+      "grid { voxel_size_m: 0 truncation_voxels: 2 } integration { max_range_m: -1 } "
+      "free_space { min_observations: 0 } objects { up_W: [0, 0, 2] } "
+      "octree { free_fraction: 0 } map_server { save_period_s: 5 }");
+  EXPECT_THAT(Validate(config), SizeIs(testing::Ge(7u)));
+  EXPECT_THAT(ErrorOf("grid { voxel_size_m: 0 truncation_voxels: 2 }"),
+              testing::AllOf(HasSubstr("voxel_size_m"), HasSubstr("; grid.truncation_voxels")));
+}
+
+/// Makes one double NaN.
+struct Poisoner {
+  int target = 0;
+  int at = 0;
+  void Value(const char*, double& member) {
+    if (at++ == target) member = std::nan("");
+  }
+  template <typename T>
+  void Value(const char*, T&) {}
+  void Direction(const char*, std::optional<Eigen::Vector3d>&) {}
+  void Sensor(const char*, DepthNoiseModel&) {}
+  void Section(const char*, const std::function<void(Poisoner&)>& body) { body(*this); }
+};
+
+TEST(Validate, NotANumberIsAProblemWhereverItStands) {
+  for (int target = 0;; ++target) {
+    VismapConfig config;
+    Poisoner poisoner{target};
+    config::BindConfig(poisoner, config);
+    if (poisoner.at <= target) break;
+    EXPECT_FALSE(Validate(config).empty()) << "double number " << target;
+  }
+}
+
+TEST(Validate, OctreeResolutionMustFitTheVoxels) {
+  EXPECT_THAT(ErrorOf("grid { voxel_size_m: 0.02 } octree { resolution_m: 0.05 }"),
+              HasSubstr("nearest is 0.06 m"));
+}
+
+TEST(LoadConfig, MissingFileIsNamed) {
+  const Result<VismapConfig> config = LoadConfig("/nowhere/none.txtpb");
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().message, HasSubstr("/nowhere/none.txtpb"));
+}
+
+VismapConfig Preset(const std::string& name) {
+  const Result<VismapConfig> config =
+      LoadConfig(std::string(VISMAP_SOURCE_DIR) + "/config/" + name);
+  EXPECT_TRUE(config) << config.error().message;
+  return config.value_or(VismapConfig{});
+}
+
+TEST(Presets, EveryFileLoadsAndIsValid) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(VISMAP_SOURCE_DIR) + "/config")) {
+    if (entry.path().extension() != ".txtpb") continue;
+    Preset(entry.path().filename());
+    ++count;
+  }
+  EXPECT_GE(count, 4);
+}
+
+TEST(Presets, DefaultIsTheDefault) {
+  EXPECT_EQ(PrintConfig(Preset("default.txtpb")), PrintConfig(VismapConfig{}));
+}
+
+TEST(Presets, PublishedHasThePublishedSegmentation) {
+  const VismapConfig preset = Preset("published.txtpb");
+  VismapConfig expected = preset;
+  expected.segmentation = PublishedOptions();
+  expected.segmentation.refine.min_score = 0.7;  // of the detector, in the published system
+  EXPECT_EQ(PrintConfig(preset), PrintConfig(expected));
+}
+
+}  // namespace
+}  // namespace vismap
