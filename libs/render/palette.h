@@ -15,13 +15,13 @@ enum class Coloring {
 };
 
 /// Colours are fixed for ever: the same id has the same colour in every picture. Neighbouring ids
-/// differ by the golden ratio in hue. Id 0 is light grey.
+/// differ by the golden ratio in hue. Id 0 is grey.
 Rgb8 StrongColor(uint32_t id);
 Rgb8 PaleColor(uint32_t id);
 
 Rgb8 VertexColor(const MeshVertex& vertex, Coloring coloring);
 
 /// Colour of surface that belongs to no segment.
-inline constexpr Rgb8 kNobodyColor{205, 205, 205};
+inline constexpr Rgb8 kNobodyColor{150, 150, 150};
 
 }  // namespace vismap

@@ -34,8 +34,8 @@ ScreenVertex ToScreen(const MeshVertex& vertex, const View& view, Coloring color
   screen.visible = view.orthographic || p.z() > kNear;
   if (!screen.visible) return screen;
   const double scale = view.orthographic ? view.scale : view.scale / p.z();
-  screen.u = static_cast<float>(p.x() * scale + 0.5 * (view.width - 1));
-  screen.v = static_cast<float>(p.y() * scale + 0.5 * (view.height - 1));
+  screen.u = static_cast<float>(p.x() * scale + view.center.x());
+  screen.v = static_cast<float>(p.y() * scale + view.center.y());
   screen.closeness = static_cast<float>(view.orthographic ? -p.z() : 1 / p.z());
   const Eigen::Vector3d normal = view.T_V_W.linear() * vertex.normal_W.cast<double>();
   const Eigen::Vector3d toward =
@@ -143,6 +143,8 @@ Image<Rgb8> RenderMesh(const Mesh& mesh, const View& view, Coloring coloring) {
   fine.width *= kSmooth;
   fine.height *= kSmooth;
   fine.scale *= kSmooth;
+  // The middle of a pixel lies between its samples.
+  fine.center = (view.center.array() + 0.5) * kSmooth - 0.5;
   return Shrink(Rasterize(mesh, fine, coloring), kSmooth);
 }
 
@@ -150,8 +152,7 @@ std::optional<Eigen::Vector2d> ProjectToView(const View& view, const Eigen::Vect
   const Eigen::Vector3d p = view.T_V_W * p_W;
   if (!view.orthographic && p.z() <= kNear) return std::nullopt;
   const double scale = view.orthographic ? view.scale : view.scale / p.z();
-  return Eigen::Vector2d(p.x() * scale + 0.5 * (view.width - 1),
-                         p.y() * scale + 0.5 * (view.height - 1));
+  return Eigen::Vector2d(p.head<2>() * scale + view.center);
 }
 
 }  // namespace vismap

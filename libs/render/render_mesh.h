@@ -10,7 +10,7 @@
 /// a screen nor a graphics card.
 namespace vismap {
 
-inline constexpr Rgb8 kBackground{250, 250, 250};
+inline constexpr Rgb8 kBackground{226, 229, 234};
 
 /// The mesh as seen from `view`, lit from the viewer, smoothed 2x2. Triangles that face away are
 /// not drawn: seen from above, ceilings vanish, and so do the near walls of a room seen from

@@ -71,6 +71,35 @@ double FittingDistance(const Scene& scene, const View& view, const Vector3d& tow
   return distance;
 }
 
+Eigen::Vector2d MiddleOf(int width, int height) { return {0.5 * (width - 1), 0.5 * (height - 1)}; }
+
+// The range of the values without the few outermost.
+std::pair<double, double> UsualRange(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t cut = values.size() / 1000;
+  return {values[cut], values[values.size() - 1 - cut]};
+}
+
+// Zooms and shifts the picture so that what faces the viewer fills it.
+void CropToContent(const Mesh& mesh, View* view) {
+  const size_t stride = mesh.triangles.size() / 20000 + 1;
+  std::vector<double> us, vs;
+  for (size_t i = 0; i < mesh.triangles.size(); i += stride) {
+    const Vector3d p_W = mesh.vertices[mesh.triangles[i][0]].position_W.cast<double>();
+    const Vector3d p = view->T_V_W * p_W;
+    if (p.z() <= 0 || (view->T_V_W.linear() * FaceVector(mesh, i)).dot(p) >= 0) continue;
+    us.push_back(p.x() / p.z());
+    vs.push_back(p.y() / p.z());
+  }
+  if (us.empty()) return;
+  const auto [u_low, u_high] = UsualRange(us);
+  const auto [v_low, v_high] = UsualRange(vs);
+  if (u_high <= u_low || v_high <= v_low) return;
+  view->scale = 0.92 * std::min(view->width / (u_high - u_low), view->height / (v_high - v_low));
+  view->center = MiddleOf(view->width, view->height) -
+                 view->scale / 2 * Eigen::Vector2d(u_low + u_high, v_low + v_high);
+}
+
 // The sum of the faces within 25 degrees of a direction, twice over: a local mean.
 Vector3d Settle(const std::vector<Vector3d>& faces, Vector3d direction, double* area) {
   for (int round = 0; round < 3; ++round) {
@@ -138,6 +167,7 @@ View PerspectiveView(const Scene& scene, double azimuth, double elevation, int w
   view.width = width;
   view.height = height;
   view.scale = 1.2 * std::max(width, height);  // 45 degrees across
+  view.center = MiddleOf(width, height);
   const Vector3d toward = Toward(scene, azimuth, elevation);
   const Vector3d eye = scene.center_W + toward * FittingDistance(scene, view, toward);
   view.T_V_W = LookFrom(eye, -toward, scene.up_W);
@@ -154,6 +184,7 @@ View TopDownView(const Scene& scene, int width, int height) {
   const double across = upright ? scene.size.y() : scene.size.x();
   const double along = upright ? scene.size.x() : scene.size.y();
   view.scale = 0.94 * std::min(width / across, height / along);
+  view.center = MiddleOf(width, height);
   const Vector3d eye = scene.center_W + scene.up_W * (scene.size.z() + 1);
   view.T_V_W = LookFrom(eye, -scene.up_W, scene.R_W_B.col(upright ? 0 : 1));
   return view;
@@ -174,7 +205,9 @@ View BestPerspectiveView(const Mesh& mesh, const Scene& scene, int width, int he
       best_elevation = elevation;
     }
   }
-  return PerspectiveView(scene, best_azimuth, best_elevation, width, height);
+  View view = PerspectiveView(scene, best_azimuth, best_elevation, width, height);
+  CropToContent(mesh, &view);
+  return view;
 }
 
 Vector3d EstimateUp(const Mesh& mesh, const std::optional<Vector3d>& hint_W) {

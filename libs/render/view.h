@@ -13,6 +13,7 @@ struct View {
   Pose T_V_W = Pose::Identity();
   bool orthographic = false;
   double scale = 500;  ///< focal length [px], or pixels per metre when orthographic
+  Eigen::Vector2d center{399.5, 299.5};  ///< pixel (u, v) that the optical axis passes
   int width = 800;
   int height = 600;
 };
@@ -29,7 +30,7 @@ struct Scene {
 Scene FrameScene(const Mesh& mesh, const Eigen::Vector3d& up_W);
 
 /// Perspective view at the scene from the direction `azimuth`, `elevation` [rad] of its box, from
-/// where all of it is in the picture.
+/// where all of the box is in the picture.
 View PerspectiveView(const Scene& scene, double azimuth, double elevation, int width, int height);
 
 /// Straight down on the scene, its longer side across the picture.
@@ -37,7 +38,7 @@ View TopDownView(const Scene& scene, int width, int height);
 
 /// The perspective view, among sixteen from obliquely above, towards which most surface faces: a
 /// room is seen from outside through the backs of its near walls, a scan of one side from where it
-/// was taken.
+/// was taken. Cut so that nearly all of what is visible fills the picture.
 View BestPerspectiveView(const Mesh& mesh, const Scene& scene, int width, int height);
 
 /// The up direction that the horizontal surfaces say: the direction that most area faces, within 40

@@ -133,9 +133,8 @@ TEST(RenderMesh, SameForAnyNumberOfThreads) {
 TEST(View, WholeSceneIsInThePicture) {
   const Mesh mesh = ExtractMesh(Room());
   const Scene scene = FrameScene(mesh, Vector3d::UnitZ());
-  for (const View& view :
-       {TopDownView(scene, 300, 500), TopDownView(scene, 500, 300),
-        PerspectiveView(scene, 2, 0.6, 400, 300), BestPerspectiveView(mesh, scene, 300, 400)}) {
+  for (const View& view : {TopDownView(scene, 300, 500), TopDownView(scene, 500, 300),
+                           PerspectiveView(scene, 2, 0.6, 400, 300)}) {
     for (const MeshVertex& vertex : mesh.vertices) {
       const auto pixel = ProjectToView(view, vertex.position_W.cast<double>());
       ASSERT_TRUE(pixel);
@@ -143,6 +142,23 @@ TEST(View, WholeSceneIsInThePicture) {
       EXPECT_TRUE(pixel->y() > 0 && pixel->y() < view.height);
     }
   }
+}
+
+TEST(View, BestViewIsFilledButNotOverfull) {
+  const Mesh mesh = ExtractMesh(Room());
+  const View view = BestPerspectiveView(mesh, FrameScene(mesh, Vector3d::UnitZ()), 300, 400);
+  const Image<Rgb8> image = RenderMesh(mesh, view, Coloring::kInstance);
+  int left = 300, right = 0;
+  for (int v = 0; v < 400; ++v) {
+    for (int u = 0; u < 300; ++u) {
+      if (image(v, u) == kBackground) continue;
+      left = std::min(left, u);
+      right = std::max(right, u);
+    }
+  }
+  EXPECT_GT(left, 0);
+  EXPECT_LT(right, 299);
+  EXPECT_GT(right - left, 260);
 }
 
 TEST(View, FromAboveTheTableIsSeenThroughTheCeiling) {
