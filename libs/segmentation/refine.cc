@@ -62,6 +62,7 @@ class Refiner {
 
   void Split();
   void Match();
+  void DropSeenThrough();
 
  private:
   /// Pixels per segment that belong to mask k.
@@ -69,6 +70,7 @@ class Refiner {
   void ClaimPixels();
   bool Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const;
   int32_t Scaled(int pixels_at_vga) const;
+  double SideInMetres(const Mask& mask, double depth) const;
 
   template <typename Visit>
   void ForPixelsOf(int32_t k, const Visit& visit) const {
@@ -150,6 +152,41 @@ void Refiner::Match() {
   }
 }
 
+/// Mean depth per segment [m].
+std::vector<double> MeanDepths(const SegmentedFrame& out) {
+  std::vector<double> depths(out.segments.size());
+  for (size_t i = 0; i < out.frame.depth.size(); ++i) {
+    const SegmentIndex segment = out.image.index.data()[i];
+    if (segment != SegmentIndex::kNone) depths[At(segment)] += out.frame.depth.data()[i];
+  }
+  for (size_t i = 0; i < depths.size(); ++i) depths[i] /= out.segments[i].pixels;
+  return depths;
+}
+
+double Refiner::SideInMetres(const Mask& mask, double depth) const {
+  const PinholeCamera& camera = out_.frame.header.camera;
+  return depth * std::max(mask.inside.width() / camera.fx, mask.inside.height() / camera.fy);
+}
+
+void Refiner::DropSeenThrough() {
+  std::vector<size_t> main(set_.detections.size(), out_.segments.size());  // per detection
+  for (size_t i = 0; i < out_.segments.size(); ++i) {
+    if (out_.segments[i].detection == DetectionIndex::kNone) continue;
+    size_t& best = main[At(Raw(out_.segments[i].detection))];
+    if (best == out_.segments.size() || out_.segments[i].pixels > out_.segments[best].pixels)
+      best = i;
+  }
+  const std::vector<double> depths = MeanDepths(out_);
+  for (size_t i = 0; i < out_.segments.size(); ++i) {
+    FrameSegment& segment = out_.segments[i];
+    if (segment.detection == DetectionIndex::kNone) continue;
+    const auto k = At(Raw(segment.detection));
+    const double side = SideInMetres(set_.detections[k].mask, depths[main[k]]);
+    if (std::abs(depths[i] - depths[main[k]]) <= options_.max_depth_extent * side) continue;
+    segment = {.pixels = segment.pixels};
+  }
+}
+
 }  // namespace
 
 SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
@@ -166,6 +203,7 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
   Refiner refiner(*detections, options, &out);
   if (options.split) refiner.Split();
   refiner.Match();
+  if (options.max_depth_extent > 0) refiner.DropSeenThrough();
   return out;
 }
 

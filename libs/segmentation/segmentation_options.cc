@@ -29,6 +29,8 @@ SegmentationStageOptions PublishedOptions() {
   SegmentationStageOptions options;
   options.surface.method = NormalMethod::kWindowCovariance;
   options.segmentation.method = SegmentationMethod::kPublished;
+  options.refine.min_overlap = 0.8;
+  options.refine.max_depth_extent = 0;
   options.refine.resolve_overlaps = false;
   options.refine.split = false;
   return options;
@@ -61,6 +63,8 @@ std::vector<std::string> Validate(const RefineOptions& options) {
   Problems problems;
   problems.Unless(InRange(options.min_overlap, 0, 1), "min_overlap must be in [0, 1]");
   problems.Unless(InRange(options.min_score, 0, 1), "min_score must be in [0, 1]");
+  problems.Unless(InRange(options.max_depth_extent, 0, 100),
+                  "max_depth_extent must be in [0, 100]");
   problems.Unless(InRange(options.split_min_score, 0, 1), "split_min_score must be in [0, 1]");
   problems.Unless(InRange(options.split_min_mask_part, 0, 1),
                   "split_min_mask_part must be in [0, 1]");

@@ -37,9 +37,13 @@ struct SegmentationOptions {
 
 /// Options of RefineWithDetections.
 struct RefineOptions {
-  double min_overlap = 0.8;          ///< tau_p: a mask must cover more than this part of a segment
-  double min_score = 0.0;            ///< detections below are ignored, as if they were not there
-  bool resolve_overlaps = true;      ///< a pixel in several masks belongs only to the best one
+  double min_overlap = 0.7;      ///< tau_p: a mask must cover more than this part of a segment
+  double min_score = 0.0;        ///< detections below are ignored, as if they were not there
+  bool resolve_overlaps = true;  ///< a pixel in several masks belongs only to the best one
+  /// Segments farther behind or before the largest one of their mask than this times the mask's
+  /// larger side in metres are seen through gaps of the object, or hide it: they get no detection.
+  /// 0 = off.
+  double max_depth_extent = 1.5;
   bool split = true;                 ///< good masks may split segments
   double split_min_score = 0.7;      ///< only masks with at least this score split
   double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the one segment

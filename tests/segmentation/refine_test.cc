@@ -12,6 +12,7 @@ constexpr ClassId kCup{47}, kTable{67}, kChair{62};
 
 RgbdFrame Frame() {
   RgbdFrame frame;
+  frame.header.camera = {kWidth, kHeight, 200, 200, 100, 75};
   frame.depth = Image<float>(kWidth, kHeight, 1.0F);
   return frame;
 }
@@ -160,6 +161,27 @@ TEST(Refine, SoftRimOfAMaskOnTheBackgroundIsNotCutOut) {
   const SegmentedFrame out = Refine({Rectangle(kChair, 0.95F, 92, 0, 108, kHeight)});
   ASSERT_EQ(out.segments.size(), 2u);
   EXPECT_EQ(out.segments[0].pixels, 100 * 140);
+  EXPECT_EQ(out.segments[1].class_id, kChair);
+}
+
+TEST(Refine, WallSeenThroughTheObjectGetsNoDetection) {
+  RgbdFrame frame = Frame();  // the mask is 0.5 m wide and 0.6 m high at 1 m
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < 100; ++u) frame.depth(v, u) = 2.5F;
+  }
+  SegmentImage image = Halves();
+  for (int v = 10; v < kHeight; ++v) {
+    for (int u = 0; u < 80; ++u) image.index(v, u) = SegmentIndex::kNone;
+  }
+  DetectionSet set;
+  set.detections = {Rectangle(kChair, 0.9F, 78, 20, 100, 130)};
+  RefineOptions options;
+  options.max_depth_extent = 0;
+  SegmentedFrame out = RefineWithDetections(frame, image, &set, options);
+  EXPECT_EQ(out.segments[0].class_id, kChair);
+  EXPECT_EQ(out.segments[1].class_id, kChair);
+  out = RefineWithDetections(frame, image, &set, RefineOptions{});
+  EXPECT_EQ(out.segments[0], (FrameSegment{.pixels = 20 * 140}));
   EXPECT_EQ(out.segments[1].class_id, kChair);
 }
 
