@@ -33,6 +33,7 @@ PROCS = {
     "wire": ["codecs", "meshing", "freespace"],
     "runtime": ["wire"],
     "hub": ["runtime"],
+    "settings": ["config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.
 OPEN_TESTS = {"process", "support", "bench", "fuzz"}

@@ -12,7 +12,10 @@
 namespace vismap {
 
 struct MeshingOptions {
-  double min_weight = 1e-4;  ///< voxels up to this weight count as unseen (1 = one frame at 1 m)
+  /// Voxels up to this weight count as unseen; 1 = one frame at 1 m. The default asks for one frame
+  /// within 2.6 m, or several from farther: a single far return is more noise than surface.
+  /// (Published code: 1e-4.)
+  double min_weight = 0.15;
   int min_observations = 1;  ///< voxels that fewer frames saw count as unseen
   /// Neighbouring voxels beyond this part of the truncation distance on either side are a jump
   /// between two surfaces, not a surface: their cells stay empty. Above 1 = keep them.

@@ -1,0 +1,80 @@
+#include "session/map_session.h"
+
+#include <cmath>
+
+#include "base/digest.h"
+#include "base/require.h"
+
+namespace vismap {
+
+MapSession::MapSession(const MapSessionOptions& options, MapMetadata metadata)
+    : options_(options), map_(options.grid), metadata_(std::move(metadata)) {
+  for (const CameraPose& pose : metadata_.trajectory)
+    taken_.insert({Raw(pose.camera_id), pose.utime});
+}
+
+Result<MapSession> MapSession::Continue(const MapSessionOptions& options, LoadedMap loaded) {
+  const VoxelGridOptions& grid = loaded.map.voxels.options();
+  if (grid.voxel_size != options.grid.voxel_size ||
+      grid.truncation_voxels != options.grid.truncation_voxels) {
+    return Fail("the saved map has voxels of " + std::to_string(grid.voxel_size) +
+                " m and a truncation of " + std::to_string(grid.truncation_voxels) +
+                " voxels; the options say " + std::to_string(options.grid.voxel_size) + " m and " +
+                std::to_string(options.grid.truncation_voxels));
+  }
+  MapSession session(options, std::move(loaded.metadata));
+  session.map_ = std::move(loaded.map);
+  return session;
+}
+
+FrameAssociation MapSession::Associate(const SegmentedFrame& frame) const {
+  return vismap::Associate(frame, {map_.voxels, map_.labels}, options_.association);
+}
+
+MapDelta MapSession::Integrate(const SegmentedFrame& frame, const FrameAssociation& association) {
+  const FrameHeader& header = frame.frame.header;
+  const bool is_new = taken_.insert({Raw(header.camera_id), header.utime}).second;
+  Require(is_new, "a frame is integrated once");
+  metadata_.trajectory.push_back({header.utime, header.camera_id, header.T_W_C});
+  return IntegrateFrame(frame, association, options_.integration, &map_);
+}
+
+std::string DigestFrame(const SemanticMap& map, const FrameAssociation& association,
+                        const MapDelta& delta) {
+  Digest digest;
+  digest.Add(delta.revision);
+  digest.Add(delta.voxels_updated);
+  digest.Add(delta.votes_evicted);
+  for (const FrameAssociation::Segment& segment : association.segments) {
+    digest.Add(segment.label);
+    digest.Add(segment.instance);
+  }
+  for (const auto& [dead, survivor] : delta.merged) {
+    digest.Add(dead);
+    digest.Add(survivor);
+  }
+  for (const BlockIndex& index : delta.changed_blocks) {
+    digest.AddBytes(&index, sizeof(index));
+    const Block* block = map.voxels.Find(index);
+    if (block == nullptr || !block->surface) continue;
+    digest.AddBytes(block->surface->distance.data(), sizeof(block->surface->distance));
+    digest.AddBytes(block->surface->weight.data(), sizeof(block->surface->weight));
+  }
+  return digest.Hex();
+}
+
+Eigen::Vector3d EstimateUp(const std::vector<CameraPose>& trajectory) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const CameraPose& pose : trajectory)
+    sum -= pose.T_W_C.linear().col(1);  // the camera's y axis points down
+  if (sum.norm() < 1e-6) return Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d mean = sum.normalized();
+  Eigen::Index axis = 0;
+  const double largest = mean.cwiseAbs().maxCoeff(&axis);
+  if (largest < std::cos(35.0 * M_PI / 180.0)) return mean;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  up[axis] = mean[axis] > 0 ? 1 : -1;
+  return up;
+}
+
+}  // namespace vismap

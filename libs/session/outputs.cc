@@ -1,0 +1,138 @@
+#include "session/outputs.h"
+
+#include <set>
+#include <system_error>
+
+#include "base/file.h"
+#include "datasets/class_names.h"
+#include "meshing/object_mesh.h"
+#include "meshing/objects_json.h"
+#include "meshing/ply.h"
+#include "render/overview.h"
+#include "render/png.h"
+#include "session/map_session.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<void> MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return Fail("cannot create the folder " + folder.string() + ": " + error.message());
+  return {};
+}
+
+// Removes what an earlier run left, so that the folder shows this map's objects and no others.
+Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::string>& current) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours =
+        (name.starts_with("instance_") || name.starts_with("segment_")) && name.ends_with(".ply");
+    if (ours && !current.contains(name)) fs::remove(entry.path(), error);
+    if (error) break;
+  }
+  if (error) return Fail("cannot clean the folder " + folder.string() + ": " + error.message());
+  return {};
+}
+
+PlyInfo InfoFor(const MapMetadata& metadata, const Mesh& mesh) {
+  PlyInfo info;
+  info.map_id = metadata.map_id;
+  std::set<ClassId> classes;
+  for (const MeshVertex& vertex : mesh.vertices) {
+    if (vertex.class_id != ClassId::kUnknown) classes.insert(vertex.class_id);
+  }
+  for (const ClassId id : classes) info.class_names[id] = ClassName(id);
+  return info;
+}
+
+}  // namespace
+
+ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options) {
+  ObjectOptions objects = options.objects;
+  objects.up_W = options.up_W.value_or(EstimateUp(metadata.trajectory));
+  return objects;
+}
+
+MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
+                         const OutputOptions& options) {
+  MapProducts products;
+  products.mesh = ExtractMesh(map, options.meshing);
+  products.objects = SummarizeObjects(map, products.mesh, ObjectOptionsFor(metadata, options));
+  return products;
+}
+
+Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
+                               UnknownPolicy unknown) {
+  OctreeOptions octree;
+  octree.resolution = options.octree_resolution;
+  octree.free_fraction = options.octree_free_fraction;
+  octree.unknown = unknown;
+  return BuildOctree(ClassifyMap(map, options.occupancy), octree);
+}
+
+std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products) {
+  return ObjectsJson(metadata.map_id, products.objects, ClassName);
+}
+
+Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
+                              const fs::path& folder) {
+  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
+  const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
+  std::set<std::string> written;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    const ObjectSummary& object = products.objects[i];
+    if (meshes[i].triangles.empty() || (object.discovered() && object.is_structure)) continue;
+    const std::string class_name =
+        object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id);
+    const std::string name = ObjectFileName(object, class_name) + ".ply";
+    const Result<void> saved = WritePly(folder / name, meshes[i], InfoFor(metadata, meshes[i]));
+    if (!saved) return tl::unexpected(saved.error());
+    written.insert(name);
+  }
+  if (const Result<void> cleaned = RemoveStaleMeshes(folder, written); !cleaned)
+    return tl::unexpected(cleaned.error());
+  return static_cast<int>(written.size());
+}
+
+Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
+                       const fs::path& path) {
+  return WritePly(path, products.mesh, InfoFor(metadata, products.mesh));
+}
+
+Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
+                              const MapProducts& products, const OutputOptions& options,
+                              const fs::path& folder) {
+  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
+  Result<SaveInfo> saved = SaveMap(map, metadata, folder / "map.vismap");
+  if (!saved) return saved;
+  if (const auto done = WriteMesh(metadata, products, folder / "mesh.ply"); !done)
+    return tl::unexpected(done.error());
+  if (const auto done =
+          WriteFileAtomically(folder / "objects.json", ObjectsText(metadata, products));
+      !done) {
+    return tl::unexpected(done.error());
+  }
+  if (const auto done = WriteObjectMeshes(metadata, products, folder / "objects"); !done) {
+    return tl::unexpected(done.error());
+  }
+  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
+    const Result<OctreeBytes> octree = MakeOctree(map, options, unknown);
+    if (!octree) return tl::unexpected(octree.error());
+    const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
+    if (const auto done = WriteOctree(folder / name, *octree); !done)
+      return tl::unexpected(done.error());
+  }
+  OverviewOptions overview;
+  overview.up_W = ObjectOptionsFor(metadata, options).up_W;
+  const Image<Rgb8> picture =
+      RenderMapOverview(products.mesh, products.objects, ClassName, metadata.map_id, overview);
+  if (const auto done = WritePng(folder / "map.png", picture); !done)
+    return tl::unexpected(done.error());
+  return saved;
+}
+
+}  // namespace vismap

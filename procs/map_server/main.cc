@@ -1,0 +1,44 @@
+#include "runtime/main.h"
+
+#include "map_server/map_server.h"
+#include "settings/settings.h"
+
+namespace {
+
+using namespace vismap;
+
+Outcome Serve(ProcessContext& context, const VismapConfig& config) {
+  MapServer server(config, context.bus, context.status);
+  if (!config.map_server.load.empty()) {
+    const Result<std::string> loaded = server.Load(config.map_server.load);
+    if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
+    LogInfo(*loaded);
+  }
+  context.status->Set(ProcessState::kReady);
+  context.bus->Run();
+  context.status->Set(ProcessState::kStopping);
+  if (config.map_server.save_on_exit.empty()) return {};
+  const Result<std::string> saved = server.Save("");
+  if (!saved) return ExitWith(ExitCode::kFailed, saved.error().message);
+  LogInfo(*saved);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  VismapConfig config;
+  ThreadOption threads;
+  ProcessSpec spec;
+  spec.name = "map-server";
+  spec.summary = "Owns the map: fuses segmented frames, publishes what changed, answers requests.";
+  spec.add_options = [&](CLI::App& app) { threads.AddTo(app); };
+  spec.configure = [&](const std::string& text, const std::string& path) {
+    return TakeConfig(text, path, &config);
+  };
+  spec.run = [&](ProcessContext& context) {
+    const std::unique_ptr<ThreadLimit> limit = threads.Limit();
+    return Serve(context, config);
+  };
+  return RunProcess(argc, argv, spec);
+}

@@ -1,0 +1,173 @@
+#include "runtime/main.h"
+
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/file.h"
+#include "datasets/class_names.h"
+#include "offline_mapper/offline_mapper.h"
+#include "runtime/clock.h"
+#include "runtime/progress.h"
+#include "runtime/version.h"
+#include "session/outputs.h"
+#include "session/statistics.h"
+#include "settings/settings.h"
+#include "simulation/sequence.h"
+
+namespace {
+
+using namespace vismap;
+
+struct Arguments {
+  std::string dataset, format, detections, out;
+  DatasetOptions frames;
+  ThreadOption threads;
+  VismapConfig config;
+};
+
+void AddOptions(CLI::App& app, Arguments* arguments) {
+  app.add_option("--dataset", arguments->dataset,
+                 "Folder of a posed RGB-D sequence, or synthetic:room")
+      ->required();
+  app.add_option("--format", arguments->format,
+                 "Format of the folder; default: found by looking at it");
+  app.add_option(
+      "--detections", arguments->detections,
+      "COCO results file, folder of instance PNGs, or none; default: those inside the sequence");
+  app.add_option("--max-frames", arguments->frames.max_frames, "Stop after so many frames; 0 = all")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--stride", arguments->frames.stride, "Take every n-th frame")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--out", arguments->out, "Folder for the results")->required();
+  arguments->threads.AddTo(app);
+}
+
+// The detections to use: those asked for, else those inside the sequence; none when told so or when
+// there are none.
+Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& arguments,
+                                                        const Dataset& dataset) {
+  if (arguments.detections == "none") return nullptr;
+  if (!arguments.detections.empty()) return OpenDetections(arguments.detections);
+  if (const std::optional<std::string> inside = dataset.default_detections_path())
+    return OpenDetections(*inside);
+  LogWarning(dataset.name() +
+             " has no detections: mapping geometry alone, so no object gets a class");
+  return nullptr;
+}
+
+nlohmann::ordered_json FiguresJson(const StageTimes& times) {
+  nlohmann::ordered_json json;
+  for (const std::string& stage : times.stages()) {
+    const StageTimes::Figures figures = times.Of(stage);
+    json[stage] = {{"median", figures.median}, {"p95", figures.p95}, {"max", figures.max}};
+  }
+  return json;
+}
+
+Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
+                         const MapSession& session, const std::vector<ObjectSummary>& objects,
+                         const StageTimes& times) {
+  nlohmann::ordered_json report;
+  report["dataset"] = dataset.name();
+  report["format"] = dataset.format();
+  report["frames"] = session.metadata().trajectory.size();
+  report["frames_skipped"] = dataset.skipped().size();
+  report["stages_ms"] = FiguresJson(times);
+  report["map"] = nlohmann::ordered_json::parse(StatisticsJson(session.map(), session.metadata()));
+  report["map"]["objects"] =
+      std::count_if(objects.begin(), objects.end(),
+                    [](const ObjectSummary& object) { return !object.discovered(); });
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  report["peak_rss_bytes"] = static_cast<int64_t>(usage.ru_maxrss) * 1024;
+  report["version"] = Version();
+  return WriteFileAtomically(std::filesystem::path(arguments.out) / "report.json",
+                             report.dump(1) + "\n");
+}
+
+void Summarise(const Arguments& arguments, const MapSession& session,
+               const std::vector<ObjectSummary>& objects, const StageTimes& times) {
+  size_t discovered = 0;
+  for (const ObjectSummary& object : objects) {
+    if (object.discovered()) {
+      if (!object.is_structure) ++discovered;
+      continue;
+    }
+    std::printf("%4u  %-16s score %.2f  %.2f x %.2f x %.2f m\n", Raw(object.instance),
+                ClassName(object.class_id).c_str(), object.score, object.box.size.x(),
+                object.box.size.y(), object.box.size.z());
+  }
+  std::printf("%zu discovered segments without a class\n", discovered);
+  std::printf(
+      "%zu frames, median %.1f ms per frame (segmentation %.1f, association %.1f, integration "
+      "%.1f)\n",
+      session.metadata().trajectory.size(), times.Of("total").median,
+      times.Of("segmentation").median, times.Of("association").median,
+      times.Of("integration").median);
+  std::printf("map hash %s; results in %s\n", HashMap(session.map()).c_str(),
+              std::filesystem::absolute(arguments.out).c_str());
+}
+
+Outcome Run(Arguments& arguments, ProcessContext& context) {
+  const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
+  const auto dataset = OpenSequence(arguments.dataset, arguments.format, arguments.frames);
+  if (!dataset) return ExitWith(ExitCode::kUnreadable, dataset.error().message);
+  for (const SkippedFrame& skipped : (*dataset)->skipped()) {
+    LogWarningSometimes("skipped", "frame " + std::to_string(skipped.frame_number) +
+                                       " left out: " + skipped.reason);
+  }
+  const auto detections = FindDetections(arguments, **dataset);
+  if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
+
+  MapMetadata metadata;
+  metadata.map_id = (*dataset)->name();
+  metadata.config = PrintConfig(arguments.config);
+  metadata.created_by = std::string("vismap-offline-mapper ") + Version();
+  MapSession session(SessionOptionsOf(arguments.config), std::move(metadata));
+  StageTimes times;
+  {
+    Progress progress("mapping " + (*dataset)->name(), static_cast<int64_t>((*dataset)->size()));
+    const auto proceed = [&](size_t done) {
+      progress.Show(static_cast<int64_t>(done));
+      return !context.stop.requested();
+    };
+    const auto mapped = MapSequence({**dataset, detections->get()}, arguments.config.segmentation,
+                                    proceed, &session, &times);
+    if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
+  }
+  if (context.stop.requested()) LogWarning("stopped early; writing what there is");
+
+  const OutputOptions options = OutputOptionsOf(arguments.config);
+  const double start = MonotonicSeconds();
+  const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
+  times.Add("products", (MonotonicSeconds() - start) * 1e3);
+  const auto written =
+      WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
+  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
+  const auto reported = WriteReport(arguments, **dataset, session, products.objects, times);
+  if (!reported) return ExitWith(ExitCode::kFailed, reported.error().message);
+  Summarise(arguments, session, products.objects, times);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  ProcessSpec spec;
+  spec.name = "offline-mapper";
+  spec.summary =
+      "Maps a recorded sequence in one process, without LCM, and writes everything that comes of "
+      "it.";
+  spec.joins_bus = false;
+  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
+  spec.configure = [&](const std::string& text, const std::string& path) {
+    return TakeConfig(text, path, &arguments.config);
+  };
+  spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
+  return RunProcess(argc, argv, spec);
+}

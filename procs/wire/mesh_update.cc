@@ -1,0 +1,163 @@
+#include "wire/mesh_update.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vismap {
+namespace {
+
+int16_t Quantise(float offset_in_edges) {  // of the block's lower corner, in [-0.5, 1.5]
+  const float steps = std::clamp((offset_in_edges + 0.5F) / 2.0F * 65535.0F, 0.0F, 65535.0F);
+  return static_cast<int16_t>(static_cast<uint16_t>(std::lround(steps)));
+}
+
+float Restore(int16_t quantised) {
+  return static_cast<float>(static_cast<uint16_t>(quantised)) * 2.0F / 65535.0F - 0.5F;
+}
+
+int8_t QuantiseNormal(float component) {
+  return static_cast<int8_t>(std::lround(std::clamp(component, -1.0F, 1.0F) * 127.0F));
+}
+
+mesh_block_t EncodeBlock(const BlockMesh& block, double block_size) {
+  mesh_block_t message{};
+  message.index[0] = block.block.x;
+  message.index[1] = block.block.y;
+  message.index[2] = block.block.z;
+  message.edge_m = static_cast<float>(block_size);
+  const Eigen::Vector3d corner =
+      Eigen::Vector3d(block.block.x, block.block.y, block.block.z) * block_size;
+  for (const MeshVertex& vertex : block.mesh.vertices) {
+    const Eigen::Vector3f offset =
+        ((vertex.position_W.cast<double>() - corner) / block_size).cast<float>();
+    message.x.push_back(Quantise(offset.x()));
+    message.y.push_back(Quantise(offset.y()));
+    message.z.push_back(Quantise(offset.z()));
+    message.nx.push_back(QuantiseNormal(vertex.normal_W.x()));
+    message.ny.push_back(QuantiseNormal(vertex.normal_W.y()));
+    message.nz.push_back(QuantiseNormal(vertex.normal_W.z()));
+    message.red.push_back(vertex.color.r);
+    message.green.push_back(vertex.color.g);
+    message.blue.push_back(vertex.color.b);
+    message.segment.push_back(static_cast<int32_t>(Raw(vertex.segment)));
+    message.instance.push_back(static_cast<int32_t>(Raw(vertex.instance)));
+    message.class_id.push_back(static_cast<int16_t>(Raw(vertex.class_id)));
+  }
+  message.n_vertices = static_cast<int32_t>(block.mesh.vertices.size());
+  for (const auto& triangle : block.mesh.triangles) {
+    message.a.push_back(static_cast<int32_t>(triangle[0]));
+    message.b.push_back(static_cast<int32_t>(triangle[1]));
+    message.c.push_back(static_cast<int32_t>(triangle[2]));
+  }
+  message.n_triangles = static_cast<int32_t>(block.mesh.triangles.size());
+  return message;
+}
+
+MeshVertex DecodeVertex(const mesh_block_t& message, const Eigen::Vector3d& corner, double edge,
+                        size_t i) {
+  MeshVertex vertex;
+  const Eigen::Vector3d offset(Restore(message.x[i]), Restore(message.y[i]), Restore(message.z[i]));
+  vertex.position_W = (corner + offset * edge).cast<float>();
+  const Eigen::Vector3f normal(message.nx[i], message.ny[i], message.nz[i]);
+  vertex.normal_W =
+      normal.norm() > 0 ? Eigen::Vector3f(normal.normalized()) : Eigen::Vector3f::Zero();
+  vertex.color = {message.red[i], message.green[i], message.blue[i]};
+  vertex.segment = static_cast<SegmentLabel>(message.segment[i]);
+  vertex.instance = static_cast<InstanceId>(message.instance[i]);
+  vertex.class_id = static_cast<ClassId>(message.class_id[i]);
+  return vertex;
+}
+
+Result<BlockMesh> DecodeBlock(const mesh_block_t& message) {
+  BlockMesh block{{message.index[0], message.index[1], message.index[2]}, {}};
+  const std::string where = "block (" + std::to_string(message.index[0]) + ", " +
+                            std::to_string(message.index[1]) + ", " +
+                            std::to_string(message.index[2]) + "): ";
+  const double edge = message.edge_m;
+  if (!(edge > 0 && edge < 1e3)) return Fail(where + "edge_m is not a positive length");
+  const Eigen::Vector3d corner =
+      Eigen::Vector3d(block.block.x, block.block.y, block.block.z) * edge;
+  const auto count = static_cast<size_t>(message.n_vertices);
+  block.mesh.vertices.reserve(count);
+  for (size_t i = 0; i < count; ++i)
+    block.mesh.vertices.push_back(DecodeVertex(message, corner, edge, i));
+  for (size_t i = 0; i < static_cast<size_t>(message.n_triangles); ++i) {
+    for (const int32_t index : {message.a[i], message.b[i], message.c[i]}) {
+      if (index < 0 || index >= message.n_vertices) {
+        return Fail(where + "a triangle has vertex " + std::to_string(index) + " of " +
+                    std::to_string(message.n_vertices));
+      }
+    }
+    block.mesh.triangles.push_back({static_cast<uint32_t>(message.a[i]),
+                                    static_cast<uint32_t>(message.b[i]),
+                                    static_cast<uint32_t>(message.c[i])});
+  }
+  return block;
+}
+
+}  // namespace
+
+mesh_delta_t Encode(const MeshUpdate& update) {
+  mesh_delta_t message{};
+  message.utime = update.utime;
+  message.map_id = update.map_id;
+  message.revision = update.mesh.revision;
+  message.base_revision = update.full ? -1 : update.base_revision;
+  message.full = update.full;
+  message.part = update.part;
+  message.parts = update.parts;
+  for (const BlockMesh& block : update.mesh.blocks)
+    message.blocks.push_back(EncodeBlock(block, update.block_size));
+  message.n_blocks = static_cast<int32_t>(message.blocks.size());
+  return message;
+}
+
+Result<MeshUpdate> Decode(const mesh_delta_t& message) {
+  const std::string where = "mesh_delta_t of map '" + message.map_id + "', revision " +
+                            std::to_string(message.revision) + ": ";
+  if (message.parts < 1 || message.part < 0 || message.part >= message.parts) {
+    return Fail(where + "is part " + std::to_string(message.part) + " of " +
+                std::to_string(message.parts));
+  }
+  MeshUpdate update{message.utime,
+                    message.map_id,
+                    message.base_revision,
+                    static_cast<bool>(message.full),
+                    message.part,
+                    message.parts,
+                    0,
+                    {message.revision, {}}};
+  for (const mesh_block_t& element : message.blocks) {
+    Result<BlockMesh> block = DecodeBlock(element);
+    if (!block) return Fail(where + block.error().message);
+    if (!update.mesh.blocks.empty() && !(update.mesh.blocks.back().block < block->block)) {
+      return Fail(where + "blocks are not in ascending order");
+    }
+    update.block_size = element.edge_m;
+    update.mesh.blocks.push_back(std::move(*block));
+  }
+  return update;
+}
+
+std::vector<MeshUpdate> SplitUpdate(MeshUpdate update, size_t max_blocks) {
+  const size_t count = update.mesh.blocks.size();
+  const size_t parts = std::max<size_t>(1, (count + max_blocks - 1) / max_blocks);
+  std::vector<MeshUpdate> split;
+  for (size_t part = 0; part < parts; ++part) {
+    MeshUpdate piece{update.utime,
+                     update.map_id,
+                     update.base_revision,
+                     update.full,
+                     static_cast<int32_t>(part),
+                     static_cast<int32_t>(parts),
+                     update.block_size,
+                     {update.mesh.revision, {}}};
+    for (size_t i = part * max_blocks; i < std::min(count, (part + 1) * max_blocks); ++i) {
+      piece.mesh.blocks.push_back(std::move(update.mesh.blocks[i]));
+    }
+    split.push_back(std::move(piece));
+  }
+  return split;
+}
+
+}  // namespace vismap

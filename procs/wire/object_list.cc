@@ -1,0 +1,90 @@
+#include "wire/object_list.h"
+
+#include <cmath>
+
+namespace vismap {
+namespace {
+
+object_t EncodeObject(const ObjectSummary& object, const ClassNamer& class_name) {
+  object_t message{};
+  message.instance = Raw(object.instance);
+  message.discovered = object.discovered();
+  message.class_id = Raw(object.class_id);
+  message.class_name = object.class_id == ClassId::kUnknown ? "" : class_name(object.class_id);
+  message.score = static_cast<float>(object.score);
+  for (const SegmentLabel label : object.segments) message.segments.push_back(Raw(label));
+  message.n_segments = static_cast<int32_t>(message.segments.size());
+  message.points = object.points;
+  for (int axis = 0; axis < 3; ++axis) {
+    message.center_W[axis] = object.box.center_W[axis];
+    message.size_m[axis] = object.box.size[axis];
+  }
+  const Eigen::Quaterniond& q = object.box.R_W_B;
+  message.orientation[0] = q.w();
+  message.orientation[1] = q.x();
+  message.orientation[2] = q.y();
+  message.orientation[3] = q.z();
+  message.frames = static_cast<int32_t>(object.frames);
+  message.first_utime = object.first_utime;
+  message.last_utime = object.last_utime;
+  return message;
+}
+
+Result<ObjectSummary> DecodeObject(const object_t& message) {
+  const std::string where = "object with instance " + std::to_string(message.instance) + ": ";
+  if (message.instance < 0 || message.instance > UINT32_MAX)
+    return Fail(where + "instance is not a 32-bit id");
+  if (message.class_id < 0 || message.class_id > 65535) {
+    return Fail(where + "class_id is " + std::to_string(message.class_id) +
+                ", expected [0, 65535]");
+  }
+  if (!(message.score >= 0 && message.score <= 1)) return Fail(where + "score is outside [0, 1]");
+  ObjectSummary object;
+  object.instance = static_cast<InstanceId>(message.instance);
+  object.class_id = static_cast<ClassId>(message.class_id);
+  object.score = message.score;
+  for (const int64_t label : message.segments) {
+    if (label < 1 || label > UINT32_MAX) return Fail(where + "a segment is not a 32-bit label");
+    object.segments.push_back(static_cast<SegmentLabel>(label));
+  }
+  object.points = message.points;
+  object.box.center_W = Eigen::Vector3d(message.center_W);
+  object.box.size = Eigen::Vector3d(message.size_m);
+  object.box.R_W_B = Eigen::Quaterniond(message.orientation[0], message.orientation[1],
+                                        message.orientation[2], message.orientation[3]);
+  const bool finite = object.box.center_W.allFinite() && object.box.size.allFinite() &&
+                      std::abs(object.box.R_W_B.norm() - 1) < 1e-3;
+  if (!finite) return Fail(where + "its box is not finite, or its orientation no unit quaternion");
+  object.frames = static_cast<uint32_t>(std::max(message.frames, 0));
+  object.first_utime = message.first_utime;
+  object.last_utime = message.last_utime;
+  return object;
+}
+
+}  // namespace
+
+object_list_t Encode(const ObjectList& list, const ClassNamer& class_name) {
+  object_list_t message{};
+  message.utime = list.utime;
+  message.map_id = list.map_id;
+  message.revision = list.revision;
+  for (const ObjectSummary& object : list.objects) {
+    if (object.discovered() && object.is_structure) continue;
+    message.objects.push_back(EncodeObject(object, class_name));
+  }
+  message.n_objects = static_cast<int32_t>(message.objects.size());
+  return message;
+}
+
+Result<ObjectList> Decode(const object_list_t& message) {
+  ObjectList list{message.utime, message.map_id, message.revision, {}};
+  for (const object_t& element : message.objects) {
+    Result<ObjectSummary> object = DecodeObject(element);
+    if (!object)
+      return Fail("object_list_t of map '" + message.map_id + "': " + object.error().message);
+    list.objects.push_back(std::move(*object));
+  }
+  return list;
+}
+
+}  // namespace vismap

@@ -1,0 +1,65 @@
+#include "wire/octree_message.h"
+
+#include <cmath>
+
+namespace vismap {
+
+octree_t Encode(const OctreeMessage& octree) {
+  octree_t message{};
+  message.utime = octree.utime;
+  message.map_id = octree.map_id;
+  message.revision = octree.revision;
+  message.frame_id = "W";
+  message.tree_type = "OcTree";
+  message.encoding = octree_t::ENCODING_BT;
+  message.unknown = octree.octree.unknown == UnknownPolicy::kOccupied ? octree_t::UNKNOWN_OCCUPIED
+                                                                      : octree_t::UNKNOWN_ABSENT;
+  message.resolution_m = octree.octree.resolution;
+  message.voxel_size_m = octree.voxel_size;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool empty = octree.octree.bounds_W.isEmpty();
+    message.bbx_min_W[axis] = empty ? 0 : octree.octree.bounds_W.min()[axis];
+    message.bbx_max_W[axis] = empty ? 0 : octree.octree.bounds_W.max()[axis];
+  }
+  message.occupied_max_voxels = octree.rule.occupied_max_voxels;
+  message.free_min_voxels = octree.rule.free_min_voxels;
+  message.min_observations = octree.rule.min_observations;
+  message.n_nodes = octree.octree.nodes;
+  message.data = octree.octree.bytes;
+  message.data_size = static_cast<int32_t>(message.data.size());
+  return message;
+}
+
+Result<OctreeMessage> Decode(const octree_t& message) {
+  const std::string where = "octree_t of map '" + message.map_id + "', revision " +
+                            std::to_string(message.revision) + ": ";
+  if (message.encoding != octree_t::ENCODING_BT) {
+    return Fail(where + "encoding is " + std::to_string(message.encoding) + ", expected 0 (.bt)");
+  }
+  if (message.unknown != octree_t::UNKNOWN_ABSENT &&
+      message.unknown != octree_t::UNKNOWN_OCCUPIED) {
+    return Fail(where + "unknown policy is " + std::to_string(message.unknown) +
+                ", expected 0 or 1");
+  }
+  const Result<Octree> octree = Octree::Parse(message.data, where + "data");
+  if (!octree) return tl::unexpected(octree.error());
+  if (!(std::abs(octree->resolution() - message.resolution_m) < 1e-6)) {
+    return Fail(where + "resolution_m is " + std::to_string(message.resolution_m) +
+                ", the stream's is " + std::to_string(octree->resolution()));
+  }
+  OctreeMessage value{
+      message.utime, message.map_id, message.revision, message.voxel_size_m, {}, {}};
+  value.rule.occupied_max_voxels = message.occupied_max_voxels;
+  value.rule.free_min_voxels = message.free_min_voxels;
+  value.rule.min_observations = static_cast<int>(message.min_observations);
+  value.octree.bytes = message.data;
+  value.octree.resolution = message.resolution_m;
+  value.octree.nodes = message.n_nodes;
+  value.octree.unknown = message.unknown == octree_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
+                                                                       : UnknownPolicy::kAbsent;
+  value.octree.bounds_W =
+      Eigen::AlignedBox3d(Eigen::Vector3d(message.bbx_min_W), Eigen::Vector3d(message.bbx_max_W));
+  return value;
+}
+
+}  // namespace vismap
