@@ -63,23 +63,24 @@ double CylinderDistance(const Vector3d& half, const Vector3d& p) {
 }
 
 /// Eberly, "Distance from a point to an ellipse, an ellipsoid": the foot point is r^2 p / (t + r^2)
-/// with the one t > -r_min^2 that puts it on the surface.
+/// with the one t > -r_min^2 that puts it on the surface. Solved for s = t + r_min^2, so that
+/// nothing cancels near the centre.
 double EllipsoidDistance(const Vector3d& r, const Vector3d& p_signed) {
   constexpr double kOffAxis = 1e-10;  // on a symmetry plane the foot point is not unique
   const Vector3d p = p_signed.cwiseAbs().cwiseMax(kOffAxis);
   const Vector3d r2 = r.cwiseProduct(r);
-  const auto foot = [&](double t) -> Vector3d {
-    return r2.cwiseProduct(p).cwiseQuotient(r2 + Vector3d::Constant(t));
+  const Vector3d above = r2 - Vector3d::Constant(r2.minCoeff());
+  const auto foot = [&](double s) -> Vector3d {
+    return r2.cwiseProduct(p).cwiseQuotient(above + Vector3d::Constant(s));
   };
-  const auto outside = [&](double t) { return foot(t).cwiseQuotient(r).squaredNorm() > 1; };
-  double low = -r2.minCoeff();
-  double high = low + r.cwiseProduct(p).norm();
-  for (int i = 0; i < 100 && low < high; ++i) {
+  double low = 0;
+  double high = r.cwiseProduct(p).norm();
+  for (int i = 0; i < 100; ++i) {
     const double middle = 0.5 * (low + high);
-    (outside(middle) ? low : high) = middle;
+    (foot(middle).cwiseQuotient(r).squaredNorm() > 1 ? low : high) = middle;
   }
   const double distance = (p - foot(high)).norm();
-  return outside(0) ? distance : -distance;
+  return p.cwiseQuotient(r).squaredNorm() > 1 ? distance : -distance;
 }
 
 }  // namespace
