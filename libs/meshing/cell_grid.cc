@@ -1,7 +1,9 @@
 #include "meshing/cell_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <span>
 
 namespace vismap {
 namespace {
@@ -21,6 +23,26 @@ size_t NeighbourSlot(int bx, int by, int bz) {
   return static_cast<size_t>((bx + 1) + 3 * ((by + 1) + 3 * (bz + 1)));
 }
 
+struct Neighbour {
+  int x = 0, y = 0, z = 0;
+  size_t slot() const { return NeighbourSlot(x, y, z); }
+};
+
+// The block itself and the seven that its cells reach into, then the other nineteen.
+constexpr size_t kUpperCount = 8;
+constexpr std::array<Neighbour, 27> SortedNeighbours() {
+  std::array<Neighbour, 27> sorted{};
+  size_t upper = 0, lower = kUpperCount;
+  for (int i = 0; i < 27; ++i) {
+    const Neighbour n{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
+    sorted[std::min({n.x, n.y, n.z}) >= 0 ? upper++ : lower++] = n;
+  }
+  return sorted;
+}
+constexpr std::array<Neighbour, 27> kNeighbours = SortedNeighbours();
+constexpr std::span kUpper(kNeighbours.data(), kUpperCount);
+constexpr std::span kLower(kNeighbours.data() + kUpperCount, kNeighbours.size() - kUpperCount);
+
 int NeighbourOf(int local) { return local < 0 ? -1 : (local >= kBlockSide ? 1 : 0); }
 
 // Free blocks remember no more than two observations, so no more can be asked of them.
@@ -35,41 +57,57 @@ int WeightGate(double min_weight) {
   return static_cast<int>(std::clamp(min_weight * static_cast<double>(kWeightScale), 0.0, 65535.0));
 }
 
+// Voxels that follow each other along x, from one array into the other.
+void CopySurfaceRow(const SurfaceVoxels& voxels, int offset, int length, int weight_gate,
+                    int min_observations, int16_t* distance, uint8_t* observed) {
+  const auto from = static_cast<size_t>(offset);
+  std::copy_n(&voxels.distance[from], length, distance);
+  for (int i = 0; i < length; ++i) {
+    const size_t voxel = from + static_cast<size_t>(i);
+    observed[i] = static_cast<uint8_t>((voxels.weight[voxel] > weight_gate) &
+                                       (voxels.observations[voxel] >= min_observations));
+  }
+}
+
 }  // namespace
 
 CellGrid::CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& options)
     : block_(block) {
-  for (int bz = -1; bz <= 1; ++bz) {
-    for (int by = -1; by <= 1; ++by) {
-      for (int bx = -1; bx <= 1; ++bx) {
-        const Block* neighbour = map.Find({block.x + bx, block.y + by, block.z + bz});
-        if (neighbour == nullptr) continue;
-        blocks_[NeighbourSlot(bx, by, bz)] = neighbour;
-        CopyBlock(*neighbour, bx, by, bz, options);
-      }
-    }
-  }
+  const auto find = [&](const Neighbour& n) {
+    const Block* found = map.Find({block.x + n.x, block.y + n.y, block.z + n.z});
+    blocks_[n.slot()] = found;
+    return found != nullptr && found->surface;
+  };
+  int with_surface = 0;
+  for (const Neighbour& n : kUpper) with_surface += find(n);
+  if (with_surface == 0) return;
+  for (const Neighbour& n : kUpper) CopyNeighbour(n.x, n.y, n.z, options);
   FillRows();
+  if (!HasSurface()) return;
+  for (const Neighbour& n : kLower) {
+    find(n);
+    CopyNeighbour(n.x, n.y, n.z, options);
+  }
 }
 
-void CellGrid::CopyBlock(const Block& block, int bx, int by, int bz,
-                         const MeshingOptions& options) {
+void CellGrid::CopyNeighbour(int bx, int by, int bz, const MeshingOptions& options) {
+  const Block* block = blocks_[NeighbourSlot(bx, by, bz)];
+  if (block == nullptr) return;
   const Range xs = Overlap(bx), ys = Overlap(by), zs = Overlap(bz);
   const int weight_gate = WeightGate(options.min_weight);
+  const int length = xs.end - xs.begin;
   for (int z = zs.begin; z < zs.end; ++z) {
     for (int y = ys.begin; y < ys.end; ++y) {
-      for (int x = xs.begin; x < xs.end; ++x) {
-        const int offset = LinearIndex(x & 7, y & 7, z & 7);
-        const auto source = static_cast<size_t>(offset);
-        const size_t target = Offset(x, y, z);
-        if (block.surface) {
-          const SurfaceVoxels& voxels = *block.surface;
-          distance_[target] = voxels.distance[source];
-          observed_[target] = voxels.weight[source] > weight_gate &&
-                              voxels.observations[source] >= options.min_observations;
-        } else {
-          distance_[target] = std::numeric_limits<int16_t>::max();
-          observed_[target] = FreeVoxelObserved(block, offset, options.min_observations);
+      const size_t target = Offset(xs.begin, y, z);
+      const int offset = LinearIndex(xs.begin & 7, y & 7, z & 7);
+      if (block->surface) {
+        CopySurfaceRow(*block->surface, offset, length, weight_gate, options.min_observations,
+                       &distance_[target], &observed_[target]);
+      } else {
+        std::fill_n(&distance_[target], length, std::numeric_limits<int16_t>::max());
+        for (int i = 0; i < length; ++i) {
+          observed_[target + static_cast<size_t>(i)] =
+              FreeVoxelObserved(*block, offset + i, options.min_observations);
         }
       }
     }

@@ -17,6 +17,8 @@ class CellGrid {
   /// Cell corners per axis: 0..8.
   static constexpr int kCorners = kBlockSide + 1;
 
+  /// Copies the corners first, and the rim only if a surface runs between them: most blocks have
+  /// none. Without a surface only HasSurface() may be asked.
   CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& options);
 
   /// One bit per x = 0..8 of a row of corners: seen at all, and behind the surface.
@@ -43,7 +45,7 @@ class CellGrid {
     return static_cast<size_t>((x - kLow) + kSide * ((y - kLow) + kSide * (z - kLow)));
   }
   static size_t RowOf(int y, int z) { return static_cast<size_t>(y + kCorners * z); }
-  void CopyBlock(const Block& block, int bx, int by, int bz, const MeshingOptions& options);
+  void CopyNeighbour(int bx, int by, int bz, const MeshingOptions& options);
   void FillRows();
 
   BlockIndex block_;

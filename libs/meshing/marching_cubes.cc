@@ -135,6 +135,11 @@ class BlockMesher {
   LocalMesh result_;
 };
 
+void SortUnique(std::vector<BlockIndex>* blocks) {
+  std::sort(blocks->begin(), blocks->end());
+  blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
+}
+
 // Blocks that may have surface cells, ascending: those with surface voxels and, since a cell
 // reaches one voxel up, their lower neighbours.
 std::vector<BlockIndex> CandidateBlocks(const VoxelMap& map) {
@@ -146,8 +151,7 @@ std::vector<BlockIndex> CandidateBlocks(const VoxelMap& map) {
       if (i == 0 || map.Find(below) != nullptr) candidates.push_back(below);
     }
   }
-  std::sort(candidates.begin(), candidates.end());
-  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  SortUnique(&candidates);
   return candidates;
 }
 
@@ -223,16 +227,20 @@ bool HasSurfaceAround(const VoxelMap& map, BlockIndex index) {
 
 // A vertex depends on voxels up to one step beyond its cell, so on all 26 neighbours.
 std::vector<BlockIndex> AffectedBlocks(const VoxelMap& map, std::span<const BlockIndex> changed) {
-  std::vector<BlockIndex> affected(changed.begin(), changed.end());
+  std::vector<BlockIndex> near;
+  near.reserve(changed.size() * 27);
   for (const BlockIndex& block : changed) {
     for (int i = 0; i < 27; ++i) {
-      const BlockIndex near{block.x + i % 3 - 1, block.y + i / 3 % 3 - 1, block.z + i / 9 - 1};
-      if (HasSurfaceAround(map, near)) affected.push_back(near);
+      near.push_back({block.x + i % 3 - 1, block.y + i / 3 % 3 - 1, block.z + i / 9 - 1});
     }
   }
-  std::sort(affected.begin(), affected.end());
-  affected.erase(std::unique(affected.begin(), affected.end()), affected.end());
-  return affected;
+  SortUnique(&near);
+  std::vector<BlockIndex> own(changed.begin(), changed.end());
+  SortUnique(&own);
+  std::erase_if(near, [&](const BlockIndex& block) {
+    return !std::binary_search(own.begin(), own.end(), block) && !HasSurfaceAround(map, block);
+  });
+  return near;
 }
 
 }  // namespace
