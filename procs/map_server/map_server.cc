@@ -206,6 +206,7 @@ void MapServer::OnRequest(const map_request_t& request) {
       return;
     }
   }
+  if (request.verb.starts_with("octomap")) return;  // the octomap exporter's
   if (!request.map_id.empty() && request.map_id != map_id()) return;
   const Result<Answer> answer = Answered(request);
   map_reply_t reply{};

@@ -1,0 +1,129 @@
+#include "octomap_exporter/exporter.h"
+
+#include <filesystem>
+#include <vismap/map_reply_t.hpp>
+
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "wire/octree_message.h"
+
+namespace vismap {
+
+namespace {
+constexpr double kAskAgain = 2.0;  // [s]
+}  // namespace
+
+Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
+    : config_(config), bus_(bus), status_(status) {
+  bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
+                               [this](const map_delta_t& message) { return OnDelta(message); });
+  bus_->Subscribe<map_request_t>(kMapRequestChannel,
+                                 [this](const map_request_t& request) { OnRequest(request); });
+  bus_->Every(0.2, [this] { OnTimer(); });
+  AskForSnapshot();
+}
+
+Result<void> Exporter::OnDelta(const map_delta_t& message) {
+  const StageTimer timer(status_, "following");
+  const Result<MapUpdate> update = Decode(message);
+  if (!update) return tl::unexpected(update.error());
+  const MapFollower::Outcome outcome = follower_.Take(*update);
+  status_->SetCounter("updates_missed", follower_.gaps());
+  status_->SetCounter("map_revision", follower_.revision());
+  if (outcome == MapFollower::Outcome::kApplied) status_->Set(ProcessState::kRunning);
+  if (outcome == MapFollower::Outcome::kNeedsSnapshot || outcome == MapFollower::Outcome::kBroken) {
+    status_->Set(ProcessState::kWaiting, "waiting for a snapshot of the map on MAP_DELTA");
+    AskForSnapshot();
+  }
+  if (outcome == MapFollower::Outcome::kBroken) {
+    return Fail("update to revision " + std::to_string(update->revision) + " of map '" +
+                update->map_id + "' does not fit the map; asking for a snapshot");
+  }
+  return {};
+}
+
+void Exporter::AskForSnapshot() {
+  if (MonotonicSeconds() < ask_due_) return;
+  ask_due_ = MonotonicSeconds() + kAskAgain;
+  map_request_t request{};
+  request.utime = WallUtime();
+  request.request_id = WallUtime() + next_request_++;
+  request.verb = "snapshot";
+  bus_->Publish(kMapRequestChannel, request);
+}
+
+bool Exporter::has_news() const {
+  return follower_.in_sync() &&
+         (follower_.revision() != exported_revision_ || follower_.map_id() != exported_map_id_);
+}
+
+void Exporter::OnTimer() {
+  if (!follower_.in_sync()) AskForSnapshot();
+  if (config_.octomap_exporter.period <= 0 || !has_news() || MonotonicSeconds() < export_due_)
+    return;
+  const double start = MonotonicSeconds();
+  const Result<std::string> exported = Export();
+  if (!exported) LogWarningSometimes("export", exported.error().message);
+  const double end = MonotonicSeconds();
+  export_due_ = end + std::max(config_.octomap_exporter.period, 4 * (end - start));
+}
+
+Result<OctreeBytes> Exporter::Build(UnknownPolicy unknown) const {
+  OctreeOptions options;
+  options.resolution = config_.octree.resolution;
+  options.free_fraction = config_.octree.free_fraction;
+  options.unknown = unknown;
+  return BuildOctree(*follower_.occupancy(), options);
+}
+
+Result<std::string> Exporter::Export() {
+  if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
+  const StageTimer timer(status_, "export");
+  OctreeMessage message{follower_.utime(),       follower_.map_id(), follower_.revision(),
+                        config_.grid.voxel_size, config_.free_space, {}};
+  message.voxel_size = follower_.occupancy()->cell_size();
+  Result<OctreeBytes> octree = Build(config_.octomap_exporter.unknown);
+  if (!octree) return tl::unexpected(octree.error());
+  message.octree = std::move(*octree);
+  bus_->Publish(kOctomapChannel, Encode(message));
+  status_->Count("octrees_published");
+  exported_map_id_ = follower_.map_id();
+  exported_revision_ = follower_.revision();
+  if (config_.octomap_exporter.output_folder.empty())
+    return std::to_string(message.octree.nodes) + " nodes published";
+
+  const std::filesystem::path folder =
+      std::filesystem::absolute(config_.octomap_exporter.output_folder);
+  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
+    const Result<OctreeBytes> tree = Build(unknown);
+    if (!tree) return tl::unexpected(tree.error());
+    const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
+    const Result<void> written = WriteOctree(folder / name, *tree);
+    if (!written) return tl::unexpected(written.error());
+  }
+  return "revision " + std::to_string(exported_revision_) + " written to " + folder.string() +
+         "/octree.bt and octree.closed.bt";
+}
+
+void Exporter::OnRequest(const map_request_t& request) {
+  if (!request.verb.starts_with("octomap")) return;  // the map server's
+  map_reply_t reply{};
+  reply.utime = WallUtime();
+  reply.requester = request.source;
+  reply.request_id = request.request_id;
+  reply.map_id = follower_.map_id();
+  reply.revision = follower_.revision();
+  if (request.verb == "octomap") {
+    const Result<std::string> exported = Export();
+    reply.ok = exported.has_value();
+    reply.message = exported ? *exported : exported.error().message;
+  } else if (request.verb == "octomap-digest") {
+    reply.ok = follower_.occupancy().has_value();
+    reply.message = reply.ok ? follower_.occupancy()->Digest() : "no map yet";
+  } else {
+    reply.message = "unknown request '" + request.verb + "'; known are octomap, octomap-digest";
+  }
+  bus_->Publish(kMapReplyChannel, reply);
+}
+
+}  // namespace vismap
