@@ -18,7 +18,8 @@ struct Interval {
 // The range of the values without the given share of them, half at either end.
 Interval TrimmedRange(std::vector<double>* values, double outliers) {
   const size_t n = values->size();
-  const auto cut = static_cast<size_t>(outliers / 2 * static_cast<double>(n));
+  const auto cut =
+      std::min(static_cast<size_t>(outliers / 2 * static_cast<double>(n)), (n - 1) / 2);
   const auto low = values->begin() + static_cast<std::ptrdiff_t>(cut);
   const auto high = values->begin() + static_cast<std::ptrdiff_t>(n - 1 - cut);
   std::nth_element(values->begin(), low, values->end());
@@ -168,6 +169,7 @@ OrientedBox FitUprightBox(std::span<const Eigen::Vector3f> points_W, const Eigen
 
 std::vector<Eigen::Vector3f> MainParts(std::span<const Eigen::Vector3f> points_W, double gap,
                                        double min_share) {
+  if (!(gap > 0)) return {points_W.begin(), points_W.end()};
   std::vector<Cell> cells;
   for (const Eigen::Vector3f& p : points_W) cells.push_back(CellOf(p, gap));
   std::sort(cells.begin(), cells.end());

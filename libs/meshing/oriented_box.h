@@ -21,7 +21,8 @@ OrientedBox FitUprightBox(std::span<const Eigen::Vector3f> points_W, const Eigen
                           double outliers);
 
 /// The points that belong to the main body: pieces separated by more than about `gap` [m] from
-/// everything else are dropped when they hold less than `min_share` of the points.
+/// everything else are dropped when they hold less than `min_share` of the points. A gap of 0 keeps
+/// all points.
 std::vector<Eigen::Vector3f> MainParts(std::span<const Eigen::Vector3f> points_W, double gap,
                                        double min_share);
 

@@ -36,6 +36,9 @@ ScreenVertex ToScreen(const MeshVertex& vertex, const View& view, Coloring color
   const double scale = view.orthographic ? view.scale : view.scale / p.z();
   screen.u = static_cast<float>(p.x() * scale + view.center.x());
   screen.v = static_cast<float>(p.y() * scale + view.center.y());
+  // Also keeps what is not a number away from the loops over pixels.
+  screen.visible = std::abs(screen.u) < 1e6F && std::abs(screen.v) < 1e6F;
+  if (!screen.visible) return screen;
   screen.closeness = static_cast<float>(view.orthographic ? -p.z() : 1 / p.z());
   const Eigen::Vector3d normal = view.T_V_W.linear() * vertex.normal_W.cast<double>();
   const Eigen::Vector3d toward =

@@ -150,7 +150,7 @@ Scene FrameScene(const Mesh& mesh, const Vector3d& up_W) {
   const size_t stride = mesh.vertices.size() / 20000 + 1;
   std::vector<Eigen::Vector3f> points;
   for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
-    points.push_back(mesh.vertices[i].position_W);
+    if (mesh.vertices[i].position_W.allFinite()) points.push_back(mesh.vertices[i].position_W);
   }
   Scene scene;
   scene.up_W = up_W;

@@ -243,6 +243,23 @@ TEST(Overview, EmptyMapGivesAPictureToo) {
   EXPECT_EQ(RenderMapOverview({}, {}, {}, "empty").width(), 1600);
 }
 
+TEST(Overview, SurvivesAMeshOfNonsense) {
+  // Meshes also come from files.
+  Mesh mesh = OneTriangle();
+  const float values[] = {std::numeric_limits<float>::quiet_NaN(),
+                          std::numeric_limits<float>::infinity(), 3e38F, -3e38F, 0};
+  for (const float x : values) {
+    for (const float y : values) {
+      MeshVertex vertex;
+      vertex.position_W = {x, y, 1};
+      mesh.vertices.push_back(vertex);
+    }
+  }
+  for (uint32_t i = 0; i + 2 < mesh.vertices.size(); ++i)
+    mesh.triangles.push_back({i, i + 1, i + 2});
+  EXPECT_EQ(RenderMapOverview(mesh, {}, {}, "nonsense").height(), 900);
+}
+
 TEST(Png, DecodesToTheSamePixels) {
   Image<Rgb8> image(3, 2);
   image(1, 2) = {255, 10, 30};
