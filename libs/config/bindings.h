@@ -37,6 +37,7 @@ void BindSegmentation(Binder& bind, SegmentationOptions& options) {
   bind.Value("min_segment_px", options.min_segment_pixels);
   bind.Value("concave_angle_deg", options.concave_angle_deg);
   bind.Value("concave_sigmas", options.concave_sigmas);
+  bind.Value("sharp_angle_deg", options.sharp_angle_deg);
   bind.Value("min_seed_px", options.min_seed_pixels);
   bind.Value("coplanar_sigmas", options.coplanar_sigmas);
   bind.Value("join_angle_deg", options.join_angle_deg);
@@ -53,6 +54,7 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("min_overlap", options.min_overlap);
   bind.Value("min_score", options.min_score);
   bind.Value("resolve_overlaps", options.resolve_overlaps);
+  bind.Value("max_depth_extent", options.max_depth_extent);
   bind.Value("split", options.split);
   bind.Value("split_min_score", options.split_min_score);
   bind.Value("split_min_mask_part", options.split_min_mask_part);

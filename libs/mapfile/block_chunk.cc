@@ -22,15 +22,36 @@ BlockKind KindOf(const Block& block) {
   return block.all_free ? BlockKind::kAllFree : BlockKind::kUnseen;
 }
 
-/// Calls `field(member)` for every fixed-size member of surface voxels, in the order of the file.
-template <typename Voxels, typename Field>
+/// The low bytes of all weights, then the high ones: that takes half as long to compress, and less
+/// space. The other fields do not gain by it.
+using SplitWeights = std::array<uint8_t, 2 * kBlockVoxels>;
+
+SplitWeights Split(const std::array<uint16_t, kBlockVoxels>& weights) {
+  SplitWeights split;
+  for (size_t i = 0; i < kBlockVoxels; ++i) {
+    split[i] = static_cast<uint8_t>(weights[i] & 0xff);
+    split[kBlockVoxels + i] = static_cast<uint8_t>(weights[i] >> 8);
+  }
+  return split;
+}
+
+std::array<uint16_t, kBlockVoxels> Join(const SplitWeights& split) {
+  std::array<uint16_t, kBlockVoxels> weights;
+  for (size_t i = 0; i < kBlockVoxels; ++i) {
+    weights[i] = static_cast<uint16_t>(split[i] | split[kBlockVoxels + i] << 8);
+  }
+  return weights;
+}
+
+/// Calls `field(member)` for every other fixed-size member of surface voxels, in the order of the
+/// file.
+template <typename Field>
 void ForEachField(const Field& field) {
-  field(&Voxels::distance);
-  field(&Voxels::weight);
-  field(&Voxels::observations);
-  field(&Voxels::color);
-  field(&Voxels::slot_label);
-  field(&Voxels::slot_votes);
+  field(&SurfaceVoxels::distance);
+  field(&SurfaceVoxels::observations);
+  field(&SurfaceVoxels::color);
+  field(&SurfaceVoxels::slot_label);
+  field(&SurfaceVoxels::slot_votes);
 }
 
 constexpr size_t kSurfaceBytes = sizeof(SurfaceVoxels::distance) + sizeof(SurfaceVoxels::weight) +
@@ -159,7 +180,10 @@ std::vector<uint8_t> EncodeBlocks(const VoxelMap& map, std::span<const BlockInde
   for (const BlockIndex& index : indices) blocks.push_back(map.Find(index));
   for (const BlockIndex& index : indices) writer.Put(index);
   for (const Block* block : blocks) writer.Put(KindOf(*block));
-  ForEachField<SurfaceVoxels>([&](auto member) {
+  for (const Block* block : blocks) {
+    if (block->surface) writer.Put(Split(block->surface->weight));
+  }
+  ForEachField([&](auto member) {
     for (const Block* block : blocks) {
       if (block->surface) writer.Put((*block->surface).*member);
     }
@@ -189,7 +213,12 @@ Result<std::vector<IndexedBlock>> DecodeBlocks(std::span<const uint8_t> bytes, s
   if (Result<void> taken = TakeKinds(&reader, &decoded, &surfaces, &frees); !taken) {
     return tl::unexpected(taken.error());
   }
-  ForEachField<SurfaceVoxels>([&](auto member) {
+  for (SurfaceVoxels* voxels : surfaces) {
+    SplitWeights split{};
+    reader.Take(&split);
+    voxels->weight = Join(split);
+  }
+  ForEachField([&](auto member) {
     for (SurfaceVoxels* voxels : surfaces) reader.Take(&(voxels->*member));
   });
   if (reader.is_short()) return Fail("voxels are missing");

@@ -63,6 +63,47 @@ TEST(Bindings, EveryKeyOfTheProtoIsBoundOnce) {
   EXPECT_THAT(counter.keys, testing::UnorderedElementsAreArray(expected));
 }
 
+struct AnyValue {
+  template <typename T>
+  operator T() const;  // NOLINT: never called, only looked at by the compiler
+};
+
+/// Number of members of a plain struct.
+template <typename Struct, typename... Values>
+constexpr size_t MemberCount() {
+  if constexpr (requires { Struct{Values{}..., AnyValue{}}; }) {
+    return MemberCount<Struct, Values..., AnyValue>();
+  } else {
+    return sizeof...(Values);
+  }
+}
+
+/// Number of keys that a binding function names for an option struct.
+template <typename Options>
+size_t KeyCount(void (*bind)(KeyCounter&, Options&)) {
+  KeyCounter counter;
+  Options options;
+  bind(counter, options);
+  return counter.keys.size();
+}
+
+TEST(Bindings, EveryMemberOfTheOptionStructsHasAKey) {
+  using namespace config;  // NOLINT
+  constexpr size_t kNoise = MemberCount<DepthNoiseModel>();
+  EXPECT_EQ(KeyCount(BindSurface<KeyCounter>), MemberCount<SurfaceOptions>() + kNoise);
+  EXPECT_EQ(KeyCount(BindSegmentation<KeyCounter>), MemberCount<SegmentationOptions>());
+  EXPECT_EQ(KeyCount(BindRefine<KeyCounter>), MemberCount<RefineOptions>());
+  constexpr size_t kRange = 2;  // taken from the integration
+  EXPECT_EQ(KeyCount(BindAssociation<KeyCounter>) + kRange, MemberCount<AssociationOptions>());
+  EXPECT_EQ(KeyCount(BindIntegration<KeyCounter>), MemberCount<IntegrationOptions>());
+  EXPECT_EQ(KeyCount(BindMeshing<KeyCounter>), MemberCount<MeshingOptions>());
+  EXPECT_EQ(KeyCount(BindObjects<KeyCounter>), MemberCount<ObjectOptions>());
+  EXPECT_EQ(KeyCount(BindFreeSpace<KeyCounter>), MemberCount<OccupancyOptions>());
+  EXPECT_EQ(KeyCount(BindDepthSegmenter<KeyCounter>), MemberCount<DepthSegmenterConfig>());
+  EXPECT_EQ(KeyCount(BindMapServer<KeyCounter>), MemberCount<MapServerConfig>());
+  EXPECT_EQ(KeyCount(BindOctomapExporter<KeyCounter>), MemberCount<OctomapExporterConfig>());
+}
+
 /// Gives every value another one, so that a binding to the wrong member shows.
 struct Changer {
   int* counter;
