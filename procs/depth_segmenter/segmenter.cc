@@ -36,7 +36,7 @@ Segmenter::Segmenter(const SegmenterOptions& options, ProcessContext* context)
       join_(options.max_waiting) {
   bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                [this](const rgbd_frame_t& message) { return OnFrame(message); });
-  if (options_.detections != DetectionPolicy::kNone) {
+  if (options_.detections != WaitForDetections::kNone) {
     bus_.Subscribe<detections_t>(
         kDetectionsChannel, [this](const detections_t& message) { return OnDetections(message); });
   }
@@ -79,11 +79,11 @@ bool Segmenter::AnswerAgain(const rgbd_frame_t& message) {
 
 double Segmenter::Patience() const {
   switch (options_.detections) {
-    case DetectionPolicy::kRequired:
+    case WaitForDetections::kRequired:
       return std::numeric_limits<double>::infinity();
-    case DetectionPolicy::kAuto:
+    case WaitForDetections::kAuto:
       return peers_.Alive("detector") ? options_.detection_timeout : 0;
-    case DetectionPolicy::kNone:
+    case WaitForDetections::kNone:
       break;
   }
   return 0;
@@ -148,7 +148,7 @@ void Segmenter::ShowState() {
                     std::to_string(static_cast<int>(waited)) + " s" +
                     (peers_.Alive("detector") ? "" : ", and no detector is on the bus"));
   } else if (status_.counter("frames") > 0) {
-    const bool alone = options_.detections == DetectionPolicy::kAuto && !peers_.Alive("detector");
+    const bool alone = options_.detections == WaitForDetections::kAuto && !peers_.Alive("detector");
     status_.Set(ProcessState::kRunning, alone ? "no detector is on the bus: geometry alone" : "");
   }
 }

@@ -6,6 +6,7 @@
 #include <vismap/rgbd_frame_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
 
+#include "config/config.h"
 #include "depth_segmenter/frame_detection_join.h"
 #include "runtime/main.h"
 #include "runtime/peers.h"
@@ -13,15 +14,8 @@
 
 namespace vismap {
 
-/// What a frame waits for before it is segmented.
-enum class DetectionPolicy {
-  kRequired,  ///< its detections, however long that takes
-  kAuto,      ///< its detections, but only while a detector is alive and at most detection_timeout
-  kNone,      ///< nothing: geometry alone
-};
-
 struct SegmenterOptions {
-  DetectionPolicy detections = DetectionPolicy::kAuto;
+  WaitForDetections detections = WaitForDetections::kAuto;
   double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
   size_t max_waiting = 64;  ///< frames that wait for detections; beyond, the oldest is given up
   size_t max_cached = 32;   ///< results kept for frames that are sent again

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vismap/frame_commit_t.hpp>
 
+#include "codecs/frame_codec.h"
 #include "runtime/clock.h"
 #include "runtime/peers.h"
 #include "runtime/progress.h"
@@ -41,6 +42,11 @@ class Frames {
   Result<rgbd_frame_t> Message(size_t i) const {
     Result<SensorFrame> frame = dataset_.Read(i % dataset_.size());
     if (!frame) return tl::unexpected(frame.error());
+    // A frame that nobody can decode would be waited for in vain.
+    if (const Result<RgbdFrame> decoded = DecodeFrame(*frame); !decoded) {
+      return Fail(dataset_.name() + ", frame " + std::to_string(frame->header.frame_number) + ": " +
+                  decoded.error().message);
+    }
     frame->header.utime += Shift(i);
     return Encode(*frame);
   }
