@@ -17,18 +17,24 @@ function(vismap_room NAME)
   endif()
 endfunction()
 
-# vismap_process(NAME DEPS rooms...): builds vismap-NAME from all .cc files of the folder.
+# vismap_process(NAME DEPS rooms... [LINK libraries...]): builds vismap-NAME from main.cc, and the other .cc files of the
+# folder as a library, so that tests can link them.
 function(vismap_process NAME)
   cmake_parse_arguments(ARG "" "" "DEPS;LINK" ${ARGN})
-  file(GLOB SOURCES CONFIGURE_DEPENDS *.cc)
+  string(REPLACE "-" "_" LIBRARY vismap_${NAME})
   list(TRANSFORM ARG_DEPS PREPEND vismap_)
+  file(GLOB SOURCES CONFIGURE_DEPENDS *.cc)
+  list(FILTER SOURCES EXCLUDE REGEX "/main\\.cc$")
+  add_executable(vismap-${NAME} main.cc)
   if(SOURCES)
-    add_executable(vismap-${NAME} ${SOURCES})
-    target_link_libraries(vismap-${NAME} PRIVATE ${ARG_DEPS} ${ARG_LINK} vismap_compiler)
-    set_target_properties(vismap-${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
-    add_dependencies(processes vismap-${NAME})
-    install(TARGETS vismap-${NAME} COMPONENT runtime)
+    add_library(${LIBRARY} STATIC ${SOURCES})
+    target_link_libraries(${LIBRARY} PUBLIC ${ARG_DEPS} ${ARG_LINK} PRIVATE vismap_compiler)
+    target_link_libraries(vismap-${NAME} PRIVATE ${LIBRARY})
   endif()
+  target_link_libraries(vismap-${NAME} PRIVATE ${ARG_DEPS} ${ARG_LINK} vismap_compiler)
+  set_target_properties(vismap-${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  add_dependencies(processes vismap-${NAME})
+  install(TARGETS vismap-${NAME} COMPONENT runtime)
 endfunction()
 
 # vismap_tests(ROOM [LINK ...]): one GoogleTest binary of all *_test.cc in the folder, linked to its room only.

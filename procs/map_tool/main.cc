@@ -1,0 +1,81 @@
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "map_tool/commands.h"
+
+namespace {
+
+using namespace vismap;
+
+struct Command {
+  MapToolArguments arguments;
+  std::function<Outcome(const MapToolArguments&, ProcessContext&)> run;
+};
+
+CLI::App* Add(CLI::App& app, Command* command, const char* name, const char* help,
+              Outcome (*run)(const MapToolArguments&, ProcessContext&)) {
+  CLI::App* sub = app.add_subcommand(name, help);
+  sub->callback([command, run] { command->run = run; });
+  return sub;
+}
+
+void AddCommands(CLI::App& app, Command* command) {
+  MapToolArguments& arguments = command->arguments;
+  const auto takes_map = [&](CLI::App* sub, const char* help) {
+    sub->add_option("MAP", arguments.map, help)->required();
+  };
+  const char* kFileOrLive = "Saved map (.vismap), or live: the one of the running server";
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--timeout", arguments.timeout, "Seconds to wait for a running server")
+      ->check(CLI::PositiveNumber);
+
+  CLI::App* info = Add(app, command, "info", "Facts of a map", RunInfo);
+  takes_map(info, kFileOrLive);
+  info->add_flag("--json", arguments.json, "As JSON");
+  takes_map(Add(app, command, "hash", "Hash of a map: equal maps, equal hashes", RunHash),
+            kFileOrLive);
+  CLI::App* objects = Add(app, command, "objects", "The objects of a map", RunObjects);
+  takes_map(objects, kFileOrLive);
+  objects->add_flag("--json", arguments.json, "As JSON, discovered segments included");
+
+  CLI::App* files =
+      Add(app, command, "export",
+          "Mesh, objects, octrees and picture of a saved map, into a folder", RunExport);
+  takes_map(files, "Saved map (.vismap)");
+  files->add_option("--out", arguments.out, "Folder for the results")->required();
+  CLI::App* render = Add(app, command, "render", "A picture of a saved map", RunRender);
+  takes_map(render, "Saved map (.vismap)");
+  render->add_option("--out", arguments.out, "PNG file")->required();
+  render->add_option("--color", arguments.coloring, "instance, class, segment or rgb")
+      ->check(CLI::IsMember({"instance", "class", "segment", "rgb"}));
+  render->add_option("--view", arguments.view, "overview (with legend), perspective or top")
+      ->check(CLI::IsMember({"overview", "perspective", "top"}));
+  CLI::App* diff =
+      Add(app, command, "diff", "In what two saved maps differ; exit code 1 when they do", RunDiff);
+  takes_map(diff, "Saved map (.vismap)");
+  diff->add_option("OTHER", arguments.other_map, "Saved map to compare with")->required();
+
+  Add(app, command, "save", "Makes the running server save its map", RunSave)
+      ->add_option("PATH", arguments.out,
+                   "File on the server's computer; default: as the server is configured");
+  takes_map(Add(app, command, "load", "Makes the running server continue a saved map", RunLoad),
+            "File on the server's computer");
+  Add(app, command, "reset", "Makes the running server start an empty map", RunReset);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Command command;
+  ProcessSpec spec;
+  spec.name = "map";
+  spec.summary = "Looks at saved maps, and talks to a running map server.";
+  spec.joins_bus = false;
+  spec.add_options = [&](CLI::App& app) { AddCommands(app, &command); };
+  spec.configure = [&](const std::string& text, const std::string& path) {
+    return TakeConfig(text, path, &command.arguments.config);
+  };
+  spec.run = [&](ProcessContext& context) { return command.run(command.arguments, context); };
+  return RunProcess(argc, argv, spec);
+}
