@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace vismap {
+namespace {
+
+/// The smaller of `distance` and that to the shape; most shapes are too far to look at closely.
+double Nearer(const Shape& shape, const Eigen::Vector3d& p_W, double distance) {
+  const double at_least = (p_W - shape.T_W_O.translation()).norm() - shape.half_size.norm();
+  return at_least >= distance ? distance : std::min(distance, SignedDistance(shape, p_W));
+}
+
+}  // namespace
 
 std::optional<Hit> CastRay(const Scene& scene, const Eigen::Vector3d& origin_W,
                            const Eigen::Vector3d& direction_W) {
@@ -23,16 +32,14 @@ std::optional<Hit> CastRay(const Scene& scene, const Eigen::Vector3d& origin_W,
 
 double SignedDistance(const SceneObject& object, const Eigen::Vector3d& p_W) {
   double distance = kNoHit;
-  for (const Shape& shape : object.shapes) {
-    distance = std::min(distance, SignedDistance(shape, p_W));
-  }
+  for (const Shape& shape : object.shapes) distance = Nearer(shape, p_W, distance);
   return distance;
 }
 
 double SignedDistance(const Scene& scene, const Eigen::Vector3d& p_W) {
   double distance = kNoHit;
   for (const SceneObject& object : scene.objects) {
-    distance = std::min(distance, SignedDistance(object, p_W));
+    for (const Shape& shape : object.shapes) distance = Nearer(shape, p_W, distance);
   }
   return distance;
 }
