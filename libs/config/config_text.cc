@@ -158,6 +158,14 @@ std::string Joined(const std::vector<std::string>& problems) {
   return text;
 }
 
+config::Config ToMessage(const VismapConfig& config) {
+  config::Config message;
+  Writer writer(&message);
+  VismapConfig copy = config;  // bindings are made for reading, too
+  config::BindConfig(writer, copy);
+  return message;
+}
+
 }  // namespace
 
 Result<VismapConfig> ParseConfig(const std::string& text, const std::string& name) {
@@ -194,14 +202,10 @@ Result<VismapConfig> LoadConfig(const std::string& path) {
 }
 
 std::string PrintConfig(const VismapConfig& config) {
-  config::Config message;
-  Writer writer(&message);
-  VismapConfig copy = config;  // bindings are made for reading, too
-  config::BindConfig(writer, copy);
   std::string text;
   google::protobuf::TextFormat::Printer printer;
   printer.SetUseShortRepeatedPrimitives(true);
-  const bool printed = printer.PrintToString(message, &text);
+  const bool printed = printer.PrintToString(ToMessage(config), &text);
   Require(printed, "a config can be printed");
   return text;
 }

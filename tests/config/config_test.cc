@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <sstream>
 
 #include "config/bindings.h"
 #include "options.pb.h"
@@ -138,6 +139,27 @@ TEST(Config, PrintedTextParsesBackToTheSame) {
   EXPECT_EQ(again.up_W, config.up_W);
   EXPECT_EQ(again.map_server.save_on_exit, config.map_server.save_on_exit);
   EXPECT_NE(PrintConfig(config), PrintConfig(VismapConfig{}));
+}
+
+TEST(Config, DescriptionHasEveryKeyWithItsMeaningAndParsesBackToTheSame) {
+  VismapConfig config;
+  config.up_W = Eigen::Vector3d(0, -0.6, 0.8);
+  config.map_server.save_on_exit = "a \"quoted\" # name";
+  const std::string text = DescribeConfig(config);
+  EXPECT_EQ(PrintConfig(Parsed(text)), PrintConfig(config));
+  KeyCounter counter;
+  config::BindConfig(counter, config);
+  for (const std::string& key : counter.keys) {
+    EXPECT_THAT(text, HasSubstr(key.substr(key.find('.') + 1) + ":")) << key;
+  }
+  EXPECT_THAT(text, HasSubstr("  # Edge of a voxel.\n  voxel_size_m: 0.01\n"));
+  EXPECT_THAT(text, HasSubstr("  # KINECT, REALSENSE or CLEAN.\n  # sensor:\n"));
+  std::string line;
+  std::istringstream lines(text);
+  for (bool comment = false; std::getline(lines, line); comment = line.find('#') == 2) {
+    const bool key = line.starts_with("  ") && line.find('#') == std::string::npos;
+    EXPECT_TRUE(!key || comment || line.starts_with("  up_W")) << "no comment before " << line;
+  }
 }
 
 TEST(Config, AwkwardNumbersSurvivePrinting) {

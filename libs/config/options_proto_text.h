@@ -1,0 +1,8 @@
+#pragma once
+
+namespace vismap::config {
+
+/// The whole of options.proto, with its comments.
+extern const char* const kOptionsProtoText;
+
+}  // namespace vismap::config
