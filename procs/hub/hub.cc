@@ -2,7 +2,6 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/tcp_socket.h"
 #include "runtime/version.h"
 #include "wire/envelope.h"
 #include "wire/fingerprint.h"
@@ -30,28 +30,12 @@ void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
 }
 
-void AppendWord(std::vector<uint8_t>* bytes, size_t value) {
-  for (int shift = 24; shift >= 0; shift -= 8)
-    bytes->push_back(static_cast<uint8_t>(value >> shift));
-}
-
 SharedBytes MakeBytes(std::vector<uint8_t> bytes) {
   return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
 }
 
-SharedBytes ServerHello() {
-  std::vector<uint8_t> bytes;
-  AppendWord(&bytes, 0x287617fa);
-  AppendWord(&bytes, 0x0100);
-  return MakeBytes(std::move(bytes));
-}
-
 SharedBytes PublishRecord(const std::string& channel, const std::vector<uint8_t>& data) {
-  std::vector<uint8_t> bytes;
-  AppendWord(&bytes, 1);
-  AppendWord(&bytes, channel.size());
-  bytes.insert(bytes.end(), channel.begin(), channel.end());
-  AppendWord(&bytes, data.size());
+  std::vector<uint8_t> bytes = TcpqPublishHead(channel, data.size());
   bytes.insert(bytes.end(), data.begin(), data.end());
   return MakeBytes(std::move(bytes));
 }
@@ -66,7 +50,7 @@ std::string AddressText(const sockaddr_in& address) {
 
 struct Hub::Client {
   Client(int socket, std::string address, size_t max_message_bytes)
-      : fd(socket), name(std::move(address)), reader(max_message_bytes) {}
+      : fd(socket), name(std::move(address)), reader(TcpqMagic::kClient, max_message_bytes) {}
   ~Client() { close(fd); }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
@@ -161,21 +145,17 @@ void Hub::Accept() {
                                     std::to_string(client_count()) + " clients already");
     return;
   }
-  SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
-  SetOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
-  SetOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, 10);
-  SetOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, 5);
-  SetOption(fd, IPPROTO_TCP, TCP_KEEPCNT, 3);
+  TuneTcp(fd);
   ++counters_.clients_accepted;
   LogDebug(client->name + " joined");
-  Queue(*client, ServerHello());
+  Queue(*client, MakeBytes(TcpqHello(TcpqMagic::kHub)));
   Flush(*client);
   clients_.push_back(std::move(client));
 }
 
 void Hub::Read(Client& client) {
   const Result<void> read = client.reader.ReadFrom(
-      client.fd, kReadPerTurn, [&](HubRecord record) { Take(client, std::move(record)); });
+      client.fd, kReadPerTurn, [&](TcpqRecord record) { Take(client, std::move(record)); });
   if (read || client.dead) return;
   client.dead = true;
   if (read.error().message.empty()) {
@@ -186,20 +166,20 @@ void Hub::Read(Client& client) {
   }
 }
 
-void Hub::Take(Client& client, HubRecord record) {
+void Hub::Take(Client& client, TcpqRecord record) {
   switch (record.kind) {
-    case HubRecord::Kind::kPublish:
+    case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
       return Route(record.name, record.bytes);
-    case HubRecord::Kind::kSubscribe:
+    case TcpqRecord::Kind::kSubscribe:
       if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
         client.dead = true;
         ++counters_.clients_cut_off;
         LogWarningSometimes("cut off", client.name + " " + added.error().message + "; cut off");
       }
       return;
-    case HubRecord::Kind::kUnsubscribe:
+    case TcpqRecord::Kind::kUnsubscribe:
       return client.subscriptions.Remove(record.name);
   }
 }

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "base/result.h"
-#include "hub/record_reader.h"
 #include "hub/subscriptions.h"
 #include "runtime/lcm_url.h"
 #include "runtime/stop_signal.h"
+#include "runtime/tcpq_records.h"
 #include "wire/channels.h"
 
 namespace vismap {
@@ -57,7 +57,7 @@ class Hub {
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Accept();
   void Read(Client& client);
-  void Take(Client& client, HubRecord record);
+  void Take(Client& client, TcpqRecord record);
   void Route(const std::string& channel, const SharedBytes& bytes);
   void Queue(Client& client, const SharedBytes& bytes);
   void Flush(Client& client);

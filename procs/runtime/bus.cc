@@ -1,14 +1,10 @@
 #include "runtime/bus.h"
 
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/socket.h>
 
 #include <algorithm>
 #include <cmath>
-#include <lcm/lcm-cpp.hpp>
 #include <utility>
 
 #include "runtime/clock.h"
@@ -18,31 +14,9 @@ namespace vismap {
 namespace {
 
 constexpr double kRejoinPeriod = 0.25;  // [s]
-constexpr int kMessagesPerRound = 64;   // before timers get their turn
+constexpr double kRound = 0.02;         // handling messages before timers get their turn [s]
 constexpr size_t kMaxTrackedSources = 1024;
 constexpr int64_t kLargestGap = 1'000'000'000;
-
-template <typename Value>
-void SetOption(int fd, int level, int option, Value value) {
-  setsockopt(fd, level, option, &value, sizeof(value));
-}
-
-// LCM sends each message in five small pieces and waits without limit: send at once, notice a hub
-// that is gone or stands still.
-void TuneTcp(int fd) {
-  SetOption(fd, IPPROTO_TCP, TCP_NODELAY, 1);
-  SetOption(fd, SOL_SOCKET, SO_KEEPALIVE, 1);
-  SetOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, 10);
-  SetOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, 5);
-  SetOption(fd, IPPROTO_TCP, TCP_KEEPCNT, 3);
-  SetOption(fd, SOL_SOCKET, SO_SNDTIMEO, timeval{30, 0});
-  SetOption(fd, SOL_SOCKET, SO_RCVTIMEO, timeval{30, 0});
-}
-
-bool Readable(int fd) {
-  pollfd waiting{fd, POLLIN, 0};
-  return poll(&waiting, 1, 0) == 1;
-}
 
 }  // namespace
 
@@ -84,31 +58,25 @@ Result<void> Bus::JoinWithin(double timeout) {
 }
 
 Result<void> Bus::Join() {
-  lcm_.reset();
-  if (url_.provider == "tcpq") {
-    // LCM itself would wait for ever for a hub that accepts and says nothing.
-    if (Result<void> probe = ProbeHub(url_.hub, 1.0); !probe) return probe;
+  transport_.reset();
+  Result<std::unique_ptr<Transport>> joined =
+      url_.provider == "tcpq" ? OpenTcpqTransport(url_.hub, options_.stop) : OpenLcmTransport(url_);
+  if (!joined) return tl::unexpected(joined.error());
+  transport_ = std::move(*joined);
+  for (const std::unique_ptr<Route>& route : routes_) {
+    if (route->counts) transport_->Subscribe(route->channel.name);
   }
-  auto joined = std::make_unique<lcm::LCM>(url_.text);
-  if (!joined->good()) {
-    return Fail("LCM cannot open " + url_.text +
-                (url_.provider == "udpm"
-                     ? "; without a multicast route run: sudo ip route add 224.0.0.0/4 dev lo"
-                     : "; is the URL right?"));
-  }
-  lcm_ = std::move(joined);
-  for (const std::unique_ptr<Route>& route : routes_) Listen(route.get());
   if (!connected()) return Fail("the hub closed the connection");
-  if (url_.provider == "tcpq") TuneTcp(lcm_->getFileno());
   return {};
 }
 
-bool Bus::connected() const { return lcm_ != nullptr && lcm_->getFileno() >= 0; }
+bool Bus::connected() const { return transport_ != nullptr && transport_->connected(); }
 
 void Bus::Rejoin() {
   const double now = MonotonicSeconds();
   if (now < next_attempt_) return;
-  if (lcm_ != nullptr) LogWarning("lost the hub at " + url_.text + ", trying to reach it again");
+  if (transport_ != nullptr)
+    LogWarning("lost the hub at " + url_.text + ", trying to reach it again");
   next_attempt_ = now + kRejoinPeriod;
   if (Join()) {
     ++reconnects_;
@@ -117,32 +85,26 @@ void Bus::Rejoin() {
 }
 
 void Bus::AddRoute(std::unique_ptr<Route> route) {
-  route->bus = this;
   const std::string name = route->channel.name;
   route->counts = std::none_of(routes_.begin(), routes_.end(),
                                [&](const auto& r) { return r->channel.name == name; });
   counters_[name];
+  if (route->counts && connected()) transport_->Subscribe(name);
   routes_.push_back(std::move(route));
-  if (connected()) Listen(routes_.back().get());
 }
 
-void Bus::Listen(Route* route) {
-  lcm::Subscription* subscription =
-      lcm_->subscribeFunction(route->channel.name, &Bus::OnMessage, route);
-  // Nothing may be dropped between socket and handler; what waits, waits in the hub or the kernel.
-  if (subscription != nullptr) subscription->setQueueCapacity(0);
-}
-
-void Bus::OnMessage(const lcm::ReceiveBuffer* buffer, const std::string&, Route* route) {
+void Bus::Take(const std::string& channel, std::span<const uint8_t> bytes) {
   try {
-    route->bus->Receive(*route, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+    for (size_t i = 0; i < routes_.size(); ++i) {  // a handler may add routes
+      Route& route = *routes_[i];
+      if (channel == route.channel.name) Receive(route, bytes);
+    }
   } catch (...) {
-    route->bus->thrown_ = std::current_exception();
+    thrown_ = std::current_exception();
   }
 }
 
 void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
-  if (thrown_) return;
   if (route.counts) {
     ChannelCounters& counters = counters_[route.channel.name];
     ++counters.received;
@@ -191,8 +153,7 @@ bool Bus::Send(const Channel& channel, const std::vector<uint8_t>& bytes) {
                             std::to_string(bytes.size()) + " bytes was not sent, at most " +
                             std::to_string(channel.max_bytes) + " are allowed");
   }
-  if (!fits || !connected() ||
-      lcm_->publish(channel.name, bytes.data(), static_cast<unsigned>(bytes.size())) != 0) {
+  if (!fits || !connected() || !transport_->Publish(channel.name, bytes)) {
     ++counters.unsent;
     return false;
   }
@@ -220,12 +181,16 @@ double Bus::RunTimers() {
 }
 
 bool Bus::HandleWaiting() {
+  const double end = MonotonicSeconds() + kRound;
+  const Transport::Sink sink = [this](const std::string& channel, std::span<const uint8_t> bytes) {
+    Take(channel, bytes);
+  };
   bool any = false;
-  for (int i = 0;
-       i < kMessagesPerRound && connected() && Readable(lcm_->getFileno()) && !stop_requested();
-       ++i) {
-    any |= lcm_->handle() == 0;
+  // What was read before the connection ended is handled, too.
+  while (transport_ != nullptr && !stop_requested() && transport_->Receive(sink)) {
+    any = true;
     if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+    if (MonotonicSeconds() > end) break;
   }
   DeliverNewest();
   return any;
@@ -242,14 +207,15 @@ void Bus::DeliverNewest() {
 
 bool Bus::Spin(double timeout) {
   double wait = std::min(timeout, RunTimers());
-  if (!connected()) {
+  const bool pending = transport_ != nullptr && transport_->pending();
+  if (!connected() && !pending) {
     Rejoin();
     wait = std::min(wait, kRejoinPeriod);
   }
   pollfd waiting[2] = {{options_.stop != nullptr ? options_.stop->fd() : -1, POLLIN, 0},
-                       {connected() ? lcm_->getFileno() : -1, POLLIN, 0}};
-  poll(waiting, 2, static_cast<int>(std::ceil(wait * 1000)));
-  return waiting[1].revents != 0 && HandleWaiting();
+                       {connected() ? transport_->fd() : -1, POLLIN, 0}};
+  poll(waiting, 2, pending ? 0 : static_cast<int>(std::ceil(wait * 1000)));
+  return (pending || waiting[1].revents != 0) && HandleWaiting();
 }
 
 bool Bus::Run(const std::function<bool()>& finished) {

@@ -14,13 +14,9 @@
 #include "base/result.h"
 #include "runtime/lcm_url.h"
 #include "runtime/stop_signal.h"
+#include "runtime/transport.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
-
-namespace lcm {
-class LCM;
-struct ReceiveBuffer;
-}  // namespace lcm
 
 namespace vismap {
 
@@ -93,7 +89,6 @@ class Bus {
 
  private:
   struct Route {
-    Bus* bus = nullptr;
     Channel channel{};
     Delivery delivery = Delivery::kEvery;
     bool counts = false;  // the first subscription of a channel keeps its figures
@@ -113,8 +108,7 @@ class Bus {
   Result<void> JoinWithin(double timeout);
   void Rejoin();
   void AddRoute(std::unique_ptr<Route> route);
-  void Listen(Route* route);
-  static void OnMessage(const lcm::ReceiveBuffer* buffer, const std::string& channel, Route* route);
+  void Take(const std::string& channel, std::span<const uint8_t> bytes);
   void Receive(Route& route, std::span<const uint8_t> bytes);
   void Deliver(Route& route, std::span<const uint8_t> bytes);
   void NoteSequence(Route& route, std::span<const uint8_t> bytes);
@@ -125,7 +119,7 @@ class Bus {
 
   BusOptions options_;
   LcmUrl url_;
-  std::unique_ptr<lcm::LCM> lcm_;  // none while there is no connection
+  std::unique_ptr<Transport> transport_;  // none or not connected while there is no hub
   std::vector<std::unique_ptr<Route>> routes_;
   std::vector<Timer> timers_;
   std::map<std::string, int64_t> next_seq_;

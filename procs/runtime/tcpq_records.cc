@@ -1,4 +1,4 @@
-#include "hub/record_reader.h"
+#include "runtime/tcpq_records.h"
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -12,13 +12,41 @@
 namespace vismap {
 namespace {
 
-constexpr uint32_t kClientMagic = 0x287617fb;
-constexpr uint32_t kProtocolVersion = 0x0100;
 constexpr uint32_t kMaxChannelName = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
 constexpr uint32_t kMaxPattern = 1024;
 constexpr size_t kGrowth = size_t{4} << 20;  // largest step ahead of what has arrived [bytes]
 
+void AppendWord(std::vector<uint8_t>* bytes, size_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8)
+    bytes->push_back(static_cast<uint8_t>(value >> shift));
+}
+
+std::vector<uint8_t> RecordHead(TcpqRecord::Kind kind, const std::string& name) {
+  std::vector<uint8_t> bytes;
+  AppendWord(&bytes, static_cast<size_t>(kind));
+  AppendWord(&bytes, name.size());
+  bytes.insert(bytes.end(), name.begin(), name.end());
+  return bytes;
+}
+
 }  // namespace
+
+std::vector<uint8_t> TcpqHello(TcpqMagic magic) {
+  std::vector<uint8_t> bytes;
+  AppendWord(&bytes, static_cast<size_t>(magic));
+  AppendWord(&bytes, kTcpqVersion);
+  return bytes;
+}
+
+std::vector<uint8_t> TcpqSubscribe(const std::string& pattern) {
+  return RecordHead(TcpqRecord::Kind::kSubscribe, pattern);
+}
+
+std::vector<uint8_t> TcpqPublishHead(const std::string& channel, size_t data_size) {
+  std::vector<uint8_t> bytes = RecordHead(TcpqRecord::Kind::kPublish, channel);
+  AppendWord(&bytes, data_size);
+  return bytes;
+}
 
 uint32_t RecordReader::Word(size_t offset) const {
   uint32_t word = 0;
@@ -36,12 +64,13 @@ void RecordReader::Expect(Stage stage, size_t bytes) {
 }
 
 Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
-                                    const std::function<void(HubRecord)>& on_record) {
+                                    const std::function<void(TcpqRecord)>& on_record) {
   for (size_t taken = 0; taken < max_bytes;) {
     const size_t step = std::min(need_ - have_, kGrowth);
     if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
     const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return {};
+    if (got < 0 && errno == ECONNRESET) return Fail("");  // it left without reading all
     if (got < 0) return Fail(std::strerror(errno));
     if (got == 0) return Fail("");
     // LCM's client sends one message in five small writes and waits for the acknowledgement of
@@ -59,22 +88,23 @@ Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
   return {};
 }
 
-Result<void> RecordReader::Advance(const std::function<void(HubRecord)>& on_record) {
+Result<void> RecordReader::Advance(const std::function<void(TcpqRecord)>& on_record) {
   switch (stage_) {
     case Stage::kHello:
-      if (Word(0) != kClientMagic || Word(4) >> 8 != kProtocolVersion >> 8)
-        return Fail("is no LCM tcpq client");
+      if (Word(0) != static_cast<uint32_t>(magic_) || Word(4) >> 8 != kTcpqVersion >> 8) {
+        return Fail("does not speak LCM's tcpq protocol");
+      }
       have_ = 0;
       Expect(Stage::kHead, 8);
       return {};
     case Stage::kHead:
       return StartName();
     case Stage::kName:
-      if (Word(0) == static_cast<uint32_t>(HubRecord::Kind::kPublish)) {
+      if (Word(0) == static_cast<uint32_t>(TcpqRecord::Kind::kPublish)) {
         Expect(Stage::kDataSize, 4);
         return {};
       }
-      on_record({static_cast<HubRecord::Kind>(Word(0)), Name(), nullptr});
+      on_record({static_cast<TcpqRecord::Kind>(Word(0)), Name(), nullptr});
       have_ = 0;
       Expect(Stage::kHead, 8);
       return {};
@@ -83,7 +113,7 @@ Result<void> RecordReader::Advance(const std::function<void(HubRecord)>& on_reco
     case Stage::kData:
       break;
   }
-  HubRecord record{HubRecord::Kind::kPublish, Name(), nullptr};
+  TcpqRecord record{TcpqRecord::Kind::kPublish, Name(), nullptr};
   buffer_.resize(have_);
   record.bytes = std::make_shared<const std::vector<uint8_t>>(std::exchange(buffer_, {}));
   on_record(std::move(record));
