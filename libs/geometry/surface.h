@@ -23,6 +23,12 @@ struct VectorImage {
 inline constexpr uint8_t kJoinedRight = 1;  ///< one surface with pixel (u + 1, v)
 inline constexpr uint8_t kJoinedDown = 2;   ///< one surface with pixel (u, v + 1)
 
+/// How many pixels a pixel can go along each axis without crossing a depth jump, at most its
+/// radius.
+struct PixelReach {
+  Image<uint8_t> left, right, up, down;
+};
+
 /// Back-projected depth image with normals. HxW; both NaN where depth is NaN; a normal may also be
 /// NaN where its neighbourhood does not define a plane.
 struct SurfaceMap {
@@ -32,6 +38,7 @@ struct SurfaceMap {
   Image<float> depth_sigma;   ///< expected error of the depth [m]; 0 where there is none
   Image<uint8_t> joined;      ///< kJoined bits: no depth jump between the two pixels
   Image<uint8_t> radius;      ///< of the window that the normal was asked from [px]; 0 = no depth
+  PixelReach reach;
 };
 
 }  // namespace vismap

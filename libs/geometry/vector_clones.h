@@ -1,0 +1,11 @@
+#pragma once
+
+/// Compiles a function once per SIMD level and picks one when the program is loaded, so that a
+/// packaged binary is fast on every machine. The results are the same bit for bit: the build never
+/// fuses or reorders floating-point operations. Off under sanitizers, which break its resolvers.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define VISMAP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define VISMAP_VECTOR_CLONES
+#endif
