@@ -8,6 +8,7 @@
 
 #include "codecs/mask_codec.h"
 #include "sample_images.h"
+#include "support/mutations.h"
 #include "support/temp_folder.h"
 
 namespace vismap {
@@ -97,6 +98,18 @@ TEST(CocoResults, NamesFileEntryAndField) {
   EXPECT_THAT(entry_error(Entry("\"~\"")), HasSubstr("character 0"));
   EXPECT_THAT(entry_error(Entry("{}")), HasSubstr("counts"));
   EXPECT_THAT(LoadCocoResults("/nowhere/d.json").error().message, HasSubstr("/nowhere/d.json"));
+}
+
+TEST(CocoResults, MutationsGiveDetectionsOrAnErrorThatNamesTheFile) {
+  const TempFolder folder;
+  const std::string good = "[" + Entry("[0, 2, 1, 1, 2]") + "," + Entry("\"021O1\"") + "]";
+  ForEachMutation(std::vector<uint8_t>(good.begin(), good.end()), 3000,
+                  [&](const std::vector<uint8_t>& bytes) {
+                    folder.Write("d.json", bytes);
+                    const auto source = LoadCocoResults((folder / "d.json").string());
+                    EXPECT_THAT(source ? "d.json" : source.error().message, HasSubstr("d.json"));
+                    if (source) (void)(*source)->ForFrame(Header(4));
+                  });
 }
 
 std::vector<uint8_t> IdsPng(const std::vector<uint16_t>& ids, int width, int height) {

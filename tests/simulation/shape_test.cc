@@ -166,12 +166,12 @@ TEST(BoundingBox, HoldsTheShapeAndTouchesIt) {
     for (int axis = 0; axis < 3; ++axis) {
       // the lowest distance over the face of the box is 0: it touches, and nothing sticks out
       double nearest = kNoHit;
-      for (int i = 0; i <= 200; ++i) {
-        for (int k = 0; k <= 200; ++k) {
+      for (int i = 0; i <= 100; ++i) {
+        for (int k = 0; k <= 100; ++k) {
           Vector3d p = box.min();
           const int a = (axis + 1) % 3, b = (axis + 2) % 3;
-          p[a] += box.sizes()[a] * i / 200;
-          p[b] += box.sizes()[b] * k / 200;
+          p[a] += box.sizes()[a] * i / 100;
+          p[b] += box.sizes()[b] * k / 100;
           nearest = std::min(nearest, SignedDistance(shape, p));
         }
       }

@@ -73,8 +73,8 @@ TEST(Render, EqualsOneRayPerPixel) {
   for (const Pose& T_W_C : MakeRoomTour(5)) {
     const Rendering image = Render(room, kSmall, T_W_C);
     EXPECT_EQ(RenderInstances(room, kSmall, T_W_C), image.object_ids);
-    for (int v = 0; v < kSmall.height; ++v) {
-      for (int u = 0; u < kSmall.width; ++u) {
+    for (int v = 0; v < kSmall.height; v += 2) {
+      for (int u = 0; u < kSmall.width; u += 3) {
         const auto hit =
             CastRay(room, T_W_C.translation(), T_W_C.linear() * kSmall.BackProject(u, v, 1));
         ASSERT_TRUE(hit);
