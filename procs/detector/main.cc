@@ -14,6 +14,7 @@ using namespace vismap;
 struct Arguments {
   std::string dataset, format, detections;
   int camera_id = -1;
+  bool check = false;
   std::unique_ptr<DetectionSource> source;
 };
 
@@ -24,6 +25,8 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
                  "Sequence whose own detections are taken when --detections is absent");
   app.add_option("--format", arguments->format,
                  "Layout of the sequence's folder; found by looking when not given");
+  app.add_flag("--check", arguments->check,
+               "Only see whether the detections can be read; needs no bus");
   app.add_option("--camera-id", arguments->camera_id,
                  "Answer frames of this camera only; -1 = of all")
       ->check(CLI::Range(-1, 1 << 30));
@@ -65,8 +68,12 @@ int main(int argc, char** argv) {
   spec.name = "detector";
   spec.summary = "Answers every frame with recorded detections, as a detector would.";
   spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.prepare = [&] { return Open(&arguments); };
-  spec.run = [&](ProcessContext& context) {
+  spec.prepare = [&] {
+    spec.joins_bus = !arguments.check;
+    return Open(&arguments);
+  };
+  spec.run = [&](ProcessContext& context) -> Outcome {
+    if (arguments.check) return {};
     return Detect(*arguments.source, Camera(arguments), context);
   };
   return RunProcess(argc, argv, spec);
