@@ -69,6 +69,13 @@ class Bus {
   template <typename Message>
   bool Publish(const Channel& channel, Message message);
 
+  /// Sends a message with the seq and source that it has: for passing on messages of others, and
+  /// for tests.
+  template <typename Message>
+  bool PublishAsIs(const Channel& channel, Message message) {
+    return Send(channel, Pack(message));
+  }
+
   /// Calls `action` from Spin or Run every `period` [s], first after one period.
   void Every(double period, std::function<void()> action);
 

@@ -1,0 +1,127 @@
+#include "depth_segmenter/frame_detection_join.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+namespace vismap {
+namespace {
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+rgbd_frame_t Frame(int64_t utime, int camera = 0) {
+  rgbd_frame_t frame{};
+  frame.utime = utime;
+  frame.camera_id = camera;
+  return frame;
+}
+
+detections_t Detections(int64_t utime, int camera = 0) {
+  detections_t detections{};
+  detections.utime = utime;
+  detections.camera_id = camera;
+  return detections;
+}
+
+/// What leaves now, as utimes; negative = without detections.
+std::vector<int64_t> Leaving(FrameDetectionJoin* join, double now, double patience) {
+  std::vector<int64_t> utimes;
+  while (const auto joined = join->Next(now, patience)) {
+    EXPECT_EQ(KeyOf(joined->detections.value_or(
+                  Detections(joined->frame.utime, joined->frame.camera_id))),
+              KeyOf(joined->frame));
+    utimes.push_back(joined->detections ? joined->frame.utime : -joined->frame.utime);
+  }
+  return utimes;
+}
+
+using Utimes = std::vector<int64_t>;
+
+TEST(FrameDetectionJoin, FrameWaitsForItsDetections) {
+  FrameDetectionJoin join(10);
+  join.AddFrame(Frame(1), 0);
+  EXPECT_EQ(Leaving(&join, 1e9, kForever), Utimes{});
+  join.AddDetections(Detections(1));
+  EXPECT_EQ(Leaving(&join, 1e9, kForever), Utimes{1});
+  EXPECT_EQ(join.waiting(), 0U);
+}
+
+TEST(FrameDetectionJoin, DetectionsMayComeFirst) {
+  FrameDetectionJoin join(10);
+  join.AddDetections(Detections(1));
+  join.AddFrame(Frame(1), 0);
+  EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{1});
+}
+
+TEST(FrameDetectionJoin, FramesLeaveInTheirOrderWhateverTheDetectionsDo) {
+  FrameDetectionJoin join(10);
+  for (const int64_t utime : {5, 3, 9}) join.AddFrame(Frame(utime), 0);
+  join.AddDetections(Detections(9));
+  join.AddDetections(Detections(3));
+  EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{});
+  join.AddDetections(Detections(5));
+  EXPECT_EQ(Leaving(&join, 0, kForever), (Utimes{5, 3, 9}));
+}
+
+TEST(FrameDetectionJoin, DetectionsOfAnotherCameraOrTimeDoNotCount) {
+  FrameDetectionJoin join(10);
+  join.AddFrame(Frame(1, 0), 0);
+  join.AddDetections(Detections(1, 1));
+  join.AddDetections(Detections(2, 0));
+  EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{});
+}
+
+TEST(FrameDetectionJoin, PatienceEnds) {
+  FrameDetectionJoin join(10);
+  join.AddFrame(Frame(1), 100);
+  join.AddFrame(Frame(2), 101);
+  EXPECT_EQ(Leaving(&join, 101.9, 2), Utimes{});
+  EXPECT_EQ(Leaving(&join, 102, 2), Utimes{-1});
+  EXPECT_DOUBLE_EQ(join.Waited(102), 1);
+  EXPECT_EQ(join.counters().frames_without, 1);
+  join.AddDetections(Detections(1));
+  EXPECT_EQ(join.counters().detections_late, 1);
+}
+
+TEST(FrameDetectionJoin, WithoutPatienceDetectionsThatAreThereAreStillUsed) {
+  FrameDetectionJoin join(10);
+  join.AddDetections(Detections(2));
+  join.AddFrame(Frame(1), 0);
+  join.AddFrame(Frame(2), 0);
+  EXPECT_EQ(Leaving(&join, 0, 0), (Utimes{-1, 2}));
+}
+
+TEST(FrameDetectionJoin, MemoryIsBoundedAndLossIsCounted) {
+  FrameDetectionJoin join(3);
+  for (int64_t utime = 1; utime <= 10; ++utime) join.AddFrame(Frame(utime), 0);
+  EXPECT_EQ(join.waiting(), 3U);
+  EXPECT_EQ(join.counters().frames_dropped, 7);
+  for (int64_t utime = 101; utime <= 110; ++utime) join.AddDetections(Detections(utime));
+  EXPECT_EQ(join.counters().detections_dropped, 7);
+  for (const int64_t utime : {8, 9, 10}) join.AddDetections(Detections(utime));
+  EXPECT_EQ(Leaving(&join, 0, kForever), (Utimes{8, 9, 10}));
+}
+
+TEST(FrameDetectionJoin, RepeatsAreCountedNotDoubled) {
+  FrameDetectionJoin join(10);
+  join.AddFrame(Frame(1), 0);
+  join.AddFrame(Frame(1), 0);
+  join.AddDetections(Detections(1));
+  join.AddDetections(Detections(1));
+  EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{1});
+  EXPECT_EQ(join.counters().frames_repeated, 1);
+  EXPECT_EQ(join.counters().detections_repeated, 1);
+}
+
+TEST(FrameDetectionJoin, FrameThatComesAgainAfterItLeftJoinsAgain) {
+  FrameDetectionJoin join(10);
+  join.AddFrame(Frame(1), 0);
+  EXPECT_EQ(Leaving(&join, 0, 0), Utimes{-1});
+  join.AddFrame(Frame(1), 1);
+  join.AddDetections(Detections(1));
+  EXPECT_EQ(Leaving(&join, 1, kForever), Utimes{1});
+}
+
+}  // namespace
+}  // namespace vismap

@@ -1,0 +1,373 @@
+#include "hub/hub.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+#include <vismap/map_delta_t.hpp>
+#include <vismap/map_request_t.hpp>
+#include <vismap/process_status_t.hpp>
+
+#include "runtime/bus.h"
+#include "runtime/clock.h"
+#include "runtime/tcp_socket.h"
+
+namespace vismap {
+namespace {
+
+constexpr double kDeadline = 30;  // [s]; nothing here takes a second on an idle machine
+
+/// A hub in a thread of its own, on a free port unless one is given.
+class RunningHub {
+ public:
+  explicit RunningHub(HubOptions options = {}, uint16_t port = 0) {
+    options.listen.port = port;
+    auto opened = Hub::Open(options);
+    if (!opened) throw std::runtime_error(opened.error().message);
+    hub_ = std::move(*opened);
+    thread_ = std::thread([this] { hub_->Run(stop_); });
+  }
+  ~RunningHub() { Stop(); }
+  /// Ends the hub; its counters may be read afterwards.
+  void Stop() {
+    stop_.Request();
+    if (thread_.joinable()) thread_.join();
+  }
+  uint16_t port() const { return hub_->port(); }
+  std::string url() const { return "tcpq://127.0.0.1:" + std::to_string(port()); }
+  const HubCounters& counters() const { return hub_->counters(); }
+
+ private:
+  StopSignal stop_;
+  std::unique_ptr<Hub> hub_;
+  std::thread thread_;
+};
+
+std::unique_ptr<Bus> Join(const RunningHub& hub, const std::string& source) {
+  BusOptions options;
+  options.url = hub.url();
+  options.source = source;
+  auto bus = Bus::Open(options);
+  EXPECT_TRUE(bus) << bus.error().message;
+  return std::move(*bus);
+}
+
+template <typename Condition>
+bool SpinUntil(Bus* bus, const Condition& condition) {
+  const double deadline = MonotonicSeconds() + kDeadline;
+  while (!condition() && MonotonicSeconds() < deadline) bus->Spin(0.05);
+  return condition();
+}
+
+/// Returns when the hub has done all that this bus asked for so far: sends a request to itself and
+/// waits for it.
+void Settle(Bus* bus) {
+  static std::atomic<int64_t> next{1};
+  const int64_t id = next++;
+  auto seen = std::make_shared<bool>(false);
+  bus->Subscribe<map_request_t>(kMapRequestChannel, [seen, id](const map_request_t& request) {
+    if (request.request_id == id) *seen = true;
+  });
+  map_request_t request{};
+  request.request_id = id;
+  bus->Publish(kMapRequestChannel, request);
+  ASSERT_TRUE(SpinUntil(bus, [&] { return *seen; }));
+}
+
+map_delta_t Delta(int64_t revision, size_t bytes) {
+  map_delta_t delta{};
+  delta.revision = revision;
+  delta.payload.assign(bytes, static_cast<uint8_t>(revision));
+  delta.payload_size = static_cast<int32_t>(bytes);
+  return delta;
+}
+
+TEST(Hub, DeliversInOrderToAllWhoWantIt) {
+  RunningHub hub;
+  auto sender = Join(hub, "sender");
+  auto reader_a = Join(hub, "a"), reader_b = Join(hub, "b");
+  std::vector<int64_t> a, b;
+  reader_a->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                   [&](const map_delta_t& d) { a.push_back(d.revision); });
+  reader_b->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                   [&](const map_delta_t& d) { b.push_back(d.revision); });
+  Settle(reader_a.get());
+  Settle(reader_b.get());
+  std::vector<int64_t> sent;
+  for (int64_t i = 0; i < 200; ++i) {
+    ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(i, 100)));
+    sent.push_back(i);
+  }
+  EXPECT_TRUE(SpinUntil(reader_a.get(), [&] { return a.size() == sent.size(); }));
+  EXPECT_TRUE(SpinUntil(reader_b.get(), [&] { return b.size() == sent.size(); }));
+  EXPECT_EQ(a, sent);
+  EXPECT_EQ(b, sent);
+  EXPECT_EQ(reader_a->counters().at("MAP_DELTA").lost, 0);
+}
+
+void PassesLargeMessages(int socket_buffer_bytes) {
+  HubOptions options;
+  options.socket_buffer_bytes = socket_buffer_bytes;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  int received = 0;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t& d) {
+    EXPECT_EQ(d.payload.size(), 5 * kMegabyte);
+    ++received;
+  });
+  Settle(reader.get());
+  std::thread sending([&] {
+    for (int i = 0; i < 12; ++i)
+      EXPECT_TRUE(sender->Publish(kMapDeltaChannel, Delta(i, 5 * kMegabyte)));
+  });
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return received == 12; }));
+  sending.join();
+  EXPECT_EQ(reader->counters().at("MAP_DELTA").rejected, 0);
+}
+
+TEST(Hub, PassesLargeMessages) { PassesLargeMessages(0); }
+TEST(Hub, PassesLargeMessagesThroughTheSmallestSocketBuffers) { PassesLargeMessages(4096); }
+
+TEST(Hub, SlowReaderLosesTheNewestAndIsTold) {
+  HubOptions options;
+  options.queue_bytes = 4 * kMegabyte;
+  options.socket_buffer_bytes = 16384;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender"), slow = Join(hub, "slow"), quick = Join(hub, "quick");
+  std::vector<int64_t> slow_got;
+  int quick_got = 0;
+  slow->Subscribe<map_delta_t>(kMapDeltaChannel,
+                               [&](const map_delta_t& d) { slow_got.push_back(d.revision); });
+  quick->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t&) { ++quick_got; });
+  Settle(slow.get());
+  Settle(quick.get());
+  for (int i = 0; i < 60; ++i) {  // 60 MB, while `slow` does not read at all
+    ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(i, kMegabyte)));
+    ASSERT_TRUE(SpinUntil(quick.get(), [&] { return quick_got == i + 1; }))
+        << "nobody waits for the slow one";
+  }
+  ASSERT_TRUE(SpinUntil(slow.get(), [&] { return !slow_got.empty(); }));
+  Settle(slow.get());  // all that was kept for it has come before this answer
+  ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(60, kMegabyte)));
+  ASSERT_TRUE(SpinUntil(slow.get(), [&] { return slow_got.back() == 60; }));
+  EXPECT_EQ(slow_got.front(), 0);
+  EXPECT_LT(slow_got.size(), 40U);
+  EXPECT_TRUE(std::is_sorted(slow_got.begin(), slow_got.end()));
+  EXPECT_EQ(slow->counters().at("MAP_DELTA").lost, 61 - static_cast<int64_t>(slow_got.size()));
+  hub.Stop();
+  EXPECT_EQ(hub.counters().dropped, 61 - static_cast<int64_t>(slow_got.size()));
+}
+
+TEST(Hub, ClientsComeBackWhenItDoes) {
+  auto hub = std::make_unique<RunningHub>();
+  const uint16_t port = hub->port();
+  auto sender = Join(*hub, "sender"), reader = Join(*hub, "reader");
+  int received = 0;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t&) { ++received; });
+  Settle(reader.get());
+  sender->Publish(kMapDeltaChannel, Delta(1, 10));
+  ASSERT_TRUE(SpinUntil(reader.get(), [&] { return received == 1; }));
+  hub.reset();
+  ASSERT_TRUE(SpinUntil(reader.get(), [&] { return !reader->connected(); }));
+  ASSERT_TRUE(SpinUntil(sender.get(), [&] { return !sender->connected(); }));
+  EXPECT_FALSE(sender->Publish(kMapDeltaChannel, Delta(2, 10)));
+  EXPECT_EQ(sender->counters().at("MAP_DELTA").unsent, 1);
+  hub = std::make_unique<RunningHub>(HubOptions{}, port);
+  ASSERT_TRUE(SpinUntil(reader.get(), [&] { return reader->connected(); }));
+  ASSERT_TRUE(SpinUntil(sender.get(), [&] { return sender->connected(); }));
+  Settle(reader.get());
+  sender->Publish(kMapDeltaChannel, Delta(3, 10));
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return received == 2; }));
+  EXPECT_EQ(reader->reconnects(), 1);
+  EXPECT_EQ(reader->counters().at("MAP_DELTA").lost, 1)
+      << "the one that could not be sent is missed";
+}
+
+TEST(Hub, PublishesItsStatus) {
+  RunningHub hub;
+  auto reader = Join(hub, "reader");
+  std::string process;
+  reader->Subscribe<process_status_t>(kStatusChannel,
+                                      [&](const process_status_t& s) { process = s.process; });
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return process == "hub"; }));
+}
+
+TEST(Hub, AddressThatIsTakenIsAnError) {
+  RunningHub hub;
+  HubOptions options;
+  options.listen.port = hub.port();
+  const auto second = Hub::Open(options);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, testing::HasSubstr(std::to_string(hub.port())));
+}
+
+// ---- LCM's own client
+// --------------------------------------------------------------------------------------------------
+
+struct Collected {
+  int count = 0;
+  size_t bytes = 0;
+  static void Take(const lcm::ReceiveBuffer* buffer, const std::string&, Collected* self) {
+    ++self->count;
+    self->bytes += buffer->data_size;
+  }
+};
+
+bool HandleUntil(lcm::LCM* lcm, const Collected& collected, int count) {
+  const double deadline = MonotonicSeconds() + kDeadline;
+  while (collected.count < count && MonotonicSeconds() < deadline) {
+    if (lcm->getFileno() < 0 || lcm->handleTimeout(50) < 0) return false;
+  }
+  return collected.count >= count;
+}
+
+TEST(HubWithStockClient, RequestAndAnswerThousandTimes) {
+  RunningHub hub;
+  std::atomic<bool> done{false};
+  std::atomic<bool> subscribed{false};
+  std::thread answering([&] {
+    lcm::LCM lcm(hub.url());
+    struct Answer {
+      lcm::LCM* lcm;
+      static void Give(const lcm::ReceiveBuffer* buffer, const std::string&, Answer* self) {
+        self->lcm->publish("ANSWER", buffer->data, buffer->data_size);
+      }
+    } answer{&lcm};
+    lcm.subscribeFunction("QUESTION", &Answer::Give, &answer);
+    subscribed = true;
+    while (!done) lcm.handleTimeout(20);
+  });
+  lcm::LCM lcm(hub.url());
+  Collected collected;
+  lcm.subscribeFunction("ANSWER", &Collected::Take, &collected);
+  while (!subscribed) std::this_thread::yield();
+  const char word[] = "word";
+  const double deadline = MonotonicSeconds() + kDeadline;
+  while (collected.count == 0 &&
+         MonotonicSeconds() < deadline) {  // until the other's subscription has arrived
+    lcm.publish("QUESTION", word, sizeof(word));
+    lcm.handleTimeout(100);
+  }
+  const int before = collected.count;
+  const double start = MonotonicSeconds();
+  for (int i = 1; i <= 1000; ++i) {
+    lcm.publish("QUESTION", word, sizeof(word));
+    ASSERT_TRUE(HandleUntil(&lcm, collected, before + i));
+  }
+  RecordProperty("milliseconds_per_question", std::to_string(MonotonicSeconds() - start));
+  EXPECT_LT(MonotonicSeconds() - start, 20)
+      << "40 ms each would mean that acknowledgements are delayed";
+  done = true;
+  answering.join();
+}
+
+TEST(HubWithStockClient, LargeMessagesPassBothWays) {
+  RunningHub hub;
+  auto bus = Join(hub, "ours");
+  lcm::LCM stock(hub.url());
+  Collected collected;
+  stock.subscribeFunction("MAP_.*", &Collected::Take, &collected);  // a real regular expression
+  int received = 0;
+  bus->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t&) { ++received; });
+  map_delta_t delta = Delta(1, 3 * kMegabyte);
+  delta.source = "stock";
+  const std::vector<uint8_t> bytes = Pack(delta);
+  Settle(bus.get());
+  std::thread sending([&] {
+    for (int i = 0; i < 5; ++i)
+      stock.publish("MAP_DELTA", bytes.data(), static_cast<unsigned>(bytes.size()));
+  });
+  EXPECT_TRUE(SpinUntil(bus.get(), [&] { return received == 5; }));
+  sending.join();
+  collected = {};
+  ASSERT_TRUE(HandleUntil(&stock, collected, 5)) << "it hears itself, as with udpm";
+  ASSERT_TRUE(bus->Publish(kMapDeltaChannel, Delta(2, 3 * kMegabyte)));
+  EXPECT_TRUE(HandleUntil(&stock, collected, 6));
+  EXPECT_GT(collected.bytes, 6 * 3 * kMegabyte);
+}
+
+TEST(HubWithStockClient, SubscriptionsAreAnchored) {
+  RunningHub hub;
+  lcm::LCM stock(hub.url());
+  Collected exact, all;
+  stock.subscribeFunction("AB", &Collected::Take, &exact);
+  for (const char* channel : {"AB", "ABC", "XAB", "AB"}) stock.publish(channel, "x", 1);
+  ASSERT_TRUE(HandleUntil(&stock, exact, 2));
+  stock.subscribeFunction(".*", &Collected::Take, &all);
+  stock.publish("LAST", "x", 1);
+  ASSERT_TRUE(HandleUntil(&stock, all, 1));
+  EXPECT_EQ(exact.count, 2);
+}
+
+// ---- Clients that do not keep to the protocol
+// ---------------------------------------------------------------------------
+
+/// A raw connection that sends `bytes` and tells whether the hub then ends it.
+bool IsCutOff(const RunningHub& hub, const std::vector<uint8_t>& bytes) {
+  const Socket socket(::socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(hub.port());
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(connect(socket.fd(), reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  send(socket.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  const double deadline = MonotonicSeconds() + kDeadline;
+  while (MonotonicSeconds() < deadline) {
+    pollfd waiting{socket.fd(), POLLIN, 0};
+    if (poll(&waiting, 1, 200) == 0) return false;
+    char buffer[4096];
+    if (recv(socket.fd(), buffer, sizeof(buffer), 0) <= 0) return true;
+  }
+  return false;
+}
+
+std::vector<uint8_t> operator+(std::vector<uint8_t> a, const std::vector<uint8_t>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(HubWithHostileClient, IsCutOffAndTheOthersGoOn) {
+  RunningHub hub;
+  auto bus = Join(hub, "honest");
+  const std::vector<uint8_t> hello = TcpqHello(TcpqMagic::kClient);
+  EXPECT_TRUE(IsCutOff(hub, {'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'}));
+  EXPECT_TRUE(IsCutOff(hub, hello + std::vector<uint8_t>{0, 0, 0, 9, 0, 0, 0, 1}));
+  EXPECT_TRUE(IsCutOff(hub, hello + std::vector<uint8_t>{0, 0, 0, 1, 0xff, 0xff, 0xff, 0xff}));
+  EXPECT_TRUE(IsCutOff(hub, hello + TcpqPublishHead("A", 0xfffffff0)));
+  EXPECT_TRUE(IsCutOff(hub, hello + TcpqSubscribe("(unclosed")));
+  EXPECT_FALSE(IsCutOff(hub, hello + TcpqPublishHead("A", 100 * kMegabyte)))
+      << "announced, never sent";
+  EXPECT_FALSE(IsCutOff(hub, hello + TcpqPublishHead("A", 0)));
+  Settle(bus.get());
+}
+
+TEST(HubWithHostileClient, ExpensivePatternsDoNotStopIt) {
+  RunningHub hub;
+  auto bus = Join(hub, "honest");
+  const std::vector<uint8_t> hello = TcpqHello(TcpqMagic::kClient);
+  const std::string channel(60, 'a');
+  EXPECT_FALSE(IsCutOff(hub, hello + TcpqSubscribe("(a*)*b") + TcpqPublishHead(channel, 0)));
+  Settle(bus.get());
+}
+
+TEST(HubWithHostileClient, FullHouseRefusesTheNextOne) {
+  HubOptions options;
+  options.max_clients = 1;
+  RunningHub hub(options);
+  auto bus = Join(hub, "first");
+  EXPECT_TRUE(IsCutOff(hub, TcpqHello(TcpqMagic::kClient)));
+  Settle(bus.get());
+}
+
+}  // namespace
+}  // namespace vismap

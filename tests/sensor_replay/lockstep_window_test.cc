@@ -1,0 +1,75 @@
+#include "sensor_replay/lockstep_window.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace vismap {
+namespace {
+
+FrameKey Key(int64_t utime, int camera = 0) { return {CameraId{camera}, utime}; }
+
+LockstepWindow ThreeSent(double now) {
+  LockstepWindow window(3, 5.0);
+  for (size_t i = 0; i < 3; ++i) window.Sent(i, Key(100 + static_cast<int64_t>(i)), now);
+  return window;
+}
+
+TEST(LockstepWindow, IsFullUntilTheFirstCommit) {
+  LockstepWindow window = ThreeSent(0);
+  EXPECT_FALSE(window.HasRoom());
+  EXPECT_THROW(window.Sent(3, Key(103), 0), std::logic_error);
+  EXPECT_TRUE(window.Commit(Key(101), 1));
+  EXPECT_TRUE(window.HasRoom());
+}
+
+TEST(LockstepWindow, RepeatedAndForeignCommitsDoNotCount) {
+  LockstepWindow window = ThreeSent(0);
+  EXPECT_TRUE(window.Commit(Key(100), 1));
+  EXPECT_FALSE(window.Commit(Key(100), 1));
+  EXPECT_FALSE(window.Commit(Key(100, 7), 1));
+  EXPECT_EQ(window.open(), 2U);
+}
+
+TEST(LockstepWindow, SilenceMakesAllOpenFramesDueInOrderOnce) {
+  LockstepWindow window = ThreeSent(0);
+  window.Commit(Key(101), 2);
+  EXPECT_FALSE(window.NextResend(6.9));
+  EXPECT_EQ(window.NextResend(7), 0U);
+  EXPECT_EQ(window.NextResend(7), 2U);
+  EXPECT_FALSE(window.NextResend(7));
+  EXPECT_FALSE(window.NextResend(11.9));
+  EXPECT_EQ(window.NextResend(12), 0U);
+}
+
+TEST(LockstepWindow, CommitsPutOffTheResend) {
+  LockstepWindow window(100, 5.0);
+  for (size_t i = 0; i < 50; ++i) window.Sent(i, Key(static_cast<int64_t>(i)), 0);
+  for (int i = 0; i < 49; ++i) {
+    window.Commit(Key(i), i);
+    EXPECT_FALSE(window.NextResend(i)) << "a slow server is not a silent one";
+  }
+}
+
+TEST(LockstepWindow, PredecessorIsTheNewestOpenFrameOfTheSameCamera) {
+  LockstepWindow window(10, 5.0);
+  window.Sent(0, Key(1, 0), 0);
+  window.Sent(1, Key(2, 1), 0);
+  window.Sent(2, Key(3, 0), 0);
+  EXPECT_FALSE(window.Predecessor(Key(1, 0)));
+  EXPECT_FALSE(window.Predecessor(Key(2, 1)));
+  EXPECT_EQ(window.Predecessor(Key(3, 0)), Key(1, 0));
+  EXPECT_EQ(window.Predecessor(Key(4, 0)), Key(3, 0));
+  window.Commit(Key(1, 0), 1);
+  EXPECT_FALSE(window.Predecessor(Key(3, 0)));
+}
+
+TEST(LockstepWindow, EndsEmpty) {
+  LockstepWindow window = ThreeSent(0);
+  for (const int64_t utime : {102, 100, 101}) EXPECT_TRUE(window.Commit(Key(utime), 1));
+  EXPECT_TRUE(window.empty());
+  EXPECT_FALSE(window.NextResend(1000));
+}
+
+}  // namespace
+}  // namespace vismap

@@ -1,0 +1,246 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "codecs/frame_codec.h"
+#include "support/messages.h"
+#include "support/mutations.h"
+#include "wire/detections.h"
+#include "wire/envelope.h"
+#include "wire/rgbd_frame.h"
+#include "wire/segmented_frame.h"
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr size_t kCap = size_t{1} << 20;
+
+void ExpectSameHeader(const FrameHeader& a, const FrameHeader& b) {
+  EXPECT_EQ(a.utime, b.utime);
+  EXPECT_EQ(a.camera_id, b.camera_id);
+  EXPECT_EQ(a.frame_number, b.frame_number);
+  EXPECT_EQ(a.camera, b.camera);
+  EXPECT_EQ(a.T_W_C.matrix(), b.T_W_C.matrix());
+}
+
+SegmentedFrame SmallSegmentedFrame() {
+  SegmentedFrame segmented;
+  segmented.frame = *DecodeFrame(SmallSensorFrame());
+  segmented.image.index =
+      Image<SegmentIndex>(kSmallCamera.width, kSmallCamera.height, SegmentIndex::kNone);
+  segmented.image.segment_count = 2;
+  segmented.segments.resize(2);
+  for (int v = 8; v < 40; ++v) {
+    for (int u = 8; u < 60; ++u) {
+      const int segment = u < 30 ? 0 : 1;
+      segmented.image.index(v, u) = SegmentIndex{segment};
+      ++segmented.segments[static_cast<size_t>(segment)].pixels;
+    }
+  }
+  segmented.segments[1].detection = DetectionIndex{0};
+  segmented.segments[1].class_id = ClassId{62};
+  segmented.segments[1].score = 0.5F;
+  segmented.segments[1].overlap = 0.9F;
+  segmented.had_detections = true;
+  return segmented;
+}
+
+template <typename Message>
+Result<Message> Through(Message message) {
+  message.seq = 5;
+  message.source = "tester";
+  return Unpack<Message>(Pack(message), kCap);
+}
+
+TEST(RgbdFrameMessage, RoundTripChangesNothing) {
+  const SensorFrame frame = SmallSensorFrame();
+  const auto message = Through(Encode(frame));
+  ASSERT_TRUE(message) << message.error().message;
+  EXPECT_EQ(message->seq, 5);
+  EXPECT_EQ(message->source, "tester");
+  const Result<SensorFrame> back = Decode(*message);
+  ASSERT_TRUE(back) << back.error().message;
+  ExpectSameHeader(back->header, frame.header);
+  EXPECT_EQ(back->depth, frame.depth);
+  EXPECT_EQ(back->color_jpeg, frame.color_jpeg);
+  EXPECT_EQ(back->depth_unit_m, frame.depth_unit_m);
+}
+
+TEST(RgbdFrameMessage, CameraWithoutColorStaysWithoutColor) {
+  SensorFrame frame = SmallSensorFrame();
+  frame.color_jpeg.clear();
+  const auto back = Decode(*Through(Encode(frame)));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_TRUE(back->color_jpeg.empty());
+}
+
+/// What a message must not say, and a word of the sentence that it is refused with.
+struct BadField {
+  const char* word;
+  void (*spoil)(rgbd_frame_t*);
+};
+
+TEST(RgbdFrameMessage, RefusesWhatNoCameraCanMean) {
+  const BadField cases[] = {
+      {"utime", [](rgbd_frame_t* m) { m->utime = -1; }},
+      {"camera_id", [](rgbd_frame_t* m) { m->camera_id = -1; }},
+      {"frame_number", [](rgbd_frame_t* m) { m->frame_number = -2; }},
+      {"fx", [](rgbd_frame_t* m) { m->fx = std::numeric_limits<double>::quiet_NaN(); }},
+      {"T_W_C", [](rgbd_frame_t* m) { m->T_W_C[3] = std::numeric_limits<double>::infinity(); }},
+      {"T_W_C", [](rgbd_frame_t* m) { m->T_W_C[0] = 2; }},
+      {"depth_unit_m", [](rgbd_frame_t* m) { m->depth_unit_m = 0; }},
+      {"depth_unit_m",
+       [](rgbd_frame_t* m) { m->depth_unit_m = std::numeric_limits<double>::quiet_NaN(); }},
+      {"depth_encoding", [](rgbd_frame_t* m) { m->depth_encoding = 99; }},
+      {"color_encoding", [](rgbd_frame_t* m) { m->color_encoding = 99; }},
+      {"color", [](rgbd_frame_t* m) { m->color_encoding = rgbd_frame_t::COLOR_NONE; }},
+      {"depth", [](rgbd_frame_t* m) { m->depth.resize(m->depth.size() / 2); }},
+      {"depth", [](rgbd_frame_t* m) { m->height = 4096, m->width = 16384; }},
+      {"color", [](rgbd_frame_t* m) { m->color.resize(3); }},
+  };
+  for (const BadField& bad : cases) {
+    rgbd_frame_t message = Encode(SmallSensorFrame());
+    bad.spoil(&message);
+    const auto back = Decode(message);
+    ASSERT_FALSE(back) << bad.word;
+    EXPECT_THAT(back.error().message, HasSubstr(bad.word));
+  }
+}
+
+TEST(RgbdFrameMessage, RefusesColorOfAnotherSize) {
+  SensorFrame frame = SmallSensorFrame();
+  frame.color_jpeg = EncodeJpeg(Image<Rgb8>(32, 48));
+  const auto back = Decode(Encode(frame));
+  ASSERT_FALSE(back);
+  EXPECT_THAT(back.error().message, HasSubstr("32x48"));
+}
+
+TEST(DetectionsMessage, RoundTripChangesNothing) {
+  const DetectionSet set = SmallDetections();
+  const auto back = Decode(*Through(Encode(set, kSmallCamera.width, kSmallCamera.height)));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->utime, set.utime);
+  EXPECT_EQ(back->camera_id, set.camera_id);
+  EXPECT_EQ(back->frame_number, set.frame_number);
+  ASSERT_EQ(back->detections.size(), set.detections.size());
+  for (size_t i = 0; i < set.detections.size(); ++i) {
+    EXPECT_EQ(back->detections[i].class_id, set.detections[i].class_id);
+    EXPECT_EQ(back->detections[i].score, set.detections[i].score);
+    EXPECT_EQ(back->detections[i].mask, set.detections[i].mask);
+  }
+}
+
+TEST(DetectionsMessage, NothingFoundIsAMessageToo) {
+  const DetectionSet none{1000, CameraId{0}, 1, {}};
+  const auto back = Decode(*Through(Encode(none, 640, 480)));
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_TRUE(back->detections.empty());
+}
+
+TEST(DetectionsMessage, RefusesNonsense) {
+  const auto refused = [](auto spoil) {
+    detections_t message = Encode(SmallDetections(), kSmallCamera.width, kSmallCamera.height);
+    spoil(&message);
+    return !Decode(message).has_value();
+  };
+  EXPECT_TRUE(refused([](detections_t* m) { m->detections[0].score = 1.5F; }));
+  EXPECT_TRUE(refused(
+      [](detections_t* m) { m->detections[0].score = std::numeric_limits<float>::quiet_NaN(); }));
+  EXPECT_TRUE(refused([](detections_t* m) { m->detections[0].class_id = 65536; }));
+  EXPECT_TRUE(refused([](detections_t* m) { m->detections[0].class_id = -1; }));
+  EXPECT_TRUE(refused([](detections_t* m) { m->detections[1].runs[0] = -5; }));
+  EXPECT_TRUE(refused([](detections_t* m) { m->detections[1].runs.back() += 1; }));
+  EXPECT_TRUE(refused([](detections_t* m) { m->image_width = 0; }));
+  EXPECT_TRUE(refused([](detections_t* m) { m->image_height = 20000; }));
+}
+
+TEST(DetectionsMessage, MasksCannotBlowUpTheReader) {
+  detections_t message{};
+  message.image_width = message.image_height = 4096;
+  detection_t whole{};
+  whole.runs = {0, 4096 * 4096};  // 8 bytes that stand for 16 million pixels
+  whole.n_runs = 2;
+  message.detections.assign(100, whole);
+  message.n_detections = 100;
+  const auto back = Decode(message);
+  ASSERT_FALSE(back);
+  EXPECT_THAT(back.error().message, HasSubstr("too many pixels"));
+}
+
+TEST(SegmentedFrameMessage, RoundTripChangesNothing) {
+  const SegmentedFrame segmented = SmallSegmentedFrame();
+  const auto message = Through(Encode(segmented, Encode(SmallSensorFrame())));
+  ASSERT_TRUE(message) << message.error().message;
+  const auto back = Decode(*message);
+  ASSERT_TRUE(back) << back.error().message;
+  ExpectSameHeader(back->frame.header, segmented.frame.header);
+  EXPECT_EQ(back->frame.color, segmented.frame.color);
+  EXPECT_EQ(std::memcmp(back->frame.depth.data(), segmented.frame.depth.data(),
+                        4 * segmented.frame.depth.size()),
+            0)
+      << "depth, with its NaNs";
+  EXPECT_EQ(back->image.index, segmented.image.index);
+  EXPECT_EQ(back->image.segment_count, segmented.image.segment_count);
+  EXPECT_EQ(back->segments, segmented.segments);
+  EXPECT_TRUE(back->had_detections);
+}
+
+TEST(SegmentedFrameMessage, CarriesTheSensorsMessageUnchanged) {
+  rgbd_frame_t sensor = Encode(SmallSensorFrame());
+  sensor.seq = 41;
+  sensor.source = "camera";
+  const std::vector<uint8_t> before = Pack(sensor);
+  auto message = Through(Encode(SmallSegmentedFrame(), sensor));
+  ASSERT_TRUE(message);
+  EXPECT_EQ(Pack(message->frame), before);
+}
+
+TEST(SegmentedFrameMessage, RefusesFiguresThatContradictTheLabelImage) {
+  const auto refusal = [](auto spoil) {
+    segmented_frame_t message = Encode(SmallSegmentedFrame(), Encode(SmallSensorFrame()));
+    spoil(&message);
+    const auto back = Decode(message);
+    return back ? std::string("accepted") : back.error().message;
+  };
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { ++m->segments[0].pixels; }), HasSubstr("pixels"));
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->segments.pop_back(), --m->n_segments; }),
+              HasSubstr("listed"));
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->utime += 1; }), HasSubstr("utime"));
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->segments[1].overlap = 2; }),
+              HasSubstr("overlap"));
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->segments[1].detection = -2; }),
+              HasSubstr("detection"));
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->label_encoding = 9; }),
+              HasSubstr("label_encoding"));
+  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->labels.clear(); }), testing::Ne("accepted"));
+}
+
+/// Damaged bytes give an error or a value, with the checksum and, as an attacker would, without.
+template <typename Message>
+void SurvivesMutations(Message message) {
+  message.source = "tester";
+  std::vector<uint8_t> good = Pack(message);
+  int accepted = 0;
+  const auto decode = [&](const std::vector<uint8_t>& bytes) {
+    const Result<Message> unpacked = Unpack<Message>(bytes, kCap);
+    if (unpacked && Decode(*unpacked)) ++accepted;
+  };
+  ForEachMutation(good, 2000, decode);
+  EXPECT_LT(accepted, 20) << "the checksum catches nearly all";
+  const size_t checksum = envelope::ChecksumOffset(message.source);
+  envelope::WriteBigEndian(0, good.data() + checksum);
+  ForEachMutation(good, 10000, decode);
+}
+
+TEST(RgbdFrameMessage, SurvivesMutations) { SurvivesMutations(Encode(SmallSensorFrame())); }
+TEST(DetectionsMessage, SurvivesMutations) { SurvivesMutations(Encode(SmallDetections(), 64, 48)); }
+TEST(SegmentedFrameMessage, SurvivesMutations) {
+  SurvivesMutations(Encode(SmallSegmentedFrame(), Encode(SmallSensorFrame())));
+}
+
+}  // namespace
+}  // namespace vismap
