@@ -13,7 +13,7 @@ struct DepthRange {
   bool complete = false;  ///< every pixel of the rectangle has a depth
 };
 
-/// Minimum and maximum of a depth image over 8x8-pixel tiles and their powers of two: bounds the
+/// Minimum and maximum of a depth image over 4x4-pixel tiles and their powers of two: bounds the
 /// depth in any rectangle by looking at no more than nine tiles.
 class DepthPyramid {
  public:
@@ -25,7 +25,7 @@ class DepthPyramid {
   DepthRange Bound(int u0, int v0, int u1, int v1) const;
 
  private:
-  static constexpr int kTileShift = 3;
+  static constexpr int kTileShift = 2;
   std::vector<Image<DepthRange>> levels_;
 };
 

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "mapping/integrate.h"
+#include "mapping/visible_blocks.h"
+#include "mapping/voxel_kernels.h"
 
 namespace vismap {
 
@@ -25,24 +27,27 @@ class FrameProjection {
   /// Projects the voxels of the block at `index` into the frame and updates `block`, which may turn
   /// from unseen to seen empty to surface. `wholly_free` skips the projection: every voxel was seen
   /// empty.
-  Outcome Fuse(BlockIndex index, bool wholly_free, Block& block) const;
+  Outcome Fuse(BlockIndex index, BlockView view, Block& block) const;
 
  private:
-  struct Samples;
-  void Sample(BlockIndex index, Samples& samples) const;
-  void SampleVoxel(float x, float y, float z, int voxel, Samples& samples) const;
-  Outcome FuseSurface(const Samples& samples, SurfaceVoxels& voxels) const;
-  void FuseVoxel(const Samples& samples, size_t i, SurfaceVoxels& voxels) const;
+  void LookUpDepth(const ProjectedVoxels& voxels, VoxelArray<float>& depth,
+                   VoxelArray<int32_t>& pixel) const;
+  Outcome FuseSurface(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
+                      SurfaceVoxels& voxels) const;
+  void BlendColors(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
+                   const VoxelArray<float>& shares, SurfaceVoxels& voxels) const;
+  int64_t Vote(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
+               SurfaceVoxels& voxels) const;
 
   const SegmentedFrame& frame_;
   std::vector<SegmentLabel> labels_;
   Eigen::Matrix3d R_C_W_;
   Eigen::Vector3d t_C_W_;
-  Image<float> ray_length_;  // length of the ray through a pixel per metre of depth
   double voxel_size_;
-  float truncation_, min_range_, max_range_, free_space_range_, max_weight_, vote_distance_,
-      drop_off_start_;
-  bool free_space_;
+  MeasurementLimits limits_;
+  float max_weight_;      // in steps
+  float vote_distance_;   // [m]
+  float color_distance_;  // [m]
 };
 
 }  // namespace vismap

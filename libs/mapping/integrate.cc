@@ -49,13 +49,14 @@ void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBloc
   work.reserve(visible.size());
   for (const VisibleBlock& target : visible) {
     Block* block = voxels.FindMutable(target.index);
-    if (target.wholly_free && block != nullptr && block->all_free) continue;
+    // Seen empty once more: nothing that a block without surface could still learn.
+    if (target.view != BlockView::kMixed && block != nullptr && block->all_free) continue;
     work.push_back({target, block, {}, {}});
   }
   ParallelFor(work.size(), 32, [&](size_t i) {
     WorkItem& item = work[i];
     Block& block = item.block != nullptr ? *item.block : item.fresh;
-    item.outcome = projection.Fuse(item.target.index, item.target.wholly_free, block);
+    item.outcome = projection.Fuse(item.target.index, item.target.view, block);
   });
   for (WorkItem& item : work) {
     if (!item.outcome.changed) continue;

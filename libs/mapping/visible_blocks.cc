@@ -24,17 +24,17 @@ class Descent {
 
   // Appends the visible blocks of the cube of 2^level blocks whose lowest block is `low`.
   void Visit(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
-    const View view = Look(low, level);
-    if (view == View::kNothing) return;
+    const BlockView view = Look(low, level);
+    if (view == BlockView::kNothing) return;
     if (level == 0) {
-      visible.push_back({low, view == View::kFree});
+      visible.push_back({low, view});
       return;
     }
     const int half = 1 << (level - 1);
     for (int child = 0; child < 8; ++child) {
       const BlockIndex corner{low.x + ((child >> 2) & 1) * half, low.y + ((child >> 1) & 1) * half,
                               low.z + (child & 1) * half};
-      if (view == View::kFree) {
+      if (view == BlockView::kWhollyFree) {
         EmitFree(corner, level - 1, visible);
       } else {
         Visit(corner, level - 1, visible);
@@ -43,35 +43,35 @@ class Descent {
   }
 
  private:
-  enum class View { kNothing, kFree, kMixed };
-
   static void EmitFree(BlockIndex low, int level, std::vector<VisibleBlock>& visible) {
     const int side = 1 << level;
     for (int x = 0; x < side; ++x) {
       for (int y = 0; y < side; ++y) {
-        for (int z = 0; z < side; ++z) visible.push_back({{low.x + x, low.y + y, low.z + z}, true});
+        for (int z = 0; z < side; ++z)
+          visible.push_back({{low.x + x, low.y + y, low.z + z}, BlockView::kWhollyFree});
       }
     }
   }
 
   // What the frame can say of a cube, judged by its bounding sphere.
-  View Look(BlockIndex low, int level) const {
+  BlockView Look(BlockIndex low, int level) const {
     const double edge = options_.block_size * (1 << level);
     const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
                                      Eigen::Vector3d::Constant(edge / 2);
     const Eigen::Vector3d p = T_C_W_ * center_W;
     const double radius = edge * std::sqrt(3.0) / 2;
     const double z_near = p.z() - radius, z_far = p.z() + radius;
-    if (z_far < options_.min_range || z_near > range_ + options_.truncation) return View::kNothing;
+    if (z_far < options_.min_range || z_near > range_ + options_.truncation)
+      return BlockView::kNothing;
     if (z_near < 0.02)
-      return level == 0 && z_far < 0.02 ? View::kNothing
-                                        : View::kMixed;  // around the camera itself
+      return level == 0 && z_far < 0.02 ? BlockView::kNothing
+                                        : BlockView::kMixed;  // around the camera itself
 
     const auto [u_low, u_high] = Extent(p.x(), radius, z_near, z_far, camera_.fx, camera_.cx);
     const auto [v_low, v_high] = Extent(p.y(), radius, z_near, z_far, camera_.fy, camera_.cy);
     const double u_last = camera_.width - 1, v_last = camera_.height - 1;
     if (u_high < -0.5 || v_high < -0.5 || u_low > u_last + 0.5 || v_low > v_last + 0.5)
-      return View::kNothing;
+      return BlockView::kNothing;
     const bool inside = u_low >= 0 && v_low >= 0 && u_high <= u_last && v_high <= v_last;
 
     const DepthRange depth = pyramid_.Bound(static_cast<int>(std::max(u_low, 0.0)),
@@ -80,12 +80,13 @@ class Descent {
                                             static_cast<int>(std::min(v_high + 1, v_last)));
     if (!(depth.farthest > 0) ||
         z_near > static_cast<double>(depth.farthest) + options_.truncation) {
-      return View::kNothing;
+      return BlockView::kNothing;
     }
     const bool before_surface = z_far < static_cast<double>(depth.nearest) - options_.truncation;
-    if (before_surface && !options_.free_space) return View::kNothing;
+    if (before_surface && !options_.free_space) return BlockView::kNothing;
     const bool in_range = z_near > options_.min_range && z_far < options_.free_space_range;
-    return before_surface && inside && depth.complete && in_range ? View::kFree : View::kMixed;
+    if (!before_surface) return BlockView::kMixed;
+    return inside && depth.complete && in_range ? BlockView::kWhollyFree : BlockView::kPartlyFree;
   }
 
   // Pixel interval that a sphere can cover along one image axis.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "geometry/frame.h"
@@ -18,11 +19,18 @@ struct VisibilityOptions {
   bool free_space = true;
 };
 
+/// What a frame can say of a block.
+enum class BlockView : uint8_t {
+  kNothing,     ///< out of view, hidden or out of range
+  kMixed,       ///< a surface may pass near it
+  kPartlyFree,  ///< no surface is near; voxels that project to measured pixels are seen empty
+  kWhollyFree,  ///< no surface is near; all voxels project to measured pixels and are seen empty
+};
+
 /// A block that the frame says something about.
 struct VisibleBlock {
   BlockIndex index;
-  bool wholly_free =
-      false;  ///< every voxel of it projects to a measured pixel and lies before the surface there
+  BlockView view = BlockView::kMixed;
 };
 
 /// The blocks that the frame may change, ascending: those that a surface may pass near and those

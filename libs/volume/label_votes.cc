@@ -26,7 +26,8 @@ void CompactPalette(SurfaceVoxels& voxels) {
   voxels.palette = std::move(palette);
 }
 
-// 1-based palette entry of a label, added when new; 0 = the palette is full of labels in use.
+}  // namespace
+
 uint8_t PaletteEntry(SurfaceVoxels& voxels, SegmentLabel label) {
   const auto find = [&] {
     return static_cast<size_t>(std::find(voxels.palette.begin(), voxels.palette.end(), label) -
@@ -40,10 +41,11 @@ uint8_t PaletteEntry(SurfaceVoxels& voxels, SegmentLabel label) {
   return static_cast<uint8_t>(voxels.palette.size());
 }
 
-}  // namespace
-
 bool AddVote(SurfaceVoxels& voxels, int voxel, SegmentLabel label) {
-  const uint8_t entry = PaletteEntry(voxels, label);
+  return AddVoteForEntry(voxels, voxel, PaletteEntry(voxels, label));
+}
+
+bool AddVoteForEntry(SurfaceVoxels& voxels, int voxel, uint8_t entry) {
   if (entry == 0) return false;
   auto& labels = voxels.slot_label[static_cast<size_t>(voxel)];
   auto& votes = voxels.slot_votes[static_cast<size_t>(voxel)];
