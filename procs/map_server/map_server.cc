@@ -59,9 +59,25 @@ void MapServer::StartMap(MapSession session) {
   occupancy_.Update(map(), all, outputs_.occupancy);
   mesh_dirty_ = all;
   mesh_revision_ = -1;
+  order_.Clear();
 }
 
 Result<void> MapServer::OnFrame(const segmented_frame_t& message) {
+  if (!order_.Add(KeyOf(message.frame), message.frame.after_utime, message)) {
+    status_->Count("frames_not_held");
+  }
+  const auto committed = [this](const FrameKey& key) {
+    return session_->Contains(key.camera_id, key.utime);
+  };
+  Result<void> taken;
+  while (const std::optional<segmented_frame_t> next = order_.Next(committed)) {
+    if (const Result<void> one = TakeMessage(*next); !one) taken = one;
+  }
+  status_->SetCounter("frames_held", static_cast<int64_t>(order_.held()));
+  return taken;
+}
+
+Result<void> MapServer::TakeMessage(const segmented_frame_t& message) {
   Result<SegmentedFrame> frame = [&] {
     const StageTimer timer(status_, "decoding");
     return Decode(message);

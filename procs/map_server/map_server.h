@@ -15,12 +15,13 @@
 #include "runtime/status.h"
 #include "session/map_session.h"
 #include "session/outputs.h"
+#include "wire/frame_order.h"
 
 namespace vismap {
 
-/// Owns the map: takes SEGMENTED_FRAMEs in the order they arrive, answers each with a MAP_COMMIT,
-/// publishes what changed (MAP_DELTA after every frame, MESH_DELTA and OBJECTS now and then), and
-/// carries out MAP_REQUESTs.
+/// Owns the map: takes SEGMENTED_FRAMEs in the order their source asks for, answers each with a
+/// MAP_COMMIT, publishes what changed (MAP_DELTA after every frame, MESH_DELTA and OBJECTS now and
+/// then), and carries out MAP_REQUESTs.
 class MapServer {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
@@ -40,6 +41,7 @@ class MapServer {
   using Handler = Result<Answer> (MapServer::*)(const map_request_t&);
 
   Result<void> OnFrame(const segmented_frame_t& message);
+  Result<void> TakeMessage(const segmented_frame_t& message);
   frame_commit_t TakeFrame(const SegmentedFrame& frame);
   void PublishDelta(const std::vector<BlockIndex>& changed);
   void PublishNowAndThen();
@@ -72,10 +74,11 @@ class MapServer {
   Status* status_;
   std::unique_ptr<MapSession> session_;
   OccupancyMap occupancy_;
-  std::vector<BlockIndex> mesh_dirty_;  // changed since the last MESH_DELTA, unsorted
-  int64_t mesh_revision_ = -1;          // of the last MESH_DELTA
-  int64_t objects_revision_ = 0;        // of the last OBJECTS
-  int64_t saved_revision_ = 0;          // of the last save
+  FrameOrder<segmented_frame_t> order_{256};  // frames whose predecessors were lost on the way
+  std::vector<BlockIndex> mesh_dirty_;        // changed since the last MESH_DELTA, unsorted
+  int64_t mesh_revision_ = -1;                // of the last MESH_DELTA
+  int64_t objects_revision_ = 0;              // of the last OBJECTS
+  int64_t saved_revision_ = 0;                // of the last save
   double mesh_due_ = 0, objects_due_ = 0, save_due_ = 0;  // MonotonicSeconds
   std::deque<map_reply_t> recent_replies_;  // so that a repeated request is not carried out twice
 };
