@@ -8,6 +8,9 @@
 namespace vismap {
 namespace {
 
+// Tiles looked at along an axis, less one: more bound tighter, and take longer.
+constexpr int kMaxSpan = 4;
+
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr DepthRange kNothing{kInfinity, -kInfinity, true};
 
@@ -60,7 +63,7 @@ DepthRange DepthPyramid::Bound(int u0, int v0, int u1, int v1) const {
   int shift = kTileShift;
   size_t level = 0;
   while (level + 1 < levels_.size() &&
-         ((u1 >> shift) - (u0 >> shift) > 2 || (v1 >> shift) - (v0 >> shift) > 2)) {
+         ((u1 >> shift) - (u0 >> shift) > kMaxSpan || (v1 >> shift) - (v0 >> shift) > kMaxSpan)) {
     ++shift;
     ++level;
   }

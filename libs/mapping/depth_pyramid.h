@@ -14,7 +14,7 @@ struct DepthRange {
 };
 
 /// Minimum and maximum of a depth image over 4x4-pixel tiles and their powers of two: bounds the
-/// depth in any rectangle by looking at no more than nine tiles.
+/// depth in any rectangle by looking at no more than 25 tiles.
 class DepthPyramid {
  public:
   /// `depth` in metres, NaN = no return.

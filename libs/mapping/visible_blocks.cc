@@ -15,6 +15,7 @@ class Descent {
   Descent(const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options)
       : camera_(header.camera),
         T_C_W_(header.T_W_C.inverse()),
+        extent_(T_C_W_.linear().cwiseAbs().rowwise().sum() / 2),
         pyramid_(pyramid),
         options_(options),
         range_(options.free_space ? std::max(options.max_range, options.free_space_range)
@@ -53,22 +54,22 @@ class Descent {
     }
   }
 
-  // What the frame can say of a cube, judged by its bounding sphere.
+  // What the frame can say of a cube, judged by its bounding box along the camera's axes.
   BlockView Look(BlockIndex low, int level) const {
     const double edge = options_.block_size * (1 << level);
     const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
                                      Eigen::Vector3d::Constant(edge / 2);
     const Eigen::Vector3d p = T_C_W_ * center_W;
-    const double radius = edge * std::sqrt(3.0) / 2;
-    const double z_near = p.z() - radius, z_far = p.z() + radius;
+    const Eigen::Vector3d half = extent_ * edge;
+    const double z_near = p.z() - half.z(), z_far = p.z() + half.z();
     if (z_far < options_.min_range || z_near > range_ + options_.truncation)
       return BlockView::kNothing;
     if (z_near < 0.02)
       return level == 0 && z_far < 0.02 ? BlockView::kNothing
                                         : BlockView::kMixed;  // around the camera itself
 
-    const auto [u_low, u_high] = Extent(p.x(), radius, z_near, z_far, camera_.fx, camera_.cx);
-    const auto [v_low, v_high] = Extent(p.y(), radius, z_near, z_far, camera_.fy, camera_.cy);
+    const auto [u_low, u_high] = Extent(p.x(), half.x(), z_near, z_far, camera_.fx, camera_.cx);
+    const auto [v_low, v_high] = Extent(p.y(), half.y(), z_near, z_far, camera_.fy, camera_.cy);
     const double u_last = camera_.width - 1, v_last = camera_.height - 1;
     if (u_high < -0.5 || v_high < -0.5 || u_low > u_last + 0.5 || v_low > v_last + 0.5)
       return BlockView::kNothing;
@@ -89,16 +90,17 @@ class Descent {
     return inside && depth.complete && in_range ? BlockView::kWhollyFree : BlockView::kPartlyFree;
   }
 
-  // Pixel interval that a sphere can cover along one image axis.
-  static std::pair<double, double> Extent(double x, double radius, double z_near, double z_far,
+  // Pixel interval that a box can cover along one image axis.
+  static std::pair<double, double> Extent(double x, double half, double z_near, double z_far,
                                           double focal, double center) {
-    const double low = x - radius, high = x + radius;
+    const double low = x - half, high = x + half;
     return {focal * std::min(low / z_near, low / z_far) + center,
             focal * std::max(high / z_near, high / z_far) + center};
   }
 
   const PinholeCamera& camera_;
   const Pose T_C_W_;
+  const Eigen::Vector3d extent_;  // half extent along the camera's axes of a cube with edge 1
   const DepthPyramid& pyramid_;
   const VisibilityOptions& options_;
   const double range_;
