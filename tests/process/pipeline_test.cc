@@ -217,7 +217,7 @@ TEST(CommandLine, ExitCodesAreThePromisedOnes) {
       {"sensor-replay", {"--help"}, 0, "--dataset"},
       {"depth-segmenter", {"--version"}, 0, "depth-segmenter"},
       {"depth-segmenter", {"--print-config"}, 0, "segmentation"},
-      {"sensor-replay", {"--no-such-option"}, 2, "--no-such-option"},
+      {"sensor-replay", {"--no-such-option", "--dataset", kRoom}, 2, "--no-such-option"},
       {"sensor-replay", {}, 2, "--dataset"},
       {"depth-segmenter", {"--config", config}, 2, "no_such_key"},
       {"depth-segmenter", {"--lcm-url", "tcpq://localhost:7700"}, 2, "127.0.0.1"},
