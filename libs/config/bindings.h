@@ -118,6 +118,27 @@ void BindDepthSegmenter(Binder& bind, DepthSegmenterConfig& config) {
 }
 
 template <typename Binder>
+void BindSensorReplay(Binder& bind, SensorReplayConfig& config) {
+  bind.Value("lockstep", config.lockstep);
+  bind.Value("speed", config.speed);
+  bind.Value("window_frames", config.window);
+  bind.Value("resend_s", config.resend_after);
+}
+
+template <typename Binder>
+void BindDetector(Binder& bind, DetectorConfig& config) {
+  bind.Value("camera_id", config.camera_id);
+}
+
+template <typename Binder>
+void BindHub(Binder& bind, HubConfig& config) {
+  bind.Value("listen", config.listen);
+  bind.Value("queue_mb", config.queue_mb);
+  bind.Value("socket_buffer_bytes", config.socket_buffer_bytes);
+  bind.Value("max_clients", config.max_clients);
+}
+
+template <typename Binder>
 void BindMapServer(Binder& bind, MapServerConfig& config) {
   bind.Value("load", config.load);
   bind.Value("save_on_exit", config.save_on_exit);
@@ -157,6 +178,9 @@ void BindConfig(Binder& bind, VismapConfig& config) {
   bind.Section("map_server", [&](Binder& at) { BindMapServer(at, config.map_server); });
   bind.Section("octomap_exporter",
                [&](Binder& at) { BindOctomapExporter(at, config.octomap_exporter); });
+  bind.Section("sensor_replay", [&](Binder& at) { BindSensorReplay(at, config.sensor_replay); });
+  bind.Section("detector", [&](Binder& at) { BindDetector(at, config.detector); });
+  bind.Section("hub", [&](Binder& at) { BindHub(at, config.hub); });
 }
 
 }  // namespace vismap::config

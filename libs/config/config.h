@@ -42,6 +42,24 @@ struct OctomapExporterConfig {
   std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere
 };
 
+struct SensorReplayConfig {
+  bool lockstep = false;    ///< at the pace of the map server instead of in real time
+  double speed = 1;         ///< of real time; 0 = as fast as frames can be read
+  int window = 4;           ///< lockstep: frames ahead of the oldest that is not committed
+  double resend_after = 5;  ///< lockstep: silence after which open frames are sent again [s]
+};
+
+struct DetectorConfig {
+  int camera_id = -1;  ///< answer frames of this camera only; -1 = of all
+};
+
+struct HubConfig {
+  std::string listen = "127.0.0.1:7700";  ///< port 0 = any free one
+  int queue_mb = 256;                     ///< may wait for a slow client before it loses messages
+  int socket_buffer_bytes = 0;            ///< of each connection; 0 = the system's
+  int max_clients = 256;                  ///< connections beyond are refused
+};
+
 struct OctreeConfig {
   double resolution = 0;  ///< see OctreeOptions [m]
   double free_fraction = 1.0;
@@ -61,6 +79,9 @@ struct VismapConfig {
   DepthSegmenterConfig depth_segmenter;
   MapServerConfig map_server;
   OctomapExporterConfig octomap_exporter;
+  SensorReplayConfig sensor_replay;
+  DetectorConfig detector;
+  HubConfig hub;
 };
 
 /// Reads protobuf text. Unknown keys, wrong types, keys given twice and syntax errors fail with

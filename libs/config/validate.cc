@@ -89,6 +89,18 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
   problems->Unless(server.save_period == 0 || !server.save_on_exit.empty(),
                    "map_server.save_period_s needs map_server.save_on_exit to say where");
   CheckPeriod(config.octomap_exporter.period, "octomap_exporter.period_s", problems);
+  const SensorReplayConfig& replay = config.sensor_replay;
+  problems->Unless(InRange(replay.speed, 0, 1000), "sensor_replay.speed must be in [0, 1000]");
+  problems->Unless(InRange(replay.window, 1, 1000),
+                   "sensor_replay.window_frames must be in [1, 1000]");
+  problems->Unless(InRange(replay.resend_after, 0.01, 3600),
+                   "sensor_replay.resend_s must be in [0.01, 3600] s");
+  problems->Unless(config.detector.camera_id >= -1, "detector.camera_id must be -1 or more");
+  problems->Unless(InRange(config.hub.queue_mb, 1, 65536), "hub.queue_mb must be in [1, 65536]");
+  problems->Unless(config.hub.socket_buffer_bytes >= 0,
+                   "hub.socket_buffer_bytes must not be negative");
+  problems->Unless(InRange(config.hub.max_clients, 1, 10000),
+                   "hub.max_clients must be in [1, 10000]");
 }
 
 }  // namespace

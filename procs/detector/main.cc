@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "detector/detect.h"
+#include "settings/settings.h"
 #include "simulation/sequence.h"
 
 namespace {
@@ -13,7 +14,8 @@ using namespace vismap;
 
 struct Arguments {
   std::string dataset, format, detections;
-  int camera_id = -1;
+  std::optional<int> camera_id;
+  VismapConfig config;
   bool check = false;
   std::unique_ptr<DetectionSource> source;
 };
@@ -56,8 +58,19 @@ Outcome Open(Arguments* arguments) {
   return {};
 }
 
+// The command line goes before the config.
+Result<std::string> Configure(const std::string& text, const std::string& path,
+                              Arguments* arguments) {
+  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
+  if (!taken) return taken;
+  DetectorConfig& section = arguments->config.detector;
+  section.camera_id = arguments->camera_id.value_or(section.camera_id);
+  return PrintConfig(arguments->config);
+}
+
 std::optional<CameraId> Camera(const Arguments& arguments) {
-  return arguments.camera_id < 0 ? std::nullopt : std::optional(CameraId{arguments.camera_id});
+  const int id = arguments.config.detector.camera_id;
+  return id < 0 ? std::nullopt : std::optional(CameraId{id});
 }
 
 }  // namespace
@@ -68,6 +81,9 @@ int main(int argc, char** argv) {
   spec.name = "detector";
   spec.summary = "Answers every frame with recorded detections, as a detector would.";
   spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
+  spec.configure = [&](const std::string& text, const std::string& path) {
+    return Configure(text, path, &arguments);
+  };
   spec.prepare = [&] {
     spec.joins_bus = !arguments.check;
     return Open(&arguments);

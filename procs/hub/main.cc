@@ -2,40 +2,57 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "hub/hub.h"
+#include "settings/settings.h"
 
 namespace {
 
 using namespace vismap;
 
 struct Arguments {
-  std::string listen = "127.0.0.1:7700";
-  size_t queue_mb = 256;
-  HubOptions hub;
+  std::optional<std::string> listen;
+  std::optional<int> queue_mb, socket_buffer_bytes, max_clients;
+  VismapConfig config;
 };
 
 void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option("--listen", arguments->listen,
-                 "Address to listen on, numbers only; port 0 = any free one, printed")
-      ->capture_default_str();
+  app.add_option(
+      "--listen", arguments->listen,
+      "Address to listen on, numbers only; port 0 = any free one, printed; default 127.0.0.1:7700");
   app.add_option("--queue-mb", arguments->queue_mb,
-                 "Megabytes that may wait for a slow client before it loses messages")
-      ->check(CLI::Range(1, 65536))
-      ->capture_default_str();
-  app.add_option("--socket-buffer-bytes", arguments->hub.socket_buffer_bytes,
+                 "Megabytes that may wait for a slow client before it loses messages; default 256")
+      ->check(CLI::Range(1, 65536));
+  app.add_option("--socket-buffer-bytes", arguments->socket_buffer_bytes,
                  "Send and receive buffer of each connection; 0 = the system's")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--max-clients", arguments->hub.max_clients, "Connections beyond are refused")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
+  app.add_option("--max-clients", arguments->max_clients,
+                 "Connections beyond are refused; default 256")
+      ->check(CLI::Range(1, 10000));
 }
 
-Outcome Serve(const Arguments& arguments, ProcessContext& context) {
-  HubOptions options = arguments.hub;
-  options.queue_bytes = arguments.queue_mb * kMegabyte;
-  const Result<TcpAddress> listen = ParseTcpAddress(arguments.listen);
+// The command line goes before the config.
+Result<std::string> Configure(const std::string& text, const std::string& path,
+                              Arguments* arguments) {
+  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
+  if (!taken) return taken;
+  HubConfig& section = arguments->config.hub;
+  section.listen = arguments->listen.value_or(section.listen);
+  section.queue_mb = arguments->queue_mb.value_or(section.queue_mb);
+  section.socket_buffer_bytes =
+      arguments->socket_buffer_bytes.value_or(section.socket_buffer_bytes);
+  section.max_clients = arguments->max_clients.value_or(section.max_clients);
+  return PrintConfig(arguments->config);
+}
+
+Outcome Serve(const HubConfig& config, ProcessContext& context) {
+  HubOptions options;
+  options.queue_bytes = static_cast<size_t>(config.queue_mb) * kMegabyte;
+  options.socket_buffer_bytes = config.socket_buffer_bytes;
+  options.max_clients = config.max_clients;
+  const Result<TcpAddress> listen = ParseTcpAddress(config.listen);
   if (!listen) return ExitWith(ExitCode::kUsage, "--listen: " + listen.error().message);
   options.listen = *listen;
   const Result<std::unique_ptr<Hub>> hub = Hub::Open(options);
@@ -58,6 +75,9 @@ int main(int argc, char** argv) {
   spec.summary = "Passes messages between the processes of one bus over TCP (LCM's tcpq protocol).";
   spec.joins_bus = false;
   spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.run = [&](ProcessContext& context) { return Serve(arguments, context); };
+  spec.configure = [&](const std::string& text, const std::string& path) {
+    return Configure(text, path, &arguments);
+  };
+  spec.run = [&](ProcessContext& context) { return Serve(arguments.config.hub, context); };
   return RunProcess(argc, argv, spec);
 }

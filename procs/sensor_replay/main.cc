@@ -1,11 +1,11 @@
-#include "runtime/main.h"
-
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "sensor_replay/replay.h"
+#include "settings/settings.h"
 #include "simulation/sequence.h"
 
 namespace {
@@ -13,10 +13,14 @@ namespace {
 using namespace vismap;
 
 struct Arguments {
-  std::string dataset, format, mode = "realtime";
+  std::string dataset, format;
   int camera_id = 0;
   DatasetOptions sequence;
-  ReplayOptions replay;
+  ReplayOptions replay;  // but for what the config says, too
+  std::optional<std::string> mode;
+  std::optional<double> speed, resend_after;
+  std::optional<int> window;
+  VismapConfig config;
   std::unique_ptr<Dataset> opened;
 };
 
@@ -28,14 +32,13 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--format", arguments->format,
                  "Layout of the folder; found by looking when not given");
   app.add_option("--mode", arguments->mode, "realtime, or lockstep: at the pace of the map server")
-      ->check(CLI::IsMember({"realtime", "lockstep"}))
-      ->capture_default_str();
-  app.add_option("--speed", replay.speed, "Of real time; 0 = as fast as possible")
+      ->check(CLI::IsMember({"realtime", "lockstep"}));
+  app.add_option("--speed", arguments->speed, "Of real time; 0 = as fast as possible")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--window", replay.window, "Lockstep: frames sent before the oldest is committed")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--resend-s", replay.resend_after,
+  app.add_option("--window", arguments->window,
+                 "Lockstep: frames sent before the oldest is committed")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--resend-s", arguments->resend_after,
                  "Lockstep: seconds without a commit before frames are repeated")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -52,9 +55,25 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
       ->check(CLI::NonNegativeNumber);
 }
 
+// The command line goes before the config.
+Result<std::string> Configure(const std::string& text, const std::string& path,
+                              Arguments* arguments) {
+  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
+  if (!taken) return taken;
+  SensorReplayConfig& section = arguments->config.sensor_replay;
+  if (arguments->mode) section.lockstep = *arguments->mode == "lockstep";
+  section.speed = arguments->speed.value_or(section.speed);
+  section.window = arguments->window.value_or(section.window);
+  section.resend_after = arguments->resend_after.value_or(section.resend_after);
+  arguments->replay.lockstep = section.lockstep;
+  arguments->replay.speed = section.speed;
+  arguments->replay.window = section.window;
+  arguments->replay.resend_after = section.resend_after;
+  return PrintConfig(arguments->config);
+}
+
 Outcome Open(Arguments* arguments) {
   arguments->sequence.camera_id = CameraId{arguments->camera_id};
-  arguments->replay.lockstep = arguments->mode == "lockstep";
   auto dataset = OpenSequence(arguments->dataset, arguments->format, arguments->sequence);
   if (!dataset) return ExitWith(ExitCode::kUnreadable, dataset.error().message);
   arguments->opened = std::move(*dataset);
@@ -69,6 +88,9 @@ int main(int argc, char** argv) {
   spec.name = "sensor-replay";
   spec.summary = "Publishes the frames of a recorded or synthetic RGB-D sequence.";
   spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
+  spec.configure = [&](const std::string& text, const std::string& path) {
+    return Configure(text, path, &arguments);
+  };
   spec.prepare = [&] { return Open(&arguments); };
   spec.run = [&](ProcessContext& context) {
     return Replay(*arguments.opened, arguments.replay, context);

@@ -103,6 +103,9 @@ TEST(Bindings, EveryMemberOfTheOptionStructsHasAKey) {
   EXPECT_EQ(KeyCount(BindDepthSegmenter<KeyCounter>), MemberCount<DepthSegmenterConfig>());
   EXPECT_EQ(KeyCount(BindMapServer<KeyCounter>), MemberCount<MapServerConfig>());
   EXPECT_EQ(KeyCount(BindOctomapExporter<KeyCounter>), MemberCount<OctomapExporterConfig>());
+  EXPECT_EQ(KeyCount(BindSensorReplay<KeyCounter>), MemberCount<SensorReplayConfig>());
+  EXPECT_EQ(KeyCount(BindDetector<KeyCounter>), MemberCount<DetectorConfig>());
+  EXPECT_EQ(KeyCount(BindHub<KeyCounter>), MemberCount<HubConfig>());
 }
 
 /// Gives every value another one, so that a binding to the wrong member shows.
