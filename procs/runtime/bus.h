@@ -59,7 +59,7 @@ class Bus {
 
   /// Calls `handler(const Message&)` from Spin or Run for every message of the channel. The handler
   /// returns void, or Result<void> to refuse a message (counted, and said in the log). What it
-  /// throws comes out of Spin.
+  /// throws comes out of Spin. Whatever it refers to must live for as long as the bus is spun.
   template <typename Message, typename Handler>
   void Subscribe(const Channel& channel, Handler handler, Delivery delivery = Delivery::kEvery);
 
