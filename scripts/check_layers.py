@@ -24,7 +24,7 @@ LIBS = {
     "datasets": ["codecs"],
     "simulation": ["datasets"],
     "session": ["render", "freespace", "mapfile", "datasets"],
-    "evaluation": ["meshing", "datasets"],
+    "evaluation": ["meshing", "freespace"],
     "config": ["simulation", "session"],
 }
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any
@@ -32,11 +32,11 @@ LIBS = {
 PROCS = {
     "wire": ["codecs", "meshing", "freespace"],
     "runtime": ["wire"],
-    "hub": ["runtime"],
+    "hub": ["runtime", "settings"],
     "settings": ["config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.
-OPEN_TESTS = {"process", "support", "bench", "fuzz"}
+OPEN_TESTS = {"process", "quality", "support", "bench", "fuzz"}
 
 # Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
 OUTSIDE = [

@@ -155,7 +155,7 @@ Image<Rgb8> RenderMapOverview(const Mesh& mesh, std::span<const ObjectSummary> o
   const int left_width = options.width * 3 / 5;
 
   Image<Rgb8> overview(options.width, options.height, kBackground);
-  const Scene scene = FrameScene(mesh, options.up_W ? *options.up_W : EstimateUp(mesh));
+  const SceneBox scene = FrameScene(mesh, options.up_W ? *options.up_W : EstimateUp(mesh));
   const View left = BestPerspectiveView(mesh, scene, left_width, picture_height);
   const View right = TopDownView(scene, options.width - left_width, picture_height);
   Image<Rgb8> perspective = RenderMesh(mesh, left, options.coloring);

@@ -42,7 +42,7 @@ Pose LookFrom(const Vector3d& eye, const Vector3d& forward, const Vector3d& up) 
   return T_W_V.inverse();
 }
 
-std::array<Vector3d, 8> Corners(const Scene& scene) {
+std::array<Vector3d, 8> Corners(const SceneBox& scene) {
   std::array<Vector3d, 8> corners;
   for (size_t i = 0; i < 8; ++i) {
     const Vector3d side(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
@@ -52,13 +52,13 @@ std::array<Vector3d, 8> Corners(const Scene& scene) {
 }
 
 // Direction from the scene to the viewer.
-Vector3d Toward(const Scene& scene, double azimuth, double elevation) {
+Vector3d Toward(const SceneBox& scene, double azimuth, double elevation) {
   return scene.R_W_B * Vector3d(std::cos(azimuth) * std::cos(elevation),
                                 std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
 }
 
 // How far back the eye must be for all corners to be in the picture.
-double FittingDistance(const Scene& scene, const View& view, const Vector3d& toward) {
+double FittingDistance(const SceneBox& scene, const View& view, const Vector3d& toward) {
   const Eigen::Matrix3d R_V_W = LookFrom(toward, -toward, scene.up_W).linear();
   const double margin = 0.94;
   double distance = 0.1;
@@ -146,13 +146,13 @@ Peak StrongestPeak(const std::vector<Vector3d>& faces, const Vector3d& center, d
 
 }  // namespace
 
-Scene FrameScene(const Mesh& mesh, const Vector3d& up_W) {
+SceneBox FrameScene(const Mesh& mesh, const Vector3d& up_W) {
   const size_t stride = mesh.vertices.size() / 20000 + 1;
   std::vector<Eigen::Vector3f> points;
   for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
     if (mesh.vertices[i].position_W.allFinite()) points.push_back(mesh.vertices[i].position_W);
   }
-  Scene scene;
+  SceneBox scene;
   scene.up_W = up_W;
   if (points.empty()) return scene;
   const OrientedBox box = FitUprightBox(points, up_W, 0.01);
@@ -162,7 +162,8 @@ Scene FrameScene(const Mesh& mesh, const Vector3d& up_W) {
   return scene;
 }
 
-View PerspectiveView(const Scene& scene, double azimuth, double elevation, int width, int height) {
+View PerspectiveView(const SceneBox& scene, double azimuth, double elevation, int width,
+                     int height) {
   View view;
   view.width = width;
   view.height = height;
@@ -174,7 +175,7 @@ View PerspectiveView(const Scene& scene, double azimuth, double elevation, int w
   return view;
 }
 
-View TopDownView(const Scene& scene, int width, int height) {
+View TopDownView(const SceneBox& scene, int width, int height) {
   View view;
   view.orthographic = true;
   view.width = width;
@@ -190,7 +191,7 @@ View TopDownView(const Scene& scene, int width, int height) {
   return view;
 }
 
-View BestPerspectiveView(const Mesh& mesh, const Scene& scene, int width, int height) {
+View BestPerspectiveView(const Mesh& mesh, const SceneBox& scene, int width, int height) {
   const std::vector<Vector3d> faces = SampleFaces(mesh, 20000);
   double most = -1, best_azimuth = 0, best_elevation = 0;
   for (const double elevation : {35 * kDegree, 50 * kDegree}) {

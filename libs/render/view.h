@@ -19,7 +19,7 @@ struct View {
 };
 
 /// What of the world a picture should show, and how the world stands.
-struct Scene {
+struct SceneBox {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();      ///< unit
   Eigen::Vector3d center_W = Eigen::Vector3d::Zero();   ///< of the box below [m]
   Eigen::Matrix3d R_W_B = Eigen::Matrix3d::Identity();  ///< upright box around nearly everything
@@ -27,19 +27,20 @@ struct Scene {
 };
 
 /// The upright box around the mesh without its outermost 1 %; `up_W` is unit.
-Scene FrameScene(const Mesh& mesh, const Eigen::Vector3d& up_W);
+SceneBox FrameScene(const Mesh& mesh, const Eigen::Vector3d& up_W);
 
 /// Perspective view at the scene from the direction `azimuth`, `elevation` [rad] of its box, from
 /// where all of the box is in the picture.
-View PerspectiveView(const Scene& scene, double azimuth, double elevation, int width, int height);
+View PerspectiveView(const SceneBox& scene, double azimuth, double elevation, int width,
+                     int height);
 
 /// Straight down on the scene, its longer side across the picture.
-View TopDownView(const Scene& scene, int width, int height);
+View TopDownView(const SceneBox& scene, int width, int height);
 
 /// The perspective view, among sixteen from obliquely above, towards which most surface faces: a
 /// room is seen from outside through the backs of its near walls, a scan of one side from where it
 /// was taken. Cut so that nearly all of what is visible fills the picture.
-View BestPerspectiveView(const Mesh& mesh, const Scene& scene, int width, int height);
+View BestPerspectiveView(const Mesh& mesh, const SceneBox& scene, int width, int height);
 
 /// The up direction that the horizontal surfaces say: the direction that most area faces, within 40
 /// degrees of `hint_W` (such as the mean of the cameras' -y axes). Without a hint: +z if a fair

@@ -90,7 +90,7 @@ Image<Rgb8> Render(const MapToolArguments& arguments, const LoadedMap& loaded) {
     return RenderMapOverview(products.mesh, products.objects, ClassName, loaded.metadata.map_id,
                              overview);
   }
-  const Scene scene = FrameScene(products.mesh, up_W);
+  const SceneBox scene = FrameScene(products.mesh, up_W);
   const View view = arguments.view == "top" ? TopDownView(scene, overview.width, overview.height)
                                             : BestPerspectiveView(products.mesh, scene,
                                                                   overview.width, overview.height);

@@ -83,7 +83,7 @@ size_t CountNot(const Image<Rgb8>& image, Rgb8 color) {
 }
 
 TEST(RenderMesh, FrontIsDrawnWithItsTrueAreaAndBackIsNot) {
-  Scene scene;
+  SceneBox scene;
   scene.size = Vector3d(2, 2, 0.1);
   const View view = TopDownView(scene, 200, 200);
   const Image<Rgb8> front = RenderMesh(OneTriangle(), view, Coloring::kInstance);
@@ -101,7 +101,7 @@ TEST(RenderMesh, NearerSurfaceHidesFartherWhateverTheOrder) {
     vertex.instance = InstanceId{2};
     mesh.vertices.push_back(vertex);
   }
-  Scene scene;
+  SceneBox scene;
   scene.size = Vector3d(2, 2, 2);
   for (const bool perspective : {false, true}) {
     const View view =
@@ -132,7 +132,7 @@ TEST(RenderMesh, SameForAnyNumberOfThreads) {
 
 TEST(View, WholeSceneIsInThePicture) {
   const Mesh mesh = ExtractMesh(Room());
-  const Scene scene = FrameScene(mesh, Vector3d::UnitZ());
+  const SceneBox scene = FrameScene(mesh, Vector3d::UnitZ());
   for (const View& view : {TopDownView(scene, 300, 500), TopDownView(scene, 500, 300),
                            PerspectiveView(scene, 2, 0.6, 400, 300)}) {
     for (const MeshVertex& vertex : mesh.vertices) {
