@@ -54,14 +54,17 @@ uint8_t Blend(uint8_t old_value, uint8_t new_value, float share) {
   return static_cast<uint8_t>(blended + 0.5F);
 }
 
-bool Any(const VoxelArray<uint8_t>& flags) {
-  return std::any_of(flags.begin(), flags.end(), [](uint8_t flag) { return flag != 0; });
+// Flags are 0 or 1.
+bool Any(const VoxelArray<float>& flags) {
+  float sum = 0;
+  for (const float flag : flags) sum += flag;
+  return sum > 0;
 }
 
-std::array<uint64_t, kBlockVoxels / 64> Bits(const VoxelArray<uint8_t>& flags) {
+std::array<uint64_t, kBlockVoxels / 64> Bits(const VoxelArray<float>& flags) {
   std::array<uint64_t, kBlockVoxels / 64> bits{};
   for (size_t i = 0; i < kBlockVoxels; ++i)
-    bits[i / 64] |= static_cast<uint64_t>(flags[i]) << (i % 64);
+    bits[i / 64] |= static_cast<uint64_t>(flags[i] > 0) << (i % 64);
   return bits;
 }
 
@@ -104,7 +107,7 @@ void FrameProjection::BlendColors(const VoxelSamples& samples, const VoxelArray<
                                   const VoxelArray<float>& shares, SurfaceVoxels& voxels) const {
   if (frame_.frame.color.empty()) return;
   for (size_t i = 0; i < kBlockVoxels; ++i) {
-    if (!samples.near[i] || std::abs(samples.distance[i]) > color_distance_) continue;
+    if (samples.near[i] == 0 || std::abs(samples.distance[i]) > color_distance_) continue;
     const Rgb8 seen = frame_.frame.color.data()[pixel[i]];
     Rgb8& color = voxels.color[i];
     // A voxel that was only seen from farther off has no colour yet.
@@ -120,7 +123,7 @@ int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int3
   SegmentLabel last = SegmentLabel::kNone;
   uint8_t entry = 0;
   for (size_t i = 0; i < kBlockVoxels; ++i) {
-    if (!samples.near[i] || std::abs(samples.distance[i]) > vote_distance_) continue;
+    if (samples.near[i] == 0 || std::abs(samples.distance[i]) > vote_distance_) continue;
     const SegmentIndex segment = frame_.image.index.data()[pixel[i]];
     if (segment == SegmentIndex::kNone) continue;
     const SegmentLabel label = labels_[static_cast<size_t>(Raw(segment))];

@@ -8,36 +8,46 @@
 namespace vismap {
 namespace {
 
-constexpr float kRamp[kBlockSide] = {0, 1, 2, 3, 4, 5, 6, 7};
+// Position of each voxel in its block along the three axes, as numbers.
+struct Ramps {
+  alignas(64) float i[kBlockVoxels] = {}, j[kBlockVoxels] = {}, k[kBlockVoxels] = {};
+  constexpr Ramps() {
+    for (int voxel = 0; voxel < kBlockVoxels; ++voxel) {
+      i[voxel] = static_cast<float>(voxel % kBlockSide);
+      j[voxel] = static_cast<float>(voxel / kBlockSide % kBlockSide);
+      k[voxel] = static_cast<float>(voxel / (kBlockSide * kBlockSide));
+    }
+  }
+};
+constexpr Ramps kRamps;
 
 // Plain arrays and scalars only: what these loops see decides whether they vectorise.
 VISMAP_VECTOR_CLONES void Project(const float* first, const float* step, const float* intrinsics,
-                                  float* z_out, float* u_out, float* v_out, float* stretch_out) {
+                                  float* __restrict z_out, float* __restrict u_out,
+                                  float* __restrict v_out, float* __restrict stretch_out) {
   const float fx = intrinsics[0], fy = intrinsics[1], cx = intrinsics[2], cy = intrinsics[3];
-  for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
-    const auto j = static_cast<float>(row % kBlockSide), k = static_cast<float>(row / kBlockSide);
-    const float x0 = first[0] + step[3] * j + step[6] * k;
-    const float y0 = first[1] + step[4] * j + step[7] * k;
-    const float z0 = first[2] + step[5] * j + step[8] * k;
-    float* z_row = z_out + row * kBlockSide;
-    float* u_row = u_out + row * kBlockSide;
-    float* v_row = v_out + row * kBlockSide;
-    float* stretch_row = stretch_out + row * kBlockSide;
-    for (int i = 0; i < kBlockSide; ++i) {
-      const float x = x0 + step[0] * kRamp[i], y = y0 + step[1] * kRamp[i],
-                  z = z0 + step[2] * kRamp[i];
-      const float a = x / z, b = y / z;
-      z_row[i] = z;
-      u_row[i] = fx * a + cx;
-      v_row[i] = fy * b + cy;
-      stretch_row[i] = std::sqrt(a * a + b * b + 1.0F);
-    }
+  const float x0 = first[0], y0 = first[1], z0 = first[2];
+  const float xi = step[0], yi = step[1], zi = step[2];
+  const float xj = step[3], yj = step[4], zj = step[5];
+  const float xk = step[6], yk = step[7], zk = step[8];
+  for (int voxel = 0; voxel < kBlockVoxels; ++voxel) {
+    const float i = kRamps.i[voxel], j = kRamps.j[voxel], k = kRamps.k[voxel];
+    const float x = x0 + xj * j + xk * k + xi * i;
+    const float y = y0 + yj * j + yk * k + yi * i;
+    const float z = z0 + zj * j + zk * k + zi * i;
+    const float a = x / z, b = y / z;
+    z_out[voxel] = z;
+    u_out[voxel] = fx * a + cx;
+    v_out[voxel] = fy * b + cy;
+    stretch_out[voxel] = std::sqrt(a * a + b * b + 1.0F);
   }
 }
 
+// Conditions are floats, 0 or 1, since that is what vectorises.
 VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const float* depth_in,
-                                const MeasurementLimits& limits, float* distance_out,
-                                float* weight_out, uint8_t* near_out, uint8_t* free_out) {
+                                const MeasurementLimits& limits, float* __restrict distance_out,
+                                float* __restrict weight_out, float* __restrict near_out,
+                                float* __restrict free_out) {
   const float truncation = limits.truncation, min_range = limits.min_range,
               max_range = limits.max_range;
   const float free_range = limits.free_space ? limits.free_space_range : -1.0F;
@@ -45,16 +55,24 @@ VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const f
   for (int i = 0; i < kBlockVoxels; ++i) {
     const float depth = depth_in[i], z = z_in[i];
     const float distance = (depth - z) * stretch[i];
-    const bool seen = (depth >= min_range) & (z >= min_range) & (distance >= -truncation);
-    const bool before = distance >= truncation;
-    const bool is_free = seen & before & (z <= free_range);
-    const bool is_near = seen & !before & (depth <= max_range);
-    const float inverse =
-        1.0F / std::max(depth, 0.5F);  // nearer than half a metre no sensor gets better
-    const float fading = std::min(1.0F, (truncation + distance) * drop_scale);
-    const float weight = std::max(inverse * inverse * fading * kWeightScale, 1.0F);
-    weight_out[i] = (is_free | is_near) ? weight : 0.0F;
-    distance_out[i] = (is_free | is_near) ? std::min(distance, truncation) : 0.0F;
+    const float measured = depth >= min_range ? 1.0F : 0.0F;
+    const float in_range = z >= min_range ? measured : 0.0F;
+    const float seen = distance >= -truncation ? in_range : 0.0F;
+    const float free_here = z <= free_range ? seen : 0.0F;
+    const float near_here = depth <= max_range ? seen : 0.0F;
+    const float is_free = distance >= truncation ? free_here : 0.0F;
+    const float is_near = distance < truncation ? near_here : 0.0F;
+    const float said = is_free + is_near;
+    const float bounded =
+        depth > 0.5F ? depth : 0.5F;  // nearer than half a metre no sensor gets better
+    const float inverse = 1.0F / bounded;
+    const float faded = (truncation + distance) * drop_scale;
+    const float fading = faded < 1.0F ? faded : 1.0F;
+    const float exact = inverse * inverse * fading * kWeightScale;
+    const float weight = exact > 1.0F ? exact : 1.0F;
+    const float clamped = distance < truncation ? distance : truncation;
+    weight_out[i] = said > 0.0F ? weight : 0.0F;
+    distance_out[i] = said > 0.0F ? clamped : 0.0F;
     near_out[i] = is_near;
     free_out[i] = is_free;
   }

@@ -43,7 +43,7 @@ struct VoxelSamples {
                                            ///< where weight is 0
   alignas(64)
       VoxelArray<float> weight;  ///< in steps of 1 / kWeightScale; 0 = the frame says nothing
-  alignas(64) VoxelArray<uint8_t> near,
+  alignas(64) VoxelArray<float> near,
       free;  ///< 1 = within the truncation of a surface; 1 = before it, empty
 };
 /// `depth` = measured depth at each voxel's pixel [m]; 0 = none.
