@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <ostream>
 
 #include "codecs/frame_codec.h"
 #include "codecs/mask_codec.h"
@@ -21,6 +22,9 @@ struct Expected {
   PinholeCamera camera;
   int64_t detections;  ///< -1 = no file
 };
+
+/// Names the case by its folder.
+void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.folder; }
 
 class RealData : public testing::TestWithParam<Expected> {
  protected:
