@@ -84,12 +84,12 @@ Result<void> MapServer::TakeMessage(const segmented_frame_t& message) {
   }();
   if (!frame) return tl::unexpected(frame.error());
   status_->Set(ProcessState::kRunning);
-  bus_->Publish(kMapCommitChannel, TakeFrame(*frame));
+  bus_->Publish(kMapCommitChannel, TakeFrame(*frame, DigestInput(message)));
   PublishNowAndThen();
   return {};
 }
 
-frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame) {
+frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string input_digest) {
   const FrameHeader& header = frame.frame.header;
   frame_commit_t commit{};
   commit.utime = header.utime;
@@ -97,6 +97,7 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame) {
   commit.frame_number = header.frame_number;
   commit.map_id = map_id();
   commit.had_detections = frame.had_detections;
+  commit.input_digest = std::move(input_digest);
   if (session_->Contains(header.camera_id, header.utime)) {
     status_->Count("frames_duplicate");
     commit.status = frame_commit_t::STATUS_DUPLICATE;

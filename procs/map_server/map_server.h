@@ -42,7 +42,7 @@ class MapServer {
 
   Result<void> OnFrame(const segmented_frame_t& message);
   Result<void> TakeMessage(const segmented_frame_t& message);
-  frame_commit_t TakeFrame(const SegmentedFrame& frame);
+  frame_commit_t TakeFrame(const SegmentedFrame& frame, std::string input_digest);
   void PublishDelta(const std::vector<BlockIndex>& changed);
   void PublishNowAndThen();
   void SaveNowAndThen();

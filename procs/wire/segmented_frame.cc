@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/digest.h"
 #include "codecs/frame_codec.h"
 #include "codecs/label_codec.h"
 #include "wire/rgbd_frame.h"
@@ -101,6 +102,31 @@ Result<SegmentedFrame> Decode(const segmented_frame_t& message) {
   if (!segments) return Fail(where + segments.error().message);
   return SegmentedFrame{std::move(*frame), std::move(*image), std::move(*segments),
                         message.had_detections != 0};
+}
+
+std::string DigestInput(const segmented_frame_t& message) {
+  const rgbd_frame_t& frame = message.frame;
+  Digest digest;
+  const auto add_bytes = [&](const std::vector<uint8_t>& bytes) {
+    digest.Add(bytes.size());
+    digest.AddBytes(bytes.data(), bytes.size());
+  };
+  for (const int64_t number : {frame.utime, int64_t{frame.camera_id}, int64_t{frame.width},
+                               int64_t{frame.height}, int64_t{message.had_detections}})
+    digest.Add(number);
+  for (const double number : {frame.fx, frame.fy, frame.cx, frame.cy, frame.depth_unit_m})
+    digest.Add(number);
+  digest.AddBytes(frame.T_W_C, sizeof(frame.T_W_C));
+  add_bytes(frame.depth);
+  add_bytes(frame.color);
+  add_bytes(message.labels);
+  for (const frame_segment_t& segment : message.segments) {
+    digest.Add(segment.detection);
+    digest.Add(segment.class_id);
+    digest.Add(segment.score);
+    digest.Add(segment.overlap);
+  }
+  return digest.Hex();
 }
 
 }  // namespace vismap

@@ -18,4 +18,8 @@ segmented_frame_t Encode(const SegmentedFrame& frame, const rgbd_frame_t& sensor
 /// image's, a detection index below -1, and a utime that is not the frame's.
 Result<SegmentedFrame> Decode(const segmented_frame_t& message);
 
+/// 32 hexadecimal digits over what the map is made from: images, camera, pose, segments with their
+/// detections; not over who sent them and when.
+std::string DigestInput(const segmented_frame_t& message);
+
 }  // namespace vismap
