@@ -145,6 +145,7 @@ void BindMapServer(Binder& bind, MapServerConfig& config) {
   bind.Value("save_period_s", config.save_period);
   bind.Value("mesh_period_s", config.mesh_period);
   bind.Value("objects_period_s", config.objects_period);
+  bind.Value("recover", config.recover);
 }
 
 template <typename Binder>

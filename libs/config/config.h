@@ -32,6 +32,7 @@ struct MapServerConfig {
   std::string load;           ///< map file to continue; empty = none
   std::string save_on_exit;   ///< map file to write when stopped; empty = none
   double save_period = 0;     ///< and also while running [s]; 0 = do not
+  bool recover = false;       ///< go on from save_on_exit, if it is there, and keep a journal
   double mesh_period = 1;     ///< least time between two mesh updates [s]; 0 = every frame
   double objects_period = 1;  ///< least time between two object lists [s]; 0 = every frame
 };

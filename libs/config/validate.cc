@@ -86,6 +86,8 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
   CheckPeriod(server.save_period, "map_server.save_period_s", problems);
   CheckPeriod(server.mesh_period, "map_server.mesh_period_s", problems);
   CheckPeriod(server.objects_period, "map_server.objects_period_s", problems);
+  problems->Unless(!server.recover || !server.save_on_exit.empty(),
+                   "map_server.recover needs map_server.save_on_exit to say from where");
   problems->Unless(server.save_period == 0 || !server.save_on_exit.empty(),
                    "map_server.save_period_s needs map_server.save_on_exit to say where");
   CheckPeriod(config.octomap_exporter.period, "octomap_exporter.period_s", problems);

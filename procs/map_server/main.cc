@@ -9,8 +9,9 @@ using namespace vismap;
 
 Outcome Serve(ProcessContext& context, const VismapConfig& config) {
   MapServer server(config, context.bus, context.status);
-  if (!config.map_server.load.empty()) {
-    const Result<std::string> loaded = server.Load(config.map_server.load);
+  if (config.map_server.recover || !config.map_server.load.empty()) {
+    const Result<std::string> loaded =
+        config.map_server.recover ? server.Recover() : server.Load(config.map_server.load);
     if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
     LogInfo(*loaded);
   }

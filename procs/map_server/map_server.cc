@@ -1,30 +1,21 @@
 #include "map_server/map_server.h"
 
 #include <algorithm>
-#include <map>
-#include <nlohmann/json.hpp>
+#include <filesystem>
 
 #include "datasets/class_names.h"
-#include "meshing/ply.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/version.h"
-#include "session/statistics.h"
 #include "settings/settings.h"
-#include "wire/map_update.h"
-#include "wire/mesh_update.h"
 #include "wire/object_list.h"
-#include "wire/octree_message.h"
 #include "wire/segmented_frame.h"
 
 namespace vismap {
 namespace {
 
-constexpr size_t kBlocksPerDelta = 8192;  // at most a few hundred kilobytes compressed
-constexpr size_t kBlocksPerMesh = 256;    // a few megabytes
-constexpr size_t kRememberedReplies = 64;
-
-std::vector<uint8_t> Bytes(const std::string& text) { return {text.begin(), text.end()}; }
+constexpr size_t kMaxSkipped = 100000;
+constexpr double kObjectsRepeat = 5.0;  // [s]
 
 }  // namespace
 
@@ -34,12 +25,16 @@ MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
       outputs_(OutputOptionsOf(config)),
       bus_(bus),
       status_(status),
-      occupancy_(config.grid.voxel_size) {
+      occupancy_(outputs_.occupancy, config.grid.voxel_size, bus),
+      mesh_(outputs_.meshing, bus) {
   StartMap(MapSession(session_options_, NewMetadata()));
   bus_->Subscribe<segmented_frame_t>(
       kSegmentedFrameChannel,
       [this](const segmented_frame_t& message) { return OnFrame(message); });
-  bus_->Every(0.5, [this] { PublishNowAndThen(); });
+  bus_->Every(0.5, [this] {
+    PublishNowAndThen();
+    Repeat();
+  });
   bus_->Subscribe<map_request_t>(kMapRequestChannel,
                                  [this](const map_request_t& request) { OnRequest(request); });
 }
@@ -54,12 +49,10 @@ MapMetadata MapServer::NewMetadata() const {
 
 void MapServer::StartMap(MapSession session) {
   session_ = std::make_unique<MapSession>(std::move(session));
-  occupancy_ = OccupancyMap(config_.grid.voxel_size);
-  const std::vector<BlockIndex> all = map().voxels.SortedIndices();
-  occupancy_.Update(map(), all, outputs_.occupancy);
-  mesh_dirty_ = all;
-  mesh_revision_ = -1;
+  occupancy_.Start(map(), map_id());
+  mesh_.Start(map(), map_id());
   order_.Clear();
+  skipped_.clear();
 }
 
 Result<void> MapServer::OnFrame(const segmented_frame_t& message) {
@@ -67,7 +60,7 @@ Result<void> MapServer::OnFrame(const segmented_frame_t& message) {
     status_->Count("frames_not_held");
   }
   const auto committed = [this](const FrameKey& key) {
-    return session_->Contains(key.camera_id, key.utime);
+    return session_->Contains(key.camera_id, key.utime) || skipped_.contains(key);
   };
   Result<void> taken;
   while (const std::optional<segmented_frame_t> next = order_.Next(committed)) {
@@ -82,11 +75,33 @@ Result<void> MapServer::TakeMessage(const segmented_frame_t& message) {
     const StageTimer timer(status_, "decoding");
     return Decode(message);
   }();
-  if (!frame) return tl::unexpected(frame.error());
-  status_->Set(ProcessState::kRunning);
+  if (!frame) {
+    Skip(message, frame.error().message);
+    return tl::unexpected(frame.error());
+  }
+  status_->Set(ProcessState::kRunning, status_message());
   bus_->Publish(kMapCommitChannel, TakeFrame(*frame, DigestInput(message)));
   PublishNowAndThen();
   return {};
+}
+
+// A frame that cannot be used is answered, too: nobody shall wait for it.
+void MapServer::Skip(const segmented_frame_t& message, const std::string& reason) {
+  const FrameKey key = KeyOf(message.frame);
+  if (session_->Contains(key.camera_id, key.utime)) return;  // the good one came before
+  if (skipped_.size() < kMaxSkipped) skipped_.insert(key);
+  status_->Count("frames_skipped");
+  frame_commit_t commit{};
+  commit.utime = key.utime;
+  commit.camera_id = Raw(key.camera_id);
+  commit.frame_number = message.frame.frame_number;
+  commit.map_id = map_id();
+  commit.revision = map().revision;
+  commit.status = frame_commit_t::STATUS_SKIPPED;
+  commit.reason = reason;
+  commit.had_detections = message.had_detections;
+  commit.input_digest = DigestInput(message);
+  bus_->Publish(kMapCommitChannel, commit);
 }
 
 frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string input_digest) {
@@ -121,18 +136,34 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
   commit.status = frame_commit_t::STATUS_INTEGRATED;
   commit.revision = map().revision;
   commit.digest = DigestFrame(map(), association, delta);
+  NoteIntegrated({header.camera_id, header.utime});
   const StageTimer timer(status_, "publishing");
-  PublishDelta(delta.changed_blocks);
-  mesh_dirty_.insert(mesh_dirty_.end(), delta.changed_blocks.begin(), delta.changed_blocks.end());
+  occupancy_.PublishChanges(map(), delta.changed_blocks);
+  mesh_.NoteChanges(delta.changed_blocks);
   return commit;
 }
 
-void MapServer::PublishDelta(const std::vector<BlockIndex>& changed) {
-  MapUpdate update{map().last_utime, map_id(), map().revision, map().revision - 1, 0, 1, {}};
-  update.delta = occupancy_.Update(map(), changed, outputs_.occupancy);
-  for (const MapUpdate& part : SplitUpdate(std::move(update), kBlocksPerDelta)) {
-    bus_->Publish(kMapDeltaChannel, Encode(part));
+void MapServer::NoteIntegrated(const FrameKey& frame) {
+  if (const std::optional<std::string> remark = clocks_.Note(frame))
+    LogWarningSometimes("clock", *remark);
+  status_->SetCounter("frames_out_of_order", clocks_.out_of_order());
+  status_->SetCounter("clock_jumps", clocks_.jumps());
+  if (!journal_.Add(frame)) {
+    status_->Count("journal_errors");
+    LogWarningSometimes("journal", "cannot write the journal: is the disk full?");
   }
+  if (lacking_.erase(frame) > 0) ShowLacking();
+}
+
+void MapServer::ShowLacking() {
+  status_->SetCounter("frames_lacking", static_cast<int64_t>(lacking_.size()));
+  status_->Set(status_->state(), status_message());
+}
+
+std::string MapServer::status_message() const {
+  if (lacking_.empty()) return "";
+  return "recovered after a crash; " + std::to_string(lacking_.size()) +
+         " frames that the map had are lacking, sensors may send them again";
 }
 
 // Products are published at most as often as configured, and never so often that they take more
@@ -145,8 +176,8 @@ void MapServer::PublishNowAndThen() {
     const double end = MonotonicSeconds();
     *due = end + std::max(period, 4 * (end - start));
   };
-  if (!mesh_dirty_.empty())
-    publish(config_.map_server.mesh_period, &mesh_due_, [&] { PublishMesh(false); });
+  if (mesh_.has_changes())
+    publish(config_.map_server.mesh_period, &mesh_due_, [&] { PublishMesh(); });
   if (objects_revision_ != map().revision) {
     publish(config_.map_server.objects_period, &objects_due_, [&] { PublishObjects(); });
   }
@@ -160,35 +191,35 @@ void MapServer::SaveNowAndThen() {
   if (!saved) LogWarningSometimes("save", saved.error().message);
 }
 
-void MapServer::PublishMesh(bool full) {
+void MapServer::PublishMesh() {
   const StageTimer timer(status_, "meshing");
-  MeshUpdate update{map().last_utime,          map_id(), full ? -1 : mesh_revision_, full, 0, 1,
-                    map().voxels.block_size(), {}};
-  std::vector<BlockIndex> blocks = full ? map().voxels.SortedIndices() : std::move(mesh_dirty_);
-  std::sort(blocks.begin(), blocks.end());
-  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  update.mesh = MeshBlocks(map(), blocks, outputs_.meshing);
-  mesh_dirty_.clear();
-  mesh_revision_ = map().revision;
-  for (const MeshUpdate& part : SplitUpdate(std::move(update), kBlocksPerMesh)) {
-    bus_->Publish(kMeshDeltaChannel, Encode(part));
-  }
+  mesh_.PublishChanges(map());
+}
+
+// So that who missed the last message of a stream learns of it.
+void MapServer::Repeat() {
+  occupancy_.Heartbeat();
+  mesh_.Heartbeat(map());
+  if (objects_.map_id.empty() || MonotonicSeconds() < objects_repeat_due_) return;
+  bus_->Publish(kObjectsChannel, objects_);
+  objects_repeat_due_ = MonotonicSeconds() + kObjectsRepeat;
 }
 
 std::vector<ObjectSummary> MapServer::PublishObjects() {
   const StageTimer timer(status_, "objects");
   MapProducts products = MakeProducts(map(), session_->metadata(), outputs_);
   ObjectList list{map().last_utime, map_id(), map().revision, std::move(products.objects)};
-  bus_->Publish(kObjectsChannel, Encode(list, ClassName));
+  objects_ = Encode(list, ClassName);
+  bus_->Publish(kObjectsChannel, objects_);
   objects_revision_ = map().revision;
+  objects_repeat_due_ = MonotonicSeconds() + kObjectsRepeat;
   return std::move(list.objects);
 }
 
-void MapServer::PublishSnapshot() {
-  MapUpdate update{map().last_utime, map_id(), map().revision, -1, 0, 1, occupancy_.Snapshot()};
-  for (const MapUpdate& part : SplitUpdate(std::move(update), kBlocksPerDelta)) {
-    bus_->Publish(kMapDeltaChannel, Encode(part));
-  }
+void MapServer::PublishAll() {
+  occupancy_.PublishSnapshot();
+  mesh_.PublishAll(map());
+  PublishObjects();
 }
 
 Result<std::string> MapServer::Save(const std::string& path) {
@@ -197,7 +228,10 @@ Result<std::string> MapServer::Save(const std::string& path) {
     return Fail("no path given to save to, and none configured (map_server.save_on_exit)");
   const Result<SaveInfo> saved = SaveMap(map(), session_->metadata(), target);
   if (!saved) return tl::unexpected(saved.error());
-  saved_revision_ = map().revision;
+  if (target == config_.map_server.save_on_exit) {
+    saved_revision_ = map().revision;
+    if (!journal_.Restart()) LogWarningSometimes("journal", "cannot empty the journal");
+  }
   return "saved " + std::to_string(saved->bytes) + " bytes to " + saved->path.string() +
          ", map hash " + saved->map_hash;
 }
@@ -216,119 +250,25 @@ Result<std::string> MapServer::Load(const std::string& path) {
          map_id();
 }
 
-void MapServer::OnRequest(const map_request_t& request) {
-  for (const map_reply_t& reply : recent_replies_) {
-    if (reply.requester == request.source && reply.request_id == request.request_id) {
-      bus_->Publish(kMapReplyChannel, reply);
-      return;
-    }
+Result<std::string> MapServer::Recover() {
+  const std::filesystem::path path = config_.map_server.save_on_exit;
+  const std::filesystem::path journal = path.string() + ".journal";
+  std::string told = "nothing to recover: there is no " + path.string();
+  if (std::filesystem::exists(path)) {
+    const Result<std::string> loaded = Load(path);
+    if (!loaded) return loaded;
+    told = *loaded;
   }
-  if (request.verb.starts_with("octomap")) return;  // the octomap exporter's
-  if (!request.map_id.empty() && request.map_id != map_id()) return;
-  const Result<Answer> answer = Answered(request);
-  map_reply_t reply{};
-  reply.utime = WallUtime();
-  reply.requester = request.source;
-  reply.request_id = request.request_id;
-  reply.ok = answer.has_value();
-  reply.message = answer ? answer->message : answer.error().message;
-  reply.map_id = map_id();
-  reply.revision = map().revision;
-  if (answer) {
-    reply.encoding = answer->encoding;
-    reply.payload = answer->payload;
-    reply.payload_size = static_cast<int32_t>(reply.payload.size());
+  const Result<std::vector<FrameKey>> committed = CommitJournal::Read(journal);
+  if (!committed) return tl::unexpected(committed.error());
+  for (const FrameKey& frame : *committed) {
+    if (!session_->Contains(frame.camera_id, frame.utime)) lacking_.insert(frame);
   }
-  status_->Count(reply.ok ? "requests_done" : "requests_refused");
-  if (!reply.ok)
-    LogWarning("request '" + request.verb + "' of " + request.source + ": " + reply.message);
-  bus_->Publish(kMapReplyChannel, reply);
-  if (reply.payload_size < static_cast<int32_t>(kMegabyte))
-    recent_replies_.push_back(std::move(reply));
-  if (recent_replies_.size() > kRememberedReplies) recent_replies_.pop_front();
-}
-
-Result<MapServer::Answer> MapServer::Answered(const map_request_t& request) {
-  static const std::map<std::string, Handler> kHandlers{
-      {"save", &MapServer::AnswerSave},
-      {"load", &MapServer::AnswerLoad},
-      {"reset", &MapServer::AnswerReset},
-      {"objects", &MapServer::AnswerObjects},
-      {"mesh", &MapServer::AnswerMesh},
-      {"octree", &MapServer::AnswerOctree},
-      {"statistics", &MapServer::AnswerStatistics},
-      {"snapshot", &MapServer::AnswerSnapshot}};
-  const auto handler = kHandlers.find(request.verb);
-  if (handler == kHandlers.end()) {
-    return Fail("unknown request '" + request.verb +
-                "'; known are load, mesh, objects, octree, reset, save, snapshot, statistics");
-  }
-  return (this->*handler->second)(request);
-}
-
-Result<MapServer::Answer> MapServer::AnswerSave(const map_request_t& request) {
-  const Result<std::string> saved = Save(request.path);
-  if (!saved) return tl::unexpected(saved.error());
-  return Answer{*saved, "", {}};
-}
-
-Result<MapServer::Answer> MapServer::AnswerLoad(const map_request_t& request) {
-  const Result<std::string> loaded = Load(request.path);
-  if (!loaded) return tl::unexpected(loaded.error());
-  PublishSnapshot();
-  PublishMesh(true);
-  PublishObjects();
-  return Answer{*loaded, "", {}};
-}
-
-Result<MapServer::Answer> MapServer::AnswerReset(const map_request_t&) {
-  StartMap(MapSession(session_options_, NewMetadata()));
-  PublishSnapshot();
-  PublishMesh(true);
-  PublishObjects();
-  return Answer{"the map is empty now; it is map " + map_id(), "", {}};
-}
-
-Result<MapServer::Answer> MapServer::AnswerObjects(const map_request_t&) {
-  const std::vector<ObjectSummary> objects = PublishObjects();
-  return Answer{std::to_string(objects.size()) + " objects and segments", "json",
-                Bytes(ObjectsJson(map_id(), objects, ClassName))};
-}
-
-Result<MapServer::Answer> MapServer::AnswerMesh(const map_request_t& request) {
-  if (request.argument == "ply") {
-    const MapProducts products = MakeProducts(map(), session_->metadata(), outputs_);
-    return Answer{std::to_string(products.mesh.triangles.size()) + " triangles", "ply",
-                  EncodePly(products.mesh, {map_id(), {}})};
-  }
-  PublishMesh(true);
-  return Answer{"published the whole mesh on " + std::string(kMeshDeltaChannel.name), "", {}};
-}
-
-Result<MapServer::Answer> MapServer::AnswerOctree(const map_request_t& request) {
-  OctreeOptions options;
-  options.resolution = request.resolution_m > 0 ? request.resolution_m : config_.octree.resolution;
-  options.free_fraction = config_.octree.free_fraction;
-  options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
-                                                                       : UnknownPolicy::kAbsent;
-  if (request.has_bbx) {
-    options.bounds_W =
-        Eigen::AlignedBox3d(Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W));
-  }
-  Result<OctreeBytes> octree = BuildOctree(occupancy_, options);
-  if (!octree) return tl::unexpected(octree.error());
-  return Answer{std::to_string(octree->nodes) + " nodes", "bt", std::move(octree->bytes)};
-}
-
-Result<MapServer::Answer> MapServer::AnswerStatistics(const map_request_t&) {
-  auto json = nlohmann::ordered_json::parse(StatisticsJson(map(), session_->metadata()));
-  json["occupancy_digest"] = occupancy_.Digest();
-  return Answer{json["hash"].get<std::string>(), "json", Bytes(json.dump())};
-}
-
-Result<MapServer::Answer> MapServer::AnswerSnapshot(const map_request_t&) {
-  PublishSnapshot();
-  return Answer{occupancy_.Digest(), "", {}};
+  ShowLacking();
+  Result<CommitJournal> opened = CommitJournal::Open(journal);
+  if (!opened) return tl::unexpected(opened.error());
+  journal_ = std::move(*opened);
+  return told + "; frames lacking that were committed later: " + std::to_string(lacking_.size());
 }
 
 }  // namespace vismap

@@ -2,15 +2,20 @@
 
 #include <deque>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
+#include <vismap/object_list_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
 
 #include "config/config.h"
-#include "freespace/occupancy_map.h"
+#include "map_server/camera_clocks.h"
+#include "map_server/commit_journal.h"
+#include "map_server/mesh_publisher.h"
+#include "map_server/occupancy_publisher.h"
 #include "runtime/bus.h"
 #include "runtime/status.h"
 #include "session/map_session.h"
@@ -21,7 +26,7 @@ namespace vismap {
 
 /// Owns the map: takes SEGMENTED_FRAMEs in the order their source asks for, answers each with a
 /// MAP_COMMIT, publishes what changed (MAP_DELTA after every frame, MESH_DELTA and OBJECTS now and
-/// then), and carries out MAP_REQUESTs.
+/// then), and carries out MAP_REQUESTs. No frame is integrated twice.
 class MapServer {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
@@ -29,6 +34,9 @@ class MapServer {
 
   /// Continues the map at a path, as a load request does.
   Result<std::string> Load(const std::string& path);
+  /// Goes on from what was saved last, if there is anything; says how many frames that lacks which
+  /// the map had when the server died. Starts the journal that tells so the next time.
+  Result<std::string> Recover();
   /// Saves the map; returns a sentence with the absolute path.
   Result<std::string> Save(const std::string& path);
 
@@ -43,7 +51,9 @@ class MapServer {
   Result<void> OnFrame(const segmented_frame_t& message);
   Result<void> TakeMessage(const segmented_frame_t& message);
   frame_commit_t TakeFrame(const SegmentedFrame& frame, std::string input_digest);
-  void PublishDelta(const std::vector<BlockIndex>& changed);
+  void Skip(const segmented_frame_t& message, const std::string& reason);
+  void NoteIntegrated(const FrameKey& frame);
+  void ShowLacking();
   void PublishNowAndThen();
   void SaveNowAndThen();
 
@@ -57,13 +67,16 @@ class MapServer {
   Result<Answer> AnswerOctree(const map_request_t& request);
   Result<Answer> AnswerStatistics(const map_request_t& request);
   Result<Answer> AnswerSnapshot(const map_request_t& request);
+  Result<Answer> AnswerFrames(const map_request_t& request);
 
-  void PublishMesh(bool full);
+  void PublishMesh();
+  void PublishAll();
   std::vector<ObjectSummary> PublishObjects();
-  void PublishSnapshot();
+  void Repeat();
   void StartMap(MapSession session);
   MapMetadata NewMetadata() const;
 
+  std::string status_message() const;
   const SemanticMap& map() const { return session_->map(); }
   const std::string& map_id() const { return session_->metadata().map_id; }
 
@@ -73,13 +86,18 @@ class MapServer {
   Bus* bus_;
   Status* status_;
   std::unique_ptr<MapSession> session_;
-  OccupancyMap occupancy_;
+  OccupancyPublisher occupancy_;
+  MeshPublisher mesh_;
+  object_list_t objects_;                     // the last OBJECTS
   FrameOrder<segmented_frame_t> order_{256};  // frames whose predecessors were lost on the way
-  std::vector<BlockIndex> mesh_dirty_;        // changed since the last MESH_DELTA, unsorted
-  int64_t mesh_revision_ = -1;                // of the last MESH_DELTA
-  int64_t objects_revision_ = 0;              // of the last OBJECTS
-  int64_t saved_revision_ = 0;                // of the last save
-  double mesh_due_ = 0, objects_due_ = 0, save_due_ = 0;  // MonotonicSeconds
+  std::set<FrameKey> skipped_;                // answered, but not integrated
+  CameraClocks clocks_;
+  CommitJournal journal_;
+  std::set<FrameKey> lacking_;    // of the map before a crash, not in this one yet
+  int64_t objects_revision_ = 0;  // of the last OBJECTS
+  int64_t saved_revision_ = 0;    // of the last save
+  double mesh_due_ = 0, objects_due_ = 0, save_due_ = 0,
+         objects_repeat_due_ = 0;           // MonotonicSeconds
   std::deque<map_reply_t> recent_replies_;  // so that a repeated request is not carried out twice
 };
 

@@ -27,15 +27,15 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const StageTimer timer(status_, "following");
   const Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
-  const MapFollower::Outcome outcome = follower_.Take(*update);
+  const FollowOutcome outcome = follower_.Take(*update);
   status_->SetCounter("updates_missed", follower_.gaps());
-  status_->SetCounter("map_revision", follower_.revision());
-  if (outcome == MapFollower::Outcome::kApplied) status_->Set(ProcessState::kRunning);
-  if (outcome == MapFollower::Outcome::kNeedsSnapshot || outcome == MapFollower::Outcome::kBroken) {
-    status_->Set(ProcessState::kWaiting, "waiting for a snapshot of the map on MAP_DELTA");
+  status_->SetCounter("map_revision", follower_.position().revision);
+  if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
+  if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
+    status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
     AskForSnapshot();
   }
-  if (outcome == MapFollower::Outcome::kBroken) {
+  if (outcome == FollowOutcome::kBroken) {
     return Fail("update to revision " + std::to_string(update->revision) + " of map '" +
                 update->map_id + "' does not fit the map; asking for a snapshot");
   }
@@ -49,13 +49,11 @@ void Exporter::AskForSnapshot() {
   request.utime = WallUtime();
   request.request_id = WallUtime() + next_request_++;
   request.verb = "snapshot";
+  request.argument = ToText(follower_.position());  // what came later is enough
   bus_->Publish(kMapRequestChannel, request);
 }
 
-bool Exporter::has_news() const {
-  return follower_.in_sync() &&
-         (follower_.revision() != exported_revision_ || follower_.map_id() != exported_map_id_);
-}
+bool Exporter::has_news() const { return follower_.in_sync() && follower_.position() != exported_; }
 
 void Exporter::OnTimer() {
   if (!follower_.in_sync()) AskForSnapshot();
@@ -79,16 +77,16 @@ Result<OctreeBytes> Exporter::Build(UnknownPolicy unknown) const {
 Result<std::string> Exporter::Export() {
   if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
   const StageTimer timer(status_, "export");
-  OctreeMessage message{follower_.utime(),       follower_.map_id(), follower_.revision(),
-                        config_.grid.voxel_size, config_.free_space, {}};
+  OctreeMessage message{
+      follower_.utime(),       follower_.position().map_id, follower_.position().revision,
+      config_.grid.voxel_size, config_.free_space,          {}};
   message.voxel_size = follower_.occupancy()->cell_size();
   Result<OctreeBytes> octree = Build(config_.octomap_exporter.unknown);
   if (!octree) return tl::unexpected(octree.error());
   message.octree = std::move(*octree);
   bus_->Publish(kOctomapChannel, Encode(message));
   status_->Count("octrees_published");
-  exported_map_id_ = follower_.map_id();
-  exported_revision_ = follower_.revision();
+  exported_ = follower_.position();
   if (config_.octomap_exporter.output_folder.empty())
     return std::to_string(message.octree.nodes) + " nodes published";
 
@@ -101,7 +99,7 @@ Result<std::string> Exporter::Export() {
     const Result<void> written = WriteOctree(folder / name, *tree);
     if (!written) return tl::unexpected(written.error());
   }
-  return "revision " + std::to_string(exported_revision_) + " written to " + folder.string() +
+  return "revision " + std::to_string(exported_.revision) + " written to " + folder.string() +
          "/octree.bt and octree.closed.bt";
 }
 
@@ -111,8 +109,8 @@ void Exporter::OnRequest(const map_request_t& request) {
   reply.utime = WallUtime();
   reply.requester = request.source;
   reply.request_id = request.request_id;
-  reply.map_id = follower_.map_id();
-  reply.revision = follower_.revision();
+  reply.map_id = follower_.position().map_id;
+  reply.revision = follower_.position().revision;
   if (request.verb == "octomap") {
     const Result<std::string> exported = Export();
     reply.ok = exported.has_value();

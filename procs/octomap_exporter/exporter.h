@@ -14,7 +14,7 @@ namespace vismap {
 /// Follows a map by its MAP_DELTAs and turns it into octrees: publishes OCTOMAP at most once a
 /// period while the map changes, and on request ("octomap" on MAP_REQUEST; "octomap-digest" answers
 /// the digest of what it holds); writes octree.bt and octree.closed.bt into a folder when
-/// configured. Asks for a snapshot when it starts late or misses an update.
+/// configured. Asks for what it lacks when it starts late or misses an update.
 class Exporter {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
@@ -36,8 +36,7 @@ class Exporter {
   Bus* bus_;
   Status* status_;
   MapFollower follower_;
-  std::string exported_map_id_;
-  int64_t exported_revision_ = -1;
+  FollowerPosition exported_;
   double export_due_ = 0, ask_due_ = 0;  // MonotonicSeconds
   int64_t next_request_ = 0;
 };

@@ -21,7 +21,8 @@ bool IsAlive(const Peer& peer) {
 Peers::Peers(Bus* bus) {
   bus->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& status) {
     if (peers_.size() >= kMaxPeers && !peers_.contains(status.source)) return;
-    peers_[status.source] = {status.process, status.state, status.message, MonotonicSeconds()};
+    peers_[status.source] = {status.process, status.state, status.message, status.start_utime,
+                             MonotonicSeconds()};
     if (status.types_fingerprint != TypesFingerprint()) {
       LogWarningSometimes("fingerprint " + status.source,
                           status.source + " on " + status.host +

@@ -14,7 +14,8 @@ struct Peer {
   std::string process;  ///< which program
   std::string state;    ///< "starting", "ready", "waiting", "running" or "stopping"
   std::string message;
-  double last_heard = 0;  ///< MonotonicSeconds
+  int64_t start_utime = 0;  ///< a new one means that it was restarted
+  double last_heard = 0;    ///< MonotonicSeconds
 };
 
 /// Who else is on the bus, from their STATUS messages.

@@ -31,13 +31,8 @@ std::optional<size_t> LockstepWindow::NextResend(double now) {
   return std::nullopt;
 }
 
-std::optional<FrameKey> LockstepWindow::Predecessor(const FrameKey& key) const {
-  std::optional<FrameKey> predecessor;
-  for (const Open& open : open_) {
-    if (open.key == key) break;
-    if (open.key.camera_id == key.camera_id) predecessor = open.key;
-  }
-  return predecessor;
+bool LockstepWindow::IsOpen(const FrameKey& key) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const Open& open) { return open.key == key; });
 }
 
 }  // namespace vismap

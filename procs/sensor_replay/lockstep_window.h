@@ -27,9 +27,12 @@ class LockstepWindow {
   /// The next frame to send again, if one is due; ask until none is. Frames come in their order.
   std::optional<size_t> NextResend(double now);
 
-  /// The frame that must be committed before the one with this key: the newest older frame of the
-  /// same camera that is still open; none if there is none.
-  std::optional<FrameKey> Predecessor(const FrameKey& key) const;
+  /// Forgets all frames that are on their way: they will be sent as new ones.
+  void Clear() { open_.clear(); }
+
+  /// Whether commits have been missing for so long that frames are due again.
+  bool Stalled(double now) const { return !open_.empty() && now - last_progress_ >= resend_after_; }
+  bool IsOpen(const FrameKey& key) const;
 
   bool empty() const { return open_.empty(); }
   size_t open() const { return open_.size(); }

@@ -12,6 +12,7 @@
 #include "runtime/peers.h"
 #include "runtime/progress.h"
 #include "sensor_replay/lockstep_window.h"
+#include "sensor_replay/map_contents.h"
 #include "wire/rgbd_frame.h"
 
 namespace vismap {
@@ -37,6 +38,15 @@ class Frames {
   int64_t utime(size_t i) const { return dataset_.Header(i % dataset_.size()).utime + Shift(i); }
   FrameKey key(size_t i) const {
     return {dataset_.Header(i % dataset_.size()).camera_id, utime(i)};
+  }
+
+  /// The frame of the same camera before frame i; none for its first.
+  std::optional<FrameKey> Predecessor(size_t i) const {
+    const CameraId camera = key(i).camera_id;
+    while (i-- > 0) {
+      if (key(i).camera_id == camera) return key(i);
+    }
+    return std::nullopt;
   }
 
   Result<rgbd_frame_t> Message(size_t i) const {
@@ -68,6 +78,7 @@ class Player {
         bus_(*context->bus),
         status_(*context->status),
         peers_(context->bus),
+        contents_(context->bus, &peers_),
         progress_(dataset.name(), options.loop ? 0 : static_cast<int64_t>(dataset.size())) {
     status_.SetCounter("frames_in_sequence", static_cast<int64_t>(dataset.size()));
     status_.SetCounter("frames_skipped", static_cast<int64_t>(dataset.skipped().size()));
@@ -121,8 +132,10 @@ class Player {
     return {};
   }
 
-  Outcome SendOpen(const LockstepWindow& window, size_t i) {
-    const std::optional<FrameKey> predecessor = window.Predecessor(frames_.key(i));
+  // Always after its predecessor: a map server that went on from an older map after a crash holds
+  // the frame back until it has all before it.
+  Outcome SendInOrder(size_t i) {
+    const std::optional<FrameKey> predecessor = frames_.Predecessor(i);
     return Send(i, predecessor ? predecessor->utime : -1);
   }
 
@@ -136,16 +149,36 @@ class Player {
     }
   }
 
+  // A restarted map server may lack frames that were committed: goes back to the first of them.
+  void GoBackIfLacking(LockstepWindow* window, size_t* next) {
+    if (contents_.ServerRestarted() || window->Stalled(MonotonicSeconds()) || contents_.asked())
+      contents_.Ask();
+    if (!contents_.TakeAnswer()) return;
+    size_t first = 0;
+    while (first < *next &&
+           (contents_.Holds(frames_.key(first)) || window->IsOpen(frames_.key(first))))
+      ++first;
+    if (first == *next) return;
+    LogInfo("the map server has " + std::to_string(contents_.size()) +
+            " frames: going back from frame " + std::to_string(*next) + " to " +
+            std::to_string(first));
+    status_.Count("frames_gone_back", static_cast<int64_t>(*next - first));
+    status_.SetCounter("frames_committed", static_cast<int64_t>(first));
+    window->Clear();
+    *next = first;
+  }
+
   // One round: fills the window with new frames, repeats what is overdue, then waits for commits.
   Outcome Step(LockstepWindow* window, size_t* next) {
+    GoBackIfLacking(window, next);
     while (frames_.Has(*next) && window->HasRoom() && bus_.connected()) {
       window->Sent(*next, frames_.key(*next), MonotonicSeconds());
-      if (const Outcome sent = SendOpen(*window, *next); !sent) return sent;
+      if (const Outcome sent = SendInOrder(*next); !sent) return sent;
       ++*next;
       bus_.Spin(0);
     }
     while (const std::optional<size_t> again = window->NextResend(MonotonicSeconds())) {
-      if (const Outcome sent = SendOpen(*window, *again); !sent) return sent;
+      if (const Outcome sent = SendInOrder(*again); !sent) return sent;
       status_.Count("frames_resent");
       LogInfo("no commit for a while: sent frame " + std::to_string(*again) + " again");
     }
@@ -201,6 +234,7 @@ class Player {
   Bus& bus_;
   Status& status_;
   Peers peers_;
+  MapContents contents_;
   Progress progress_;
   double started_ = 0;
   double worst_delay_ = 0;

@@ -51,17 +51,20 @@ TEST(LockstepWindow, CommitsPutOffTheResend) {
   }
 }
 
-TEST(LockstepWindow, PredecessorIsTheNewestOpenFrameOfTheSameCamera) {
-  LockstepWindow window(10, 5.0);
-  window.Sent(0, Key(1, 0), 0);
-  window.Sent(1, Key(2, 1), 0);
-  window.Sent(2, Key(3, 0), 0);
-  EXPECT_FALSE(window.Predecessor(Key(1, 0)));
-  EXPECT_FALSE(window.Predecessor(Key(2, 1)));
-  EXPECT_EQ(window.Predecessor(Key(3, 0)), Key(1, 0));
-  EXPECT_EQ(window.Predecessor(Key(4, 0)), Key(3, 0));
-  window.Commit(Key(1, 0), 1);
-  EXPECT_FALSE(window.Predecessor(Key(3, 0)));
+TEST(LockstepWindow, IsStalledOnlyWithFramesOpenAndNoCommitForTheWholePatience) {
+  LockstepWindow window(3, 1.0);
+  EXPECT_FALSE(window.Stalled(100));
+  window.Sent(0, Key(1, 0), 100);
+  window.Sent(1, Key(2, 0), 100);
+  EXPECT_FALSE(window.Stalled(100.9));
+  EXPECT_TRUE(window.Stalled(101));
+  EXPECT_TRUE(window.Commit(Key(1, 0), 101));
+  EXPECT_FALSE(window.Stalled(101.5));
+  EXPECT_TRUE(window.IsOpen(Key(2, 0)));
+  window.Clear();
+  EXPECT_FALSE(window.IsOpen(Key(2, 0)));
+  EXPECT_FALSE(window.Stalled(200));
+  EXPECT_TRUE(window.HasRoom());
 }
 
 TEST(LockstepWindow, EndsEmpty) {

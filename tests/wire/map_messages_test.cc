@@ -11,7 +11,7 @@
 namespace vismap {
 namespace {
 
-using Outcome = MapFollower::Outcome;
+using Outcome = FollowOutcome;
 
 BlockOccupancy FreeBlock() { return BlockOccupancy(CellState::kFree); }
 
@@ -71,7 +71,7 @@ TEST(MapFollower, FollowsStepByStep) {
   EXPECT_EQ(follower.Take(SnapshotAt(2)), Outcome::kApplied);
   EXPECT_EQ(follower.Take(UpdateTo(3)), Outcome::kApplied);
   EXPECT_EQ(follower.Take(UpdateTo(3)), Outcome::kIgnored);
-  EXPECT_EQ(follower.revision(), 3);
+  EXPECT_EQ(follower.position().revision, 3);
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(3));
 }
 
@@ -94,9 +94,10 @@ TEST(MapFollower, AppliesAnUpdateInPartsOnlyWhenAllAreThere) {
   const std::vector<MapUpdate> parts = SplitUpdate(SnapshotAt(7), 3);
   ASSERT_EQ(parts.size(), 3u);
   EXPECT_EQ(follower.Take(parts[0]), Outcome::kWaiting);
-  EXPECT_EQ(follower.Take(parts[2]), Outcome::kNeedsSnapshot);  // the middle is missing
+  EXPECT_EQ(follower.Take(parts[2]), Outcome::kWaiting);  // the middle is missing
   EXPECT_FALSE(follower.occupancy());
-  for (const MapUpdate& part : parts) follower.Take(part);
+  EXPECT_EQ(follower.Take(UpdateTo(8)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Take(parts[1]), Outcome::kApplied) << "the last part is the first to complete";
   EXPECT_TRUE(follower.in_sync());
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(7));
 }
@@ -110,7 +111,7 @@ TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
   MapUpdate snapshot = SnapshotAt(1);
   snapshot.map_id = "another";
   EXPECT_EQ(follower.Take(snapshot), Outcome::kApplied);
-  EXPECT_EQ(follower.map_id(), "another");
+  EXPECT_EQ(follower.position().map_id, "another");
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(1));
 }
 

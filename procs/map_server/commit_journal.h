@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "base/result.h"
+#include "wire/frame_key.h"
+
+namespace vismap {
+
+/// The frames that went into a map since it was last saved, in a text file beside the saved map:
+/// one line "CAMERA UTIME" each. After a crash it tells which frames the saved map lacks. Written
+/// through to the system at every frame, so that it outlives the process, not a power cut.
+class CommitJournal {
+ public:
+  /// No journal: Add and Restart do nothing.
+  CommitJournal() = default;
+  /// Appends to the file, which is made when missing. Fails with path and reason.
+  static Result<CommitJournal> Open(const std::filesystem::path& path);
+  ~CommitJournal();
+  CommitJournal(CommitJournal&& other) noexcept;
+  CommitJournal& operator=(CommitJournal&& other) noexcept;
+
+  /// False when the line could not be written (disk full).
+  bool Add(const FrameKey& frame);
+  /// All frames so far are in a saved map: the file is emptied.
+  bool Restart();
+
+  /// The frames of a journal, oldest first. A last line that was cut short is left out; no file is
+  /// no frames. Fails naming the file and the line that is not a frame.
+  static Result<std::vector<FrameKey>> Read(const std::filesystem::path& path);
+
+ private:
+  explicit CommitJournal(int fd) : fd_(fd) {}
+  int fd_ = -1;
+};
+
+}  // namespace vismap

@@ -1,0 +1,125 @@
+#include "map_server/mesh_publisher.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "meshing/read_out.h"
+#include "runtime/clock.h"
+#include "wire/mesh_follower.h"
+#include "wire/mesh_update.h"
+
+namespace vismap {
+namespace {
+
+constexpr size_t kBlocksPerMesh = 256;  // a few megabytes
+constexpr double kHeartbeat = 1.0;      // [s]
+
+std::vector<BlockIndex> SortedUnique(std::vector<BlockIndex> blocks) {
+  std::sort(blocks.begin(), blocks.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  return blocks;
+}
+
+}  // namespace
+
+void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
+  map_id_ = map_id;
+  revision_ = -1;
+  dirty_ = map.voxels.SortedIndices();
+  shown_ = ReadShown(map.labels);
+  log_.Clear();
+}
+
+void MeshPublisher::NoteChanges(std::span<const BlockIndex> changed) {
+  dirty_.insert(dirty_.end(), changed.begin(), changed.end());
+}
+
+std::vector<MeshPublisher::Shown> MeshPublisher::ReadShown(const LabelTable& labels) {
+  const LabelReadOut read_out = ReadLabels(labels);
+  std::vector<Shown> shown(labels.records().size());
+  for (size_t i = 0; i < shown.size(); ++i) {
+    const SegmentLabel label = labels.Canonical(static_cast<SegmentLabel>(i + 1));
+    const InstanceId instance = read_out.labels[Raw(label)].instance;
+    const auto known = read_out.instances.find(instance);
+    shown[i] = {label, instance,
+                known == read_out.instances.end() ? ClassId::kUnknown : known->second.class_id};
+  }
+  return shown;
+}
+
+void MeshPublisher::AddBlocksShownOtherwise(const SemanticMap& map) {
+  std::vector<Shown> now = ReadShown(map.labels);
+  std::vector<bool> differs(now.size() + 1, false);
+  bool any = false;
+  for (size_t i = 0; i < shown_.size(); ++i) {  // labels that are new came with changed blocks
+    differs[i + 1] = now[i] != shown_[i];
+    any = any || differs[i + 1];
+  }
+  shown_ = std::move(now);
+  if (!any) return;
+  for (const auto& [index, block] : map.voxels.table()) {
+    if (!block.surface) continue;
+    const std::vector<SegmentLabel>& palette = block.surface->palette;
+    if (std::any_of(palette.begin(), palette.end(),
+                    [&](SegmentLabel label) { return differs[Raw(label)]; }))
+      dirty_.push_back(index);
+  }
+}
+
+void MeshPublisher::PublishChanges(const SemanticMap& map) {
+  AddBlocksShownOtherwise(map);
+  MeshDelta delta = MeshBlocks(map, SortedUnique(std::exchange(dirty_, {})), options_);
+  for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
+  const int64_t base = std::exchange(revision_, map.revision);
+  Publish(map, base, std::move(delta.blocks));  // the first of a map is all of it
+}
+
+void MeshPublisher::PublishAll(const SemanticMap& map) {
+  dirty_.clear();
+  shown_ = ReadShown(map.labels);
+  log_.Clear();
+  revision_ = map.revision;
+  MeshDelta delta = MeshBlocks(map, map.voxels.SortedIndices(), options_);
+  // Whoever has an older state of this map must hear of all blocks again.
+  for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
+  Publish(map, -1, std::move(delta.blocks));
+}
+
+void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition& position) {
+  if (position.map_id != map_id_ || position.revision < 0 || position.revision > revision_)
+    return PublishAll(map);
+  PublishChanges(map);
+  // Blocks around those that are asked for are made, too; they are as they were published.
+  MeshDelta delta = MeshBlocks(map, log_.Since(position.revision), options_);
+  Publish(map, position.revision, std::move(delta.blocks));
+}
+
+void MeshPublisher::Heartbeat(const SemanticMap& map) {
+  if (revision_ < 0 || has_changes() || MonotonicSeconds() - last_published_ < kHeartbeat) return;
+  Publish(map, revision_, {});
+}
+
+void MeshPublisher::Publish(const SemanticMap& map, int64_t base_revision,
+                            std::vector<BlockMesh> blocks) {
+  MeshUpdate update{map.last_utime,
+                    map_id_,
+                    base_revision,
+                    base_revision < 0,
+                    0,
+                    1,
+                    map.voxels.block_size(),
+                    {revision_, std::move(blocks)}};
+  for (const MeshUpdate& part : SplitUpdate(std::move(update), kBlocksPerMesh))
+    bus_->Publish(kMeshDeltaChannel, Encode(part));
+  last_published_ = MonotonicSeconds();
+}
+
+std::string MeshPublisher::DigestOf(const SemanticMap& map, const MeshingOptions& options) {
+  MeshUpdate update{0, "", -1, true, 0, 1, map.voxels.block_size(), {}};
+  update.mesh = MeshBlocks(map, map.voxels.SortedIndices(), options);
+  MeshDigest digest;
+  for (const mesh_block_t& block : Encode(update).blocks) digest.Set(block);
+  return digest.Hex();
+}
+
+}  // namespace vismap

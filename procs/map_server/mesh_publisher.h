@@ -1,0 +1,60 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "map_server/change_log.h"
+#include "meshing/marching_cubes.h"
+#include "runtime/bus.h"
+#include "wire/update_sequence.h"
+
+namespace vismap {
+
+/// Publishes a map's surface on MESH_DELTA: of the blocks whose shape changed, and of those whose
+/// labels are read otherwise since (merged, another instance, another class).
+class MeshPublisher {
+ public:
+  MeshPublisher(const MeshingOptions& options, Bus* bus) : options_(options), bus_(bus) {}
+
+  /// From now on of this map; all of it counts as changed. Publishes nothing.
+  void Start(const SemanticMap& map, const std::string& map_id);
+  /// A frame changed these blocks.
+  void NoteChanges(std::span<const BlockIndex> changed);
+  bool has_changes() const { return !dirty_.empty(); }
+
+  /// What changed since the last time.
+  void PublishChanges(const SemanticMap& map);
+  /// Everything.
+  void PublishAll(const SemanticMap& map);
+  /// What a follower at this position lacks: the blocks that changed since, or everything.
+  void PublishSince(const SemanticMap& map, const FollowerPosition& position);
+  /// The present revision without a change, when nothing else was said for a second.
+  void Heartbeat(const SemanticMap& map);
+
+  /// Digest of the whole surface, made anew from the map; what followers have after PublishChanges.
+  static std::string DigestOf(const SemanticMap& map, const MeshingOptions& options);
+
+ private:
+  /// What a label's voxels are shown as.
+  struct Shown {
+    SegmentLabel segment = SegmentLabel::kNone;
+    InstanceId instance = InstanceId::kNone;
+    ClassId class_id = ClassId::kUnknown;
+    friend bool operator==(const Shown&, const Shown&) = default;
+  };
+  static std::vector<Shown> ReadShown(const LabelTable& labels);
+  void AddBlocksShownOtherwise(const SemanticMap& map);
+  void Publish(const SemanticMap& map, int64_t base_revision, std::vector<BlockMesh> blocks);
+
+  MeshingOptions options_;
+  Bus* bus_;
+  std::string map_id_;
+  int64_t revision_ = -1;          // of the last update
+  std::vector<BlockIndex> dirty_;  // changed since, unsorted
+  std::vector<Shown> shown_;       // by label - 1, at the last update
+  ChangeLog log_;
+  double last_published_ = 0;  // MonotonicSeconds
+};
+
+}  // namespace vismap

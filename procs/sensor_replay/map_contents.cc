@@ -1,0 +1,68 @@
+#include "sensor_replay/map_contents.h"
+
+#include <nlohmann/json.hpp>
+#include <vismap/map_reply_t.hpp>
+#include <vismap/map_request_t.hpp>
+
+#include "runtime/clock.h"
+
+namespace vismap {
+
+namespace {
+constexpr double kAskAgain = 1.0;  // [s]
+}  // namespace
+
+MapContents::MapContents(Bus* bus, const Peers* peers) : bus_(bus), peers_(peers) {
+  bus_->Subscribe<map_reply_t>(kMapReplyChannel, [this](const map_reply_t& reply) {
+    return OnReply(reply.requester, reply.request_id, reply.ok,
+                   {reply.payload.begin(), reply.payload.end()});
+  });
+}
+
+bool MapContents::ServerRestarted() {
+  bool restarted = false;
+  for (const auto& [source, peer] : peers_->all()) {
+    if (peer.process != "map-server") continue;
+    const auto [known, first] = start_utimes_.try_emplace(source, peer.start_utime);
+    restarted = restarted || known->second != peer.start_utime;
+    known->second = peer.start_utime;
+  }
+  return restarted;
+}
+
+void MapContents::Ask() {
+  const double now = MonotonicSeconds();
+  if (asked_ && now - asked_at_ < kAskAgain) return;
+  asked_ = true;
+  asked_at_ = now;
+  map_request_t request{};
+  request.utime = WallUtime();
+  request.request_id = request_id_ = request.utime;
+  request.verb = "frames";
+  bus_->Publish(kMapRequestChannel, request);
+}
+
+Result<void> MapContents::OnReply(const std::string& requester, int64_t request_id, bool ok,
+                                  const std::string& payload) {
+  if (!asked_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
+  const auto json = nlohmann::json::parse(payload, nullptr, false);
+  std::set<FrameKey> frames;
+  for (const auto& frame : json) {
+    if (!frame.is_array() || frame.size() != 2 || !frame[0].is_number_integer() ||
+        !frame[1].is_number_integer()) {
+      return Fail("answer to 'frames': expected [camera_id, utime], found " + frame.dump());
+    }
+    frames.insert({CameraId{frame[0].get<int32_t>()}, frame[1].get<int64_t>()});
+  }
+  frames_ = std::move(frames);
+  answered_ = true;
+  return {};
+}
+
+bool MapContents::TakeAnswer() {
+  if (!answered_) return false;
+  answered_ = asked_ = false;
+  return true;
+}
+
+}  // namespace vismap

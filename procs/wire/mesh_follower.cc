@@ -1,0 +1,68 @@
+#include "wire/mesh_follower.h"
+
+#include <vector>
+
+#include "base/digest.h"
+
+namespace vismap {
+
+void MeshDigest::Set(const mesh_block_t& block) {
+  const BlockIndex index{block.index[0], block.index[1], block.index[2]};
+  if (const auto known = blocks_.find(index); known != blocks_.end()) {
+    sum_ -= known->second;
+    blocks_.erase(known);
+  }
+  if (block.n_vertices == 0) return;
+  std::vector<uint8_t> bytes(static_cast<size_t>(block.getEncodedSize()));
+  block.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  const uint64_t hash = Checksum64(bytes);
+  blocks_.emplace(index, hash);
+  sum_ += hash;
+}
+
+std::string MeshDigest::Hex() const {
+  vismap::Digest digest;
+  digest.Add(static_cast<uint64_t>(blocks_.size()));
+  digest.Add(sum_);
+  return digest.Hex();
+}
+
+FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
+  if (!Decode(message)) return FollowOutcome::kBroken;  // so that what is staged can be applied
+  const FollowOutcome outcome =
+      sequence_.Take({message.map_id, message.revision, message.base_revision,
+                      static_cast<bool>(message.full), message.part, message.parts},
+                     message);
+  if (outcome != FollowOutcome::kApplied) return outcome;
+  if (message.full) {
+    blocks_.clear();
+    digest_.Clear();
+  }
+  for (const mesh_delta_t& part : sequence_.ready()) {
+    for (const mesh_block_t& block : part.blocks) digest_.Set(block);
+    Result<MeshUpdate> update = Decode(part);
+    for (BlockMesh& block : update->mesh.blocks) {
+      if (block.mesh.vertices.empty()) {
+        blocks_.erase(block.block);
+      } else {
+        blocks_.insert_or_assign(block.block, std::move(block.mesh));
+      }
+    }
+  }
+  utime_ = message.utime;
+  return outcome;
+}
+
+Mesh MeshFollower::Joined() const {
+  Mesh joined;
+  for (const auto& [index, mesh] : blocks_) {
+    const auto first = static_cast<uint32_t>(joined.vertices.size());
+    joined.vertices.insert(joined.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    for (const auto& triangle : mesh.triangles) {
+      joined.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+    }
+  }
+  return joined;
+}
+
+}  // namespace vismap
