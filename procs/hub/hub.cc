@@ -76,7 +76,7 @@ Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options) {
   return hub;
 }
 
-Hub::Hub(const HubOptions& options) : options_(options) {}
+Hub::Hub(const HubOptions& options) : options_(options), faults_(options.faults) {}
 
 Hub::~Hub() {
   if (socket_ >= 0) close(socket_);
@@ -171,6 +171,10 @@ void Hub::Take(Client& client, TcpqRecord record) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
+      if (faults_.Drops(record.name)) {
+        ++counters_.dropped_on_purpose;
+        return;
+      }
       return Route(record.name, record.bytes);
     case TcpqRecord::Kind::kSubscribe:
       if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
@@ -248,6 +252,11 @@ void Hub::PublishStatus() {
       client_count(),     counters_.clients_accepted,  counters_.clients_cut_off,
       counters_.received, counters_.received_bytes,    counters_.delivered,
       counters_.dropped,  static_cast<int64_t>(queued)};
+  if (options_.faults.drop_fraction > 0) {
+    message.message = "loses messages on purpose";
+    message.counter_names.push_back("dropped_on_purpose");
+    message.counter_values.push_back(counters_.dropped_on_purpose);
+  }
   message.n_counters = static_cast<int32_t>(message.counter_names.size());
   Route(kStatusChannel.name, PublishRecord(kStatusChannel.name, Pack(message)));
   for (const std::unique_ptr<Client>& client : clients_) Flush(*client);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "hub/fault_injection.h"
 #include "hub/subscriptions.h"
 #include "runtime/lcm_url.h"
 #include "runtime/stop_signal.h"
@@ -21,13 +22,15 @@ struct HubOptions {
   size_t max_message_bytes = kMaxMessageBytes;  ///< a client that sends a larger one is cut off
   int socket_buffer_bytes = 0;  ///< SO_RCVBUF and SO_SNDBUF of the connections; 0 = the system's
   int max_clients = 256;
+  FaultOptions faults;  ///< for tests
 };
 
 /// Totals since the hub was opened.
 struct HubCounters {
   int64_t received = 0, received_bytes = 0;
-  int64_t delivered = 0;  ///< messages queued for a client
-  int64_t dropped = 0;    ///< messages a client missed because its queue was full
+  int64_t delivered = 0;           ///< messages queued for a client
+  int64_t dropped = 0;             ///< messages a client missed because its queue was full
+  int64_t dropped_on_purpose = 0;  ///< received and not passed on, see FaultOptions
   int64_t clients_accepted = 0, clients_cut_off = 0;
 };
 
@@ -68,6 +71,7 @@ class Hub {
   int socket_ = -1;
   uint16_t port_ = 0;
   std::list<std::unique_ptr<Client>> clients_;
+  FaultInjection faults_;
   HubCounters counters_;
   int64_t start_utime_ = 0;
   int64_t status_seq_ = 0;

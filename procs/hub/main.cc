@@ -15,6 +15,7 @@ using namespace vismap;
 struct Arguments {
   std::optional<std::string> listen;
   std::optional<int> queue_mb, socket_buffer_bytes, max_clients;
+  FaultOptions faults;
   VismapConfig config;
 };
 
@@ -31,6 +32,13 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--max-clients", arguments->max_clients,
                  "Connections beyond are refused; default 256")
       ->check(CLI::Range(1, 10000));
+  app.add_option("--drop-fraction", arguments->faults.drop_fraction,
+                 "For tests: lose this part of the messages on purpose, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--drop-seed", arguments->faults.seed, "For tests: which ones are lost");
+  app.add_option("--drop-channels", arguments->faults.channels,
+                 "For tests: lose messages of these channels only, NAME,NAME")
+      ->delimiter(',');
 }
 
 // The command line goes before the config.
@@ -47,8 +55,15 @@ Result<std::string> Configure(const std::string& text, const std::string& path,
   return PrintConfig(arguments->config);
 }
 
-Outcome Serve(const HubConfig& config, ProcessContext& context) {
+std::string Percent(double fraction) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g %%", fraction * 100);
+  return text;
+}
+
+Outcome Serve(const HubConfig& config, const FaultOptions& faults, ProcessContext& context) {
   HubOptions options;
+  options.faults = faults;
   options.queue_bytes = static_cast<size_t>(config.queue_mb) * kMegabyte;
   options.socket_buffer_bytes = config.socket_buffer_bytes;
   options.max_clients = config.max_clients;
@@ -59,10 +74,17 @@ Outcome Serve(const HubConfig& config, ProcessContext& context) {
   if (!hub) return ExitWith(ExitCode::kFailed, hub.error().message);
   std::printf("tcpq://%s:%d\n", listen->host.c_str(), (*hub)->port());
   std::fflush(stdout);
+  if (faults.drop_fraction > 0) {
+    LogWarning("for a test: loses " + Percent(faults.drop_fraction) +
+               " of the messages on purpose");
+  }
   (*hub)->Run(context.stop);
   const HubCounters& counters = (*hub)->counters();
   LogInfo("passed on " + std::to_string(counters.received) + " messages, dropped " +
-          std::to_string(counters.dropped));
+          std::to_string(counters.dropped) +
+          (faults.drop_fraction > 0
+               ? ", lost on purpose " + std::to_string(counters.dropped_on_purpose)
+               : ""));
   return {};
 }
 
@@ -78,6 +100,8 @@ int main(int argc, char** argv) {
   spec.configure = [&](const std::string& text, const std::string& path) {
     return Configure(text, path, &arguments);
   };
-  spec.run = [&](ProcessContext& context) { return Serve(arguments.config.hub, context); };
+  spec.run = [&](ProcessContext& context) {
+    return Serve(arguments.config.hub, arguments.faults, context);
+  };
   return RunProcess(argc, argv, spec);
 }

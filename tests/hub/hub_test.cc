@@ -206,6 +206,37 @@ TEST(Hub, PublishesItsStatus) {
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return process == "hub"; }));
 }
 
+/// Numbers of the messages that come through a hub with these faults, of 200 sent.
+std::vector<int64_t> ThroughALossyHub(const FaultOptions& faults) {
+  HubOptions options;
+  options.faults = faults;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  std::vector<int64_t> got;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                 [&](const map_delta_t& d) { got.push_back(d.revision); });
+  Settle(reader.get());
+  for (int64_t i = 0; i < 200; ++i) sender->Publish(kMapDeltaChannel, Delta(i, 10));
+  Settle(sender.get());  // all of them have been routed
+  Settle(reader.get());
+  hub.Stop();
+  EXPECT_EQ(hub.counters().dropped_on_purpose, 200 - static_cast<int64_t>(got.size()));
+  return got;
+}
+
+TEST(HubWithFaults, LosesTheAskedPartAndTheSameOnesAgain) {
+  FaultOptions faults;
+  faults.drop_fraction = 0.2;
+  faults.channels = {"MAP_DELTA"};
+  const std::vector<int64_t> first = ThroughALossyHub(faults);
+  EXPECT_NEAR(static_cast<double>(first.size()), 160, 20);
+  EXPECT_EQ(ThroughALossyHub(faults), first);
+  faults.seed = 1;
+  EXPECT_NE(ThroughALossyHub(faults), first);
+  faults.channels = {"OBJECTS"};
+  EXPECT_EQ(ThroughALossyHub(faults).size(), 200U);
+}
+
 TEST(Hub, AddressThatIsTakenIsAnError) {
   RunningHub hub;
   HubOptions options;
