@@ -15,7 +15,7 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
     if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
     LogInfo(*loaded);
   }
-  context.status->Set(ProcessState::kReady);
+  context.status->Set(ProcessState::kReady, server.StatusMessage());
   context.bus->Run();
   context.status->Set(ProcessState::kStopping);
   if (config.map_server.save_on_exit.empty()) return {};

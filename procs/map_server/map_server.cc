@@ -79,7 +79,7 @@ Result<void> MapServer::TakeMessage(const segmented_frame_t& message) {
     Skip(message, frame.error().message);
     return tl::unexpected(frame.error());
   }
-  status_->Set(ProcessState::kRunning, status_message());
+  status_->Set(ProcessState::kRunning, StatusMessage());
   bus_->Publish(kMapCommitChannel, TakeFrame(*frame, DigestInput(message)));
   PublishNowAndThen();
   return {};
@@ -157,10 +157,10 @@ void MapServer::NoteIntegrated(const FrameKey& frame) {
 
 void MapServer::ShowLacking() {
   status_->SetCounter("frames_lacking", static_cast<int64_t>(lacking_.size()));
-  status_->Set(status_->state(), status_message());
+  status_->Set(status_->state(), StatusMessage());
 }
 
-std::string MapServer::status_message() const {
+std::string MapServer::StatusMessage() const {
   if (lacking_.empty()) return "";
   return "recovered after a crash; " + std::to_string(lacking_.size()) +
          " frames that the map had are lacking, sensors may send them again";

@@ -37,6 +37,8 @@ class MapServer {
   /// Goes on from what was saved last, if there is anything; says how many frames that lacks which
   /// the map had when the server died. Starts the journal that tells so the next time.
   Result<std::string> Recover();
+  /// What people should know; empty = all is well.
+  std::string StatusMessage() const;
   /// Saves the map; returns a sentence with the absolute path.
   Result<std::string> Save(const std::string& path);
 
@@ -76,7 +78,6 @@ class MapServer {
   void StartMap(MapSession session);
   MapMetadata NewMetadata() const;
 
-  std::string status_message() const;
   const SemanticMap& map() const { return session_->map(); }
   const std::string& map_id() const { return session_->metadata().map_id; }
 

@@ -114,7 +114,8 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context) {
     std::printf("%s\n", statistics->c_str());
     return {};
   }
-  for (const auto& [key, value] : nlohmann::ordered_json::parse(*statistics).items()) {
+  const auto json = nlohmann::ordered_json::parse(*statistics);  // items() only refers to it
+  for (const auto& [key, value] : json.items()) {
     std::printf("%-20s %s\n", key.c_str(),
                 value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
   }

@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "map_tool/commands.h"
+#include "map_tool/follow.h"
 
 namespace {
 
@@ -55,6 +56,13 @@ void AddCommands(CLI::App& app, Command* command) {
       Add(app, command, "diff", "In what two saved maps differ; exit code 1 when they do", RunDiff);
   takes_map(diff, "Saved map (.vismap)");
   diff->add_option("OTHER", arguments.other_map, "Saved map to compare with")->required();
+
+  CLI::App* follow = Add(
+      app, command, "follow",
+      "Keeps a copy of the running server's surface as a viewer does; Ctrl-C ends it", RunFollow);
+  follow->add_option("--out", arguments.out, "PLY file to write the surface to in the end");
+  follow->add_option("--frames", arguments.frames, "End once the map has so many frames; 0 = never")
+      ->check(CLI::NonNegativeNumber);
 
   Add(app, command, "save", "Makes the running server save its map", RunSave)
       ->add_option("PATH", arguments.out,

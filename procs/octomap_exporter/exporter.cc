@@ -9,18 +9,14 @@
 
 namespace vismap {
 
-namespace {
-constexpr double kAskAgain = 2.0;  // [s]
-}  // namespace
-
 Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
-    : config_(config), bus_(bus), status_(status) {
+    : config_(config), bus_(bus), status_(status), catch_up_(bus, "snapshot") {
   bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
                                [this](const map_delta_t& message) { return OnDelta(message); });
   bus_->Subscribe<map_request_t>(kMapRequestChannel,
                                  [this](const map_request_t& request) { OnRequest(request); });
   bus_->Every(0.2, [this] { OnTimer(); });
-  AskForSnapshot();
+  catch_up_.Ask(follower_.position());
 }
 
 Result<void> Exporter::OnDelta(const map_delta_t& message) {
@@ -33,7 +29,7 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
   if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
     status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
-    AskForSnapshot();
+    catch_up_.Ask(follower_.position());
   }
   if (outcome == FollowOutcome::kBroken) {
     return Fail("update to revision " + std::to_string(update->revision) + " of map '" +
@@ -42,21 +38,10 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   return {};
 }
 
-void Exporter::AskForSnapshot() {
-  if (MonotonicSeconds() < ask_due_) return;
-  ask_due_ = MonotonicSeconds() + kAskAgain;
-  map_request_t request{};
-  request.utime = WallUtime();
-  request.request_id = WallUtime() + next_request_++;
-  request.verb = "snapshot";
-  request.argument = ToText(follower_.position());  // what came later is enough
-  bus_->Publish(kMapRequestChannel, request);
-}
-
 bool Exporter::has_news() const { return follower_.in_sync() && follower_.position() != exported_; }
 
 void Exporter::OnTimer() {
-  if (!follower_.in_sync()) AskForSnapshot();
+  if (!follower_.in_sync()) catch_up_.Ask(follower_.position());
   if (config_.octomap_exporter.period <= 0 || !has_news() || MonotonicSeconds() < export_due_)
     return;
   const double start = MonotonicSeconds();

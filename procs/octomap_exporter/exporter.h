@@ -6,6 +6,7 @@
 
 #include "config/config.h"
 #include "runtime/bus.h"
+#include "runtime/catch_up.h"
 #include "runtime/status.h"
 #include "wire/map_follower.h"
 
@@ -29,16 +30,15 @@ class Exporter {
   Result<void> OnDelta(const map_delta_t& message);
   void OnRequest(const map_request_t& request);
   void OnTimer();
-  void AskForSnapshot();
   Result<OctreeBytes> Build(UnknownPolicy unknown) const;
 
   VismapConfig config_;
   Bus* bus_;
   Status* status_;
   MapFollower follower_;
+  CatchUp catch_up_;
   FollowerPosition exported_;
-  double export_due_ = 0, ask_due_ = 0;  // MonotonicSeconds
-  int64_t next_request_ = 0;
+  double export_due_ = 0;  // MonotonicSeconds
 };
 
 }  // namespace vismap

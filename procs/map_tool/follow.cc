@@ -1,0 +1,88 @@
+#include "map_tool/follow.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <vismap/mesh_delta_t.hpp>
+#include <vismap/object_list_t.hpp>
+
+#include "base/file.h"
+#include "meshing/ply.h"
+#include "runtime/catch_up.h"
+#include "runtime/clock.h"
+#include "wire/mesh_follower.h"
+
+namespace vismap {
+namespace {
+
+class Viewer {
+ public:
+  explicit Viewer(Bus* bus) : catch_up_(bus, "mesh") {
+    bus->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
+                                 [this](const mesh_delta_t& message) { return Take(message); });
+    bus->Subscribe<object_list_t>(
+        kObjectsChannel, [this](const object_list_t& message) { objects_ = message.n_objects; },
+        Delivery::kLatest);
+    bus->Every(0.25, [this] {
+      if (!mesh_.in_sync()) catch_up_.Ask(mesh_.position());
+    });
+    catch_up_.Ask(mesh_.position());
+  }
+
+  const MeshFollower& mesh() const { return mesh_; }
+
+ private:
+  Result<void> Take(const mesh_delta_t& message) {
+    switch (mesh_.Take(message)) {
+      case FollowOutcome::kApplied:
+        Print();
+        break;
+      case FollowOutcome::kNeedsSnapshot:
+        catch_up_.Ask(mesh_.position());
+        break;
+      case FollowOutcome::kBroken:
+        return Fail("update to revision " + std::to_string(message.revision) +
+                    " contradicts itself");
+      case FollowOutcome::kWaiting:
+      case FollowOutcome::kIgnored:
+        break;
+    }
+    return {};
+  }
+
+  void Print() const {
+    size_t triangles = 0;
+    for (const auto& entry : mesh_.blocks()) triangles += entry.second.triangles.size();
+    std::printf("map %s: %lld frames, %zu triangles in %zu blocks, %d objects, %lld gaps closed\n",
+                mesh_.position().map_id.c_str(), static_cast<long long>(mesh_.position().revision),
+                triangles, mesh_.blocks().size(), objects_, static_cast<long long>(mesh_.gaps()));
+    std::fflush(stdout);
+  }
+
+  MeshFollower mesh_;
+  CatchUp catch_up_;
+  int objects_ = 0;
+};
+
+}  // namespace
+
+Outcome RunFollow(const MapToolArguments& arguments, ProcessContext& context) {
+  const auto bus = OpenBus(context.options, context.options.name + "-" + std::to_string(getpid()),
+                           &context.stop);
+  if (!bus) return ExitWith(ExitCode::kFailed, bus.error().message);
+  const Viewer viewer(bus->get());
+  (*bus)->Run([&] {
+    return arguments.frames > 0 && viewer.mesh().in_sync() &&
+           viewer.mesh().position().revision >= arguments.frames;
+  });
+  if (viewer.mesh().position().revision < 0)
+    return ExitWith(ExitCode::kFailed, "nothing came on MESH_DELTA: is a map server running?");
+  std::printf("mesh %s\n", viewer.mesh().Digest().c_str());
+  if (arguments.out.empty()) return {};
+  const Result<void> written = WriteFileAtomically(
+      arguments.out, EncodePly(viewer.mesh().Joined(), {viewer.mesh().position().map_id, {}}));
+  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
+  return {};
+}
+
+}  // namespace vismap
