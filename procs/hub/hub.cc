@@ -104,7 +104,7 @@ Result<void> Hub::Listen() {
   return {};
 }
 
-void Hub::Run(const StopSignal& stop) {
+void Hub::Run(const StopSignal& stop, const std::function<void()>& each_round) {
   double next_status = 0;
   while (!stop.requested()) {
     if (MonotonicSeconds() >= next_status) {
@@ -112,6 +112,7 @@ void Hub::Run(const StopSignal& stop) {
       next_status = MonotonicSeconds() + 1;
     }
     ServeOnce(stop, 250);
+    each_round();
   }
 }
 

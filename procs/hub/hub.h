@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <list>
 #include <memory>
 #include <string>
@@ -50,8 +51,10 @@ class Hub {
   const HubCounters& counters() const { return counters_; }
   int client_count() const { return static_cast<int>(clients_.size()); }
 
-  /// Serves until `stop` is requested. Publishes its own STATUS once a second.
-  void Run(const StopSignal& stop);
+  /// Serves until `stop` is requested. Publishes its own STATUS once a second. Calls `each_round`
+  /// at least every quarter of a second.
+  void Run(
+      const StopSignal& stop, const std::function<void()>& each_round = [] {});
 
  private:
   struct Client;

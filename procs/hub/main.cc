@@ -78,7 +78,10 @@ Outcome Serve(const HubConfig& config, const FaultOptions& faults, ProcessContex
     LogWarning("for a test: loses " + Percent(faults.drop_fraction) +
                " of the messages on purpose");
   }
-  (*hub)->Run(context.stop);
+  context.service.Say("running: tcpq://" + listen->host + ":" + std::to_string((*hub)->port()));
+  context.service.Ready();
+  (*hub)->Run(context.stop, [&] { context.service.Alive(); });
+  context.service.Stopping();
   const HubCounters& counters = (*hub)->counters();
   LogInfo("passed on " + std::to_string(counters.received) + " messages, dropped " +
           std::to_string(counters.dropped) +

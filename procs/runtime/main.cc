@@ -67,26 +67,29 @@ int Report(const Outcome& outcome) {
   return static_cast<int>(outcome.error().code);
 }
 
-Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop) {
+Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop,
+                 ServiceManager* service) {
+  service->Say("starting: joining the bus at " + options.lcm_url);
   const Result<std::unique_ptr<Bus>> bus = OpenBus(options, options.name, stop);
   if (!bus) {
     if (stop->requested()) return {};
     return ExitWith(ExitCode::kFailed, bus.error().message);
   }
-  Status status(bus->get(), spec.name);
-  ProcessContext context{options, *stop, bus->get(), &status};
+  Status status(bus->get(), spec.name, service);
+  ProcessContext context{options, *stop, *service, bus->get(), &status};
   const Outcome outcome = spec.run(context);
   status.Set(ProcessState::kStopping, outcome ? "" : outcome.error().message);
   return outcome;
 }
 
 Outcome RunGuarded(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop) {
+  ServiceManager service;
   try {
     if (spec.prepare) {
       if (Outcome prepared = spec.prepare(); !prepared) return prepared;
     }
-    if (spec.joins_bus) return RunOnBus(spec, options, stop);
-    ProcessContext context{options, *stop};
+    if (spec.joins_bus) return RunOnBus(spec, options, stop, &service);
+    ProcessContext context{options, *stop, service};
     return spec.run(context);
   } catch (const std::exception& error) {
     return ExitWith(ExitCode::kFailed, std::string("this is a bug: ") + error.what());

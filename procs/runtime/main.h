@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "runtime/bus.h"
 #include "runtime/log.h"
+#include "runtime/service_manager.h"
 #include "runtime/status.h"
 #include "runtime/stop_signal.h"
 
@@ -43,6 +44,7 @@ struct CommonOptions {
 struct ProcessContext {
   const CommonOptions& options;
   StopSignal& stop;          ///< SIGINT or SIGTERM came
+  ServiceManager& service;   ///< hears of `status` by itself; those without one tell it
   Bus* bus = nullptr;        ///< none when the spec says so
   Status* status = nullptr;  ///< goes with bus
 };
@@ -72,8 +74,9 @@ struct ProcessSpec {
 
 /// Everything around the work of a process: the options --help --version --config --print-config
 /// --lcm-url --name
-/// --connect-timeout --log-level, the log, signals, the bus, the status, exceptions. Returns the
-/// exit code for main: 0 well, 1 failed, 2 wrong usage or config, 3 unreadable input.
+/// --connect-timeout --log-level, the log, signals, the bus, the status, the service manager,
+/// exceptions. Returns the exit code for main: 0 well, 1 failed, 2 wrong usage or config, 3
+/// unreadable input.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);
 
 /// Joins the bus as the common options say; for programs that do not always need it. `source` =

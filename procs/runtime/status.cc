@@ -66,9 +66,15 @@ const char* StateName(ProcessState state) {
   return "stopping";
 }
 
-Status::Status(Bus* bus, std::string process)
-    : bus_(bus), process_(std::move(process)), host_(HostName()), start_utime_(WallUtime()) {
+Status::Status(Bus* bus, std::string process, ServiceManager* service)
+    : bus_(bus),
+      service_(service),
+      process_(std::move(process)),
+      host_(HostName()),
+      start_utime_(WallUtime()) {
   bus_->Every(1.0, [this] { Publish(); });
+  if (service_ != nullptr && service_->alive_period() > 0)
+    bus_->Every(service_->alive_period(), [this] { service_->Alive(); });
 }
 
 void Status::Set(ProcessState state, const std::string& message) {
@@ -76,7 +82,19 @@ void Status::Set(ProcessState state, const std::string& message) {
   const bool changed = state != state_;
   state_ = state;
   message_ = message;
+  TellService();
   if (changed) Publish();  // a mere change of words waits for the next second
+}
+
+void Status::TellService() {
+  if (service_ == nullptr) return;
+  service_->Say(message_.empty() ? StateName(state_)
+                                 : std::string(StateName(state_)) + ": " + message_);
+  if (state_ == ProcessState::kStopping) {
+    service_->Stopping();
+  } else if (state_ != ProcessState::kStarting) {
+    service_->Ready();
+  }
 }
 
 int64_t Status::counter(const std::string& name) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/bus.h"
+#include "runtime/service_manager.h"
 
 namespace vismap {
 
@@ -24,9 +25,9 @@ const char* StateName(ProcessState state);
 /// themselves.
 class Status {
  public:
-  /// `process` = which program, for example "depth-segmenter". Starts in kStarting. `bus` must
-  /// outlive it.
-  Status(Bus* bus, std::string process);
+  /// `process` = which program, for example "depth-segmenter". Starts in kStarting. `service`, when
+  /// there is one, hears the same. Both must outlive it.
+  Status(Bus* bus, std::string process, ServiceManager* service = nullptr);
 
   /// `message` = one sentence, for example "waiting for DETECTIONS: none in 5 s"; empty = all is
   /// well.
@@ -42,7 +43,10 @@ class Status {
   void Publish();
 
  private:
+  void TellService();
+
   Bus* bus_;
+  ServiceManager* service_;
   std::string process_;
   std::string host_;
   int64_t start_utime_;

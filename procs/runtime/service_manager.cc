@@ -1,0 +1,46 @@
+#include "runtime/service_manager.h"
+
+#include <systemd/sd-daemon.h>
+
+#include <algorithm>
+
+#include "runtime/clock.h"
+
+namespace vismap {
+namespace {
+
+// What cannot be sent is not an error of ours: the manager's own time limits deal with it.
+void Send(const std::string& message) { sd_notify(0, message.c_str()); }
+
+}  // namespace
+
+ServiceManager::ServiceManager() {
+  uint64_t watchdog_us = 0;
+  if (sd_watchdog_enabled(0, &watchdog_us) > 0) {
+    alive_period_ = static_cast<double>(watchdog_us) * 1e-6 / 2;
+  }
+}
+
+void ServiceManager::Ready() {
+  if (ready_) return;
+  ready_ = true;
+  Send("READY=1");
+}
+
+void ServiceManager::Say(const std::string& sentence) {
+  // A line end would begin another assignment, and sentences may quote what came over the bus.
+  std::string line = sentence;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  Send("STATUS=" + line);
+}
+
+void ServiceManager::Alive() {
+  const double now = MonotonicSeconds();
+  if (alive_period_ <= 0 || now < next_alive_) return;
+  next_alive_ = now + alive_period_;
+  Send("WATCHDOG=1");
+}
+
+void ServiceManager::Stopping() { Send("STOPPING=1"); }
+
+}  // namespace vismap
