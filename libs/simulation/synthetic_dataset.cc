@@ -29,10 +29,11 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "frames") return SetNumber(key, value, 1, 100000, &options->frames);
   if (key == "width") return SetNumber(key, value, 16, 4096, &options->width);
   if (key == "rate") return SetNumber(key, value, 0.001, 1000.0, &options->rate);
+  if (key == "tours") return SetNumber(key, value, 1, 10000, &options->tours);
   if (key == "seed") return SetNumber(key, value, uint64_t{0}, UINT64_MAX, &options->seed);
   if (key != "noise") {
     return Fail("synthetic: unknown parameter \"" + std::string(key) +
-                "\"; known are frames, width, noise, seed, rate");
+                "\"; known are frames, width, noise, seed, rate, tours");
   }
   if (value != "kinect" && value != "none") {
     return Fail("synthetic: noise is \"" + std::string(value) + "\"; expected kinect or none");
@@ -45,7 +46,7 @@ std::string PathOf(const SyntheticOptions& options) {
   return std::string(kPrefix) + options.scene + "?frames=" + std::to_string(options.frames) +
          "&width=" + std::to_string(options.width) +
          "&noise=" + (options.noise ? "kinect" : "none") + "&seed=" + std::to_string(options.seed) +
-         "&rate=" + std::to_string(options.rate);
+         "&rate=" + std::to_string(options.rate) + "&tours=" + std::to_string(options.tours);
 }
 
 class SyntheticDataset : public Dataset {
@@ -151,13 +152,16 @@ std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {
   const PinholeCamera camera{options.width,     height, focal, focal, 0.5 * (options.width - 1),
                              0.5 * (height - 1)};
   std::vector<FrameHeader> headers;
-  for (const Pose& T_W_C : MakeRoomTour(options.frames)) {
-    const auto number = static_cast<int64_t>(headers.size() + 1);
+  const std::vector<Pose> tour = MakeRoomTour(options.frames);
+  const size_t count = tour.size() * static_cast<size_t>(options.tours);
+  headers.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    const auto number = static_cast<int64_t>(i + 1);
     headers.push_back({.utime = std::llround(static_cast<double>(number) * 1e6 / options.rate),
                        .camera_id = CameraId{0},
                        .frame_number = number,
                        .camera = camera,
-                       .T_W_C = T_W_C});
+                       .T_W_C = tour[i % tour.size()]});
   }
   return headers;
 }

@@ -10,8 +10,9 @@
 
 namespace vismap {
 
-/// A computed sequence, written "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10";
-/// all parameters optional, in any order.
+/// A computed sequence, written
+/// "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10&tours=1"; all parameters
+/// optional, in any order.
 struct SyntheticOptions {
   std::string scene = "room";
   int frames = 80;    ///< on one closed tour, 1..100000
@@ -19,6 +20,7 @@ struct SyntheticOptions {
   bool noise = true;  ///< "kinect" or "none": sensor and detector errors
   uint64_t seed = 1;
   double rate = 10;  ///< frames a second
+  int tours = 1;     ///< how often the tour is made, 1..10000; the errors are others each time
 };
 
 /// Whether a path names a computed sequence.

@@ -21,7 +21,8 @@ constexpr const char* kLive = "live";
 // The answer of a running server, or why the program ends.
 tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
                                                  ProcessContext& context, const std::string& verb,
-                                                 const std::string& path) {
+                                                 const std::string& path = "",
+                                                 const std::string& argument = "") {
   // The process number keeps two callers apart, so that each gets its own answer.
   const auto bus = OpenBus(context.options, context.options.name + "-" + std::to_string(getpid()),
                            &context.stop);
@@ -29,6 +30,7 @@ tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& argumen
   map_request_t request{};
   request.verb = verb;
   request.path = path;
+  request.argument = argument;
   Result<map_reply_t> reply = Ask(**bus, request, arguments.timeout);
   if (!reply) return ExitWith(ExitCode::kFailed, reply.error().message);
   return std::move(*reply);
@@ -42,7 +44,7 @@ std::string PayloadText(const map_reply_t& reply) {
 tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& arguments,
                                                   ProcessContext& context) {
   if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "statistics", "");
+    const auto reply = AskServer(arguments, context, "statistics");
     if (!reply) return tl::unexpected(reply.error());
     return PayloadText(*reply);
   }
@@ -132,7 +134,7 @@ Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context) {
 Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context) {
   std::string text;
   if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "objects", "");
+    const auto reply = AskServer(arguments, context, "objects");
     if (!reply) return tl::unexpected(reply.error());
     text = PayloadText(*reply);
   } else {
@@ -191,6 +193,30 @@ Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context) {
 
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context) {
   return TellServer(arguments, context, "load", std::filesystem::absolute(arguments.map).string());
+}
+
+Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
+  const auto statistics = AskServer(arguments, context, "statistics");
+  if (!statistics) return tl::unexpected(statistics.error());
+  const auto mesh = AskServer(arguments, context, "mesh", "", "digest");
+  if (!mesh) return tl::unexpected(mesh.error());
+  const auto exporter = AskServer(arguments, context, "octomap-digest");
+  if (!exporter) return tl::unexpected(exporter.error());
+  const auto facts = nlohmann::json::parse(PayloadText(*statistics));
+  const nlohmann::ordered_json digests = {{"map_id", statistics->map_id},
+                                          {"map_revision", statistics->revision},
+                                          {"occupancy_server", facts.at("occupancy_digest")},
+                                          {"exporter_map_id", exporter->map_id},
+                                          {"exporter_revision", exporter->revision},
+                                          {"occupancy_exporter", exporter->message},
+                                          {"mesh_server", mesh->message}};
+  for (const auto& [key, value] : digests.items()) {
+    if (!arguments.json)
+      std::printf("%-20s %s\n", key.c_str(),
+                  value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+  }
+  if (arguments.json) std::printf("%s\n", digests.dump().c_str());
+  return {};
 }
 
 Outcome RunReset(const MapToolArguments& arguments, ProcessContext& context) {

@@ -27,6 +27,7 @@ Outcome RunRender(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDiff(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunReset(const MapToolArguments& arguments, ProcessContext& context);
 
 }  // namespace vismap

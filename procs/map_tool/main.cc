@@ -64,6 +64,11 @@ void AddCommands(CLI::App& app, Command* command) {
   follow->add_option("--frames", arguments.frames, "End once the map has so many frames; 0 = never")
       ->check(CLI::NonNegativeNumber);
 
+  Add(app, command, "digests",
+      "Digests of the running server's free space and surface, and of what the exporter holds",
+      RunDigests)
+      ->add_flag("--json", arguments.json, "As JSON");
+
   Add(app, command, "save", "Makes the running server save its map", RunSave)
       ->add_option("PATH", arguments.out,
                    "File on the server's computer; default: as the server is configured");

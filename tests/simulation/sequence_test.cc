@@ -103,5 +103,19 @@ TEST(OpenSequence, ForwardsFoldersAndRefusesContradictions) {
   EXPECT_THAT(OpenDetections("synthetic:hall").error().message, HasSubstr("hall"));
 }
 
+TEST(SyntheticPath, ToursFollowEachOtherWithOtherErrors) {
+  const auto once = OpenSequence("synthetic:room?frames=3&width=64", "");
+  const auto twice = OpenSequence("synthetic:room?frames=3&width=64&tours=2", "");
+  ASSERT_TRUE(once && twice);
+  ASSERT_EQ((*twice)->size(), 6u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ((*twice)->Read(i)->depth, (*once)->Read(i)->depth);
+    EXPECT_TRUE((*twice)->Header(i + 3).T_W_C.isApprox((*once)->Header(i).T_W_C, 0));
+    EXPECT_GT((*twice)->Header(i + 3).utime, (*twice)->Header(2).utime);
+    EXPECT_NE((*twice)->Read(i + 3)->depth, (*once)->Read(i)->depth);
+  }
+  EXPECT_FALSE(OpenSequence("synthetic:room?tours=0", ""));
+}
+
 }  // namespace
 }  // namespace vismap
