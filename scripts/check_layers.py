@@ -32,7 +32,8 @@ LIBS = {
 PROCS = {
     "wire": ["codecs", "meshing", "freespace"],
     "runtime": ["wire"],
-    "hub": ["runtime", "settings"],
+    "queueing": ["runtime"],
+    "hub": ["queueing", "settings"],
     "settings": ["config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.

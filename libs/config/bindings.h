@@ -6,7 +6,8 @@ namespace vismap::config {
 
 // Which key of options.proto is which member of an option struct: said once here, for reading and
 // for writing. A binder has
-//   Value(key, member)        for double, int, bool, std::string and enums (same order in both),
+//   Value(key, member)        for double, int, bool, std::string, enums (same order in both) and
+//                             lists of strings,
 //   Direction(key, member)    for three numbers of unit length or none,
 //   Sensor(key, noise model)  for the presets of noise models,
 //   Section(key, body)        for a message; calls body(binder of the message).
@@ -136,6 +137,10 @@ void BindHub(Binder& bind, HubConfig& config) {
   bind.Value("queue_mb", config.queue_mb);
   bind.Value("socket_buffer_bytes", config.socket_buffer_bytes);
   bind.Value("max_clients", config.max_clients);
+  bind.Value("patience_s", config.patience);
+  bind.Value("lossless", config.lossless);
+  bind.Value("latest", config.latest);
+  bind.Value("drop_newest", config.drop_newest);
 }
 
 template <typename Binder>

@@ -56,9 +56,12 @@ struct DetectorConfig {
 
 struct HubConfig {
   std::string listen = "127.0.0.1:7700";  ///< port 0 = any free one
-  int queue_mb = 256;                     ///< may wait for a slow client before it loses messages
+  int queue_mb = 256;                     ///< may wait for a slow client, of lossless and of others
   int socket_buffer_bytes = 0;            ///< of each connection; 0 = the system's
   int max_clients = 256;                  ///< connections beyond are refused
+  double patience = 30;  ///< with a client that takes nothing and is waited for [s]
+  /// Patterns of channels, see QueuePolicy.
+  std::vector<std::string> lossless, latest, drop_newest;
 };
 
 struct OctreeConfig {

@@ -29,6 +29,15 @@ class Reader {
   Reader(const Message& message, std::string path, std::vector<std::string>* problems)
       : message_(message), path_(std::move(path)), problems_(problems) {}
 
+  void Value(const char* key, std::vector<std::string>& member) {
+    const FieldDescriptor* field = FieldOf(message_, key);
+    const int size = reflection().FieldSize(message_, field);
+    if (size > 0) member.clear();
+    for (int i = 0; i < size; ++i) {
+      member.push_back(reflection().GetRepeatedString(message_, field, i));
+    }
+  }
+
   template <typename T>
   void Value(const char* key, T& member) {
     const FieldDescriptor* field = FieldOf(message_, key);
@@ -94,6 +103,12 @@ class Reader {
 class Writer {
  public:
   explicit Writer(Message* message) : message_(message) {}
+
+  void Value(const char* key, const std::vector<std::string>& member) {
+    for (const std::string& text : member) {
+      reflection().AddString(message_, FieldOf(*message_, key), text);
+    }
+  }
 
   template <typename T>
   void Value(const char* key, const T& member) {

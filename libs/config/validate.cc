@@ -103,6 +103,7 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
                    "hub.socket_buffer_bytes must not be negative");
   problems->Unless(InRange(config.hub.max_clients, 1, 10000),
                    "hub.max_clients must be in [1, 10000]");
+  problems->Unless(InRange(config.hub.patience, 0.1, 60), "hub.patience_s must be in [0.1, 60] s");
 }
 
 }  // namespace

@@ -6,19 +6,18 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <utility>
 #include <vector>
-#include <vismap/process_status_t.hpp>
 
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/status.h"
+#include "runtime/status_message.h"
 #include "runtime/tcp_socket.h"
-#include "runtime/version.h"
 #include "wire/envelope.h"
-#include "wire/fingerprint.h"
 
 namespace vismap {
 namespace {
@@ -30,47 +29,43 @@ void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
 }
 
-SharedBytes MakeBytes(std::vector<uint8_t> bytes) {
-  return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
-}
-
-SharedBytes PublishRecord(const std::string& channel, const std::vector<uint8_t>& data) {
-  std::vector<uint8_t> bytes = TcpqPublishHead(channel, data.size());
-  bytes.insert(bytes.end(), data.begin(), data.end());
-  return MakeBytes(std::move(bytes));
-}
-
 std::string AddressText(const sockaddr_in& address) {
   char text[INET_ADDRSTRLEN] = {};
   inet_ntop(AF_INET, &address.sin_addr, text, sizeof(text));
   return std::string(text) + ":" + std::to_string(ntohs(address.sin_port));
 }
 
+std::string Seconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g s", seconds);
+  return text;
+}
+
+void AddCounts(process_status_t* message, const NamedCounts& counts, const std::string& what) {
+  for (const auto& [name, count] : counts.all()) AddCounter(message, name + what, count);
+}
+
 }  // namespace
 
-struct Hub::Client {
-  Client(int socket, std::string address, size_t max_message_bytes)
-      : fd(socket), name(std::move(address)), reader(TcpqMagic::kClient, max_message_bytes) {}
-  ~Client() { close(fd); }
-  Client(const Client&) = delete;
-  Client& operator=(const Client&) = delete;
+void NamedCounts::Add(const std::string& name) {
+  constexpr size_t kMaxNames = 64;
+  const bool fits = counts_.contains(name) || counts_.size() < kMaxNames;
+  ++counts_[fits ? name : "others"];
+}
 
-  int fd;
-  std::string name;
-  RecordReader reader;
-  Subscriptions subscriptions;
-  std::deque<SharedBytes> queue;
-  size_t queued_bytes = 0;
-  size_t sent_of_first = 0;
-  int64_t dropped = 0;
-  bool dead = false;
-};
+int64_t NamedCounts::of(const std::string& name) const {
+  const auto found = counts_.find(name);
+  return found == counts_.end() ? 0 : found->second;
+}
 
 Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options) {
   std::unique_ptr<Hub> hub(new Hub(options));
   if (const Result<void> listening = hub->Listen(); !listening) {
     return Fail("cannot listen on " + options.listen.host + ":" +
                 std::to_string(options.listen.port) + ": " + listening.error().message);
+  }
+  if (hub->options_.name.empty()) {
+    hub->options_.name = "hub-" + HostName() + "-" + std::to_string(hub->port_);
   }
   hub->start_utime_ = WallUtime();
   return hub;
@@ -118,53 +113,62 @@ void Hub::Run(const StopSignal& stop, const std::function<void()>& each_round) {
 
 void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
   std::vector<pollfd> waiting = {{stop.fd(), POLLIN, 0}, {socket_, POLLIN, 0}};
-  std::vector<Client*> polled;
-  for (const std::unique_ptr<Client>& client : clients_) {
-    const int events = POLLIN | (client->queue.empty() ? 0 : POLLOUT);
-    waiting.push_back({client->fd, static_cast<short>(events), 0});
-    polled.push_back(client.get());
+  std::vector<std::shared_ptr<Client>> polled(clients_.begin(), clients_.end());
+  for (const std::shared_ptr<Client>& client : polled) {
+    const int events =
+        (client->IsHeldBack() ? 0 : POLLIN) | (client->connection.wants_to_send() ? POLLOUT : 0);
+    waiting.push_back({client->connection.fd(), static_cast<short>(events), 0});
   }
-  if (poll(waiting.data(), waiting.size(), timeout_ms) <= 0) return;
-  for (size_t i = 0; i < polled.size(); ++i) {
-    if (waiting[i + 2].revents != 0) Read(*polled[i]);
+  if (poll(waiting.data(), waiting.size(), timeout_ms) > 0) {
+    for (size_t i = 0; i < polled.size(); ++i) {
+      if ((waiting[i + 2].revents & ~POLLOUT) != 0) Read(*polled[i]);
+    }
+    for (const std::shared_ptr<Client>& client : polled) client->connection.Flush();
+    if (waiting[1].revents != 0) Accept();
   }
-  for (Client* client : polled) Flush(*client);
-  if (waiting[1].revents != 0) Accept();
+  LetGoOfHung();
   RemoveDead();
 }
 
 void Hub::Accept() {
   sockaddr_in address{};
   socklen_t size = sizeof(address);
-  const int fd =
-      accept4(socket_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  if (fd < 0) return;
-  auto client = std::make_unique<Client>(fd, AddressText(address), options_.max_message_bytes);
+  Socket socket(
+      accept4(socket_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (!socket.open()) return;
+  const std::string name = AddressText(address);
   if (client_count() >= options_.max_clients) {
     ++counters_.clients_cut_off;
-    LogWarningSometimes("full", client->name + " was refused: there are " +
-                                    std::to_string(client_count()) + " clients already");
+    LogWarningSometimes("full", name + " was refused: there are " + std::to_string(client_count()) +
+                                    " clients already");
     return;
   }
-  TuneTcp(fd);
+  TuneTcp(socket.fd());
   ++counters_.clients_accepted;
-  LogDebug(client->name + " joined");
-  Queue(*client, MakeBytes(TcpqHello(TcpqMagic::kHub)));
-  Flush(*client);
+  LogDebug(name + " joined");
+  auto client = std::make_shared<Client>(std::move(socket), name, options_.max_message_bytes,
+                                         options_.queue_bytes);
+  client->connection.Flush();
   clients_.push_back(std::move(client));
 }
 
 void Hub::Read(Client& client) {
-  const Result<void> read = client.reader.ReadFrom(
-      client.fd, kReadPerTurn, [&](TcpqRecord record) { Take(client, std::move(record)); });
+  if (client.dead) return;
+  const Result<void> read = client.connection.Read(
+      kReadPerTurn, [&](TcpqRecord record) { Take(client, std::move(record)); });
   if (read || client.dead) return;
-  client.dead = true;
   if (read.error().message.empty()) {
+    client.dead = true;
     LogDebug(client.name + " left");
   } else {
-    ++counters_.clients_cut_off;
-    LogWarningSometimes("cut off", client.name + " " + read.error().message + "; cut off");
+    CutOff(client, read.error().message);
   }
+}
+
+void Hub::CutOff(Client& client, const std::string& why) {
+  client.dead = true;
+  ++counters_.clients_cut_off;
+  LogWarningSometimes("cut off", client.name + " " + why + "; cut off");
 }
 
 void Hub::Take(Client& client, TcpqRecord record) {
@@ -172,16 +176,15 @@ void Hub::Take(Client& client, TcpqRecord record) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
+      client.NoteName(record);
       if (faults_.Drops(record.name)) {
         ++counters_.dropped_on_purpose;
         return;
       }
-      return Route(record.name, record.bytes);
+      return Route(record, &client);
     case TcpqRecord::Kind::kSubscribe:
       if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
-        client.dead = true;
-        ++counters_.clients_cut_off;
-        LogWarningSometimes("cut off", client.name + " " + added.error().message + "; cut off");
+        CutOff(client, "cannot subscribe: " + added.error().message);
       }
       return;
     case TcpqRecord::Kind::kUnsubscribe:
@@ -189,78 +192,101 @@ void Hub::Take(Client& client, TcpqRecord record) {
   }
 }
 
-void Hub::Route(const std::string& channel, const SharedBytes& bytes) {
-  for (const std::unique_ptr<Client>& client : clients_) {
-    if (!client->dead && client->subscriptions.Wants(channel)) Queue(*client, bytes);
+void Hub::Route(const TcpqRecord& record, Client* sender) {
+  const RoutedMessage message = RouteMessage(record, &options_.policies);
+  for (const std::shared_ptr<Client>& client : clients_) {
+    if (client->dead || !client->subscriptions.Match(record.name)) continue;
+    const bool sender_waits = sender != nullptr && sender != client.get();
+    Count(*client, message, client->connection.Add(message, sender_waits));
+    if (!sender_waits || message.policy != QueuePolicy::kLossless) continue;
+    if (!client->connection.queue().full()) continue;
+    if (!sender->IsHeldBack()) ++counters_.held_back;
+    sender->WaitFor(client);
   }
 }
 
-void Hub::Queue(Client& client, const SharedBytes& bytes) {
-  if (!client.queue.empty() && client.queued_bytes + bytes->size() > options_.queue_bytes) {
-    ++client.dropped;
-    ++counters_.dropped;
-    LogWarningSometimes("slow " + client.name,
-                        client.name + " is too slow: " + std::to_string(client.dropped) +
-                            " messages to it were dropped, its queue of " +
-                            std::to_string(options_.queue_bytes) + " bytes is full");
-    return;
-  }
-  client.queue.push_back(bytes);
-  client.queued_bytes += bytes->size();
-  ++counters_.delivered;
-}
-
-void Hub::Flush(Client& client) {
-  while (!client.dead && !client.queue.empty()) {
-    const std::vector<uint8_t>& first = *client.queue.front();
-    const ssize_t sent = send(client.fd, first.data() + client.sent_of_first,
-                              first.size() - client.sent_of_first, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (sent < 0) {
-      client.dead = errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR;
+void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue::Added added) {
+  switch (added) {
+    case MessageQueue::Added::kQueued:
+      ++counters_.delivered;
       return;
+    case MessageQueue::Added::kReplacedOlder:
+      ++counters_.replaced;
+      counters_.replaced_by_channel.Add(message.channel);
+      return;
+    case MessageQueue::Added::kDropped:
+      ++counters_.dropped;
+      counters_.dropped_by_channel.Add(message.channel);
+      counters_.dropped_by_client.Add(client.name);
+      LogWarningSometimes("slow " + client.name,
+                          client.name + " is too slow: a message of " + message.channel +
+                              " to it was dropped, its queue of " +
+                              std::to_string(options_.queue_bytes) + " bytes is full");
+  }
+}
+
+void Hub::LetGoOfHung() {
+  for (const std::shared_ptr<Client>& client : clients_) {
+    if (!client->IsHeldBack()) continue;
+    for (const std::weak_ptr<Client>& entry : client->waits_for) {
+      const std::shared_ptr<Client> slow = entry.lock();
+      if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience) continue;
+      if (!slow->dead) {
+        CutOff(*slow, "has taken nothing for " + Seconds(options_.patience) + ", and " +
+                          client->name + " had to wait for it");
+      }
     }
-    client.sent_of_first += static_cast<size_t>(sent);
-    if (client.sent_of_first < first.size()) continue;
-    client.queued_bytes -= first.size();
-    client.sent_of_first = 0;
-    client.queue.pop_front();
   }
 }
 
 void Hub::RemoveDead() {
-  clients_.remove_if([](const std::unique_ptr<Client>& client) { return client->dead; });
+  clients_.remove_if([](const std::shared_ptr<Client>& client) {
+    return client->dead || !client->connection.open();
+  });
 }
 
 void Hub::PublishStatus() {
-  process_status_t message{};
-  message.utime = WallUtime();
+  process_status_t message = MakeStatus("hub", start_utime_);
   message.seq = status_seq_++;
-  message.source = "hub";
-  message.process = "hub";
-  char host[256] = {};
-  gethostname(host, sizeof(host) - 1);
-  message.host = host;
-  message.pid = getpid();
-  message.start_utime = start_utime_;
-  message.state = "running";
-  message.version = Version();
-  message.types_fingerprint = TypesFingerprint();
+  message.source = options_.name;
+  message.state = StateName(ProcessState::kRunning);
+  message.message = StatusSentence();
+  AddCounter(&message, "clients", client_count());
+  AddCounter(&message, "clients_accepted", counters_.clients_accepted);
+  AddCounter(&message, "clients_cut_off", counters_.clients_cut_off);
+  AddCounter(&message, "received", counters_.received);
+  AddCounter(&message, "received_bytes", counters_.received_bytes);
+  AddCounter(&message, "delivered", counters_.delivered);
+  AddCounter(&message, "dropped", counters_.dropped);
+  AddCounter(&message, "held_back", counters_.held_back);
   size_t queued = 0;
-  for (const std::unique_ptr<Client>& client : clients_) queued += client->queued_bytes;
-  message.counter_names = {"clients",        "clients_accepted", "clients_cut_off", "received",
-                           "received_bytes", "delivered",        "dropped",         "queued_bytes"};
-  message.counter_values = {
-      client_count(),     counters_.clients_accepted,  counters_.clients_cut_off,
-      counters_.received, counters_.received_bytes,    counters_.delivered,
-      counters_.dropped,  static_cast<int64_t>(queued)};
-  if (options_.faults.drop_fraction > 0) {
-    message.message = "loses messages on purpose";
-    message.counter_names.push_back("dropped_on_purpose");
-    message.counter_values.push_back(counters_.dropped_on_purpose);
+  for (const std::shared_ptr<Client>& client : clients_) {
+    queued += client->connection.queue().bytes();
   }
-  message.n_counters = static_cast<int32_t>(message.counter_names.size());
-  Route(kStatusChannel.name, PublishRecord(kStatusChannel.name, Pack(message)));
-  for (const std::unique_ptr<Client>& client : clients_) Flush(*client);
+  AddCounter(&message, "queued_bytes", static_cast<int64_t>(queued));
+  if (options_.faults.drop_fraction > 0) {
+    AddCounter(&message, "dropped_on_purpose", counters_.dropped_on_purpose);
+  }
+  AddCounts(&message, counters_.dropped_by_channel, ".dropped");
+  AddCounts(&message, counters_.replaced_by_channel, ".replaced");
+  AddCounts(&message, counters_.dropped_by_client, ": dropped");
+  const std::vector<uint8_t> bytes = Pack(message);
+  std::vector<uint8_t> record = TcpqPublishHead(kStatusChannel.name, bytes.size());
+  record.insert(record.end(), bytes.begin(), bytes.end());
+  Route({TcpqRecord::Kind::kPublish, kStatusChannel.name,
+         std::make_shared<const std::vector<uint8_t>>(std::move(record))},
+        nullptr);
+  for (const std::shared_ptr<Client>& client : clients_) client->connection.Flush();
+}
+
+std::string Hub::StatusSentence() const {
+  for (const std::shared_ptr<Client>& client : clients_) {
+    for (const std::weak_ptr<Client>& entry : client->waits_for) {
+      const std::shared_ptr<Client> slow = entry.lock();
+      if (slow != nullptr) return slow->name + " is slow, " + client->name + " has to wait for it";
+    }
+  }
+  return options_.faults.drop_fraction > 0 ? "loses messages on purpose" : "";
 }
 
 }  // namespace vismap

@@ -15,7 +15,10 @@ using namespace vismap;
 struct Arguments {
   std::optional<std::string> listen;
   std::optional<int> queue_mb, socket_buffer_bytes, max_clients;
+  std::optional<double> patience;
+  PolicyLists lists;
   FaultOptions faults;
+  ChannelPolicies policies;
   VismapConfig config;
 };
 
@@ -23,8 +26,10 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option(
       "--listen", arguments->listen,
       "Address to listen on, numbers only; port 0 = any free one, printed; default 127.0.0.1:7700");
-  app.add_option("--queue-mb", arguments->queue_mb,
-                 "Megabytes that may wait for a slow client before it loses messages; default 256")
+  app.add_option(
+         "--queue-mb", arguments->queue_mb,
+         "Megabytes of lossless messages that may wait for a client before publishers wait, "
+         "and of others before it loses them; default 256")
       ->check(CLI::Range(1, 65536));
   app.add_option("--socket-buffer-bytes", arguments->socket_buffer_bytes,
                  "Send and receive buffer of each connection; 0 = the system's")
@@ -32,6 +37,19 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--max-clients", arguments->max_clients,
                  "Connections beyond are refused; default 256")
       ->check(CLI::Range(1, 10000));
+  app.add_option("--patience-s", arguments->patience,
+                 "A client that takes nothing for so long while publishers wait for it is cut off; "
+                 "default 30")
+      ->check(CLI::Range(0.1, 60.0));
+  app.add_option("--lossless", arguments->lists.lossless,
+                 "Channels (regular expressions) whose publishers wait for slow readers")
+      ->delimiter(',');
+  app.add_option("--latest", arguments->lists.latest,
+                 "Channels of which a slow reader gets the latest message only")
+      ->delimiter(',');
+  app.add_option("--drop-newest", arguments->lists.drop_newest,
+                 "Channels of which a slow reader loses the newest messages")
+      ->delimiter(',');
   app.add_option("--drop-fraction", arguments->faults.drop_fraction,
                  "For tests: lose this part of the messages on purpose, 0 to 1")
       ->check(CLI::Range(0.0, 1.0));
@@ -52,6 +70,15 @@ Result<std::string> Configure(const std::string& text, const std::string& path,
   section.socket_buffer_bytes =
       arguments->socket_buffer_bytes.value_or(section.socket_buffer_bytes);
   section.max_clients = arguments->max_clients.value_or(section.max_clients);
+  section.patience = arguments->patience.value_or(section.patience);
+  const PolicyLists& lists = arguments->lists;
+  if (!lists.lossless.empty()) section.lossless = lists.lossless;
+  if (!lists.latest.empty()) section.latest = lists.latest;
+  if (!lists.drop_newest.empty()) section.drop_newest = lists.drop_newest;
+  Result<ChannelPolicies> policies =
+      ChannelPolicies::Make({section.lossless, section.latest, section.drop_newest});
+  if (!policies) return tl::unexpected(policies.error());
+  arguments->policies = std::move(*policies);
   return PrintConfig(arguments->config);
 }
 
@@ -61,15 +88,20 @@ std::string Percent(double fraction) {
   return text;
 }
 
-Outcome Serve(const HubConfig& config, const FaultOptions& faults, ProcessContext& context) {
+Outcome Serve(const Arguments& arguments, ProcessContext& context) {
+  const HubConfig& config = arguments.config.hub;
+  const FaultOptions& faults = arguments.faults;
   HubOptions options;
   options.faults = faults;
+  options.policies = arguments.policies;
+  options.patience = config.patience;
   options.queue_bytes = static_cast<size_t>(config.queue_mb) * kMegabyte;
   options.socket_buffer_bytes = config.socket_buffer_bytes;
   options.max_clients = config.max_clients;
   const Result<TcpAddress> listen = ParseTcpAddress(config.listen);
   if (!listen) return ExitWith(ExitCode::kUsage, "--listen: " + listen.error().message);
   options.listen = *listen;
+  if (context.options.name != "hub") options.name = context.options.name;
   const Result<std::unique_ptr<Hub>> hub = Hub::Open(options);
   if (!hub) return ExitWith(ExitCode::kFailed, hub.error().message);
   std::printf("tcpq://%s:%d\n", listen->host.c_str(), (*hub)->port());
@@ -103,8 +135,6 @@ int main(int argc, char** argv) {
   spec.configure = [&](const std::string& text, const std::string& path) {
     return Configure(text, path, &arguments);
   };
-  spec.run = [&](ProcessContext& context) {
-    return Serve(arguments.config.hub, arguments.faults, context);
-  };
+  spec.run = [&](ProcessContext& context) { return Serve(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

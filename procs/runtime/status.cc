@@ -1,36 +1,20 @@
 #include "runtime/status.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <utility>
-#include <vismap/process_status_t.hpp>
 
 #include "runtime/clock.h"
-#include "runtime/version.h"
-#include "wire/fingerprint.h"
+#include "runtime/status_message.h"
 
 namespace vismap {
 namespace {
 
 constexpr size_t kMaxTimings = 10000;  // per stage between two status messages
 
-std::string HostName() {
-  char name[256] = {};
-  gethostname(name, sizeof(name) - 1);
-  return name;
-}
-
 double Median(std::vector<double>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
   std::nth_element(values->begin(), middle, values->end());
   return *middle;
-}
-
-void AddCounter(process_status_t* message, const std::string& name, int64_t value) {
-  message->counter_names.push_back(name);
-  message->counter_values.push_back(value);
-  message->n_counters = static_cast<int32_t>(message->counter_names.size());
 }
 
 void AddChannel(process_status_t* message, const std::string& channel,
@@ -67,11 +51,7 @@ const char* StateName(ProcessState state) {
 }
 
 Status::Status(Bus* bus, std::string process, ServiceManager* service)
-    : bus_(bus),
-      service_(service),
-      process_(std::move(process)),
-      host_(HostName()),
-      start_utime_(WallUtime()) {
+    : bus_(bus), service_(service), process_(std::move(process)), start_utime_(WallUtime()) {
   bus_->Every(1.0, [this] { Publish(); });
   if (service_ != nullptr && service_->alive_period() > 0)
     bus_->Every(service_->alive_period(), [this] { service_->Alive(); });
@@ -108,16 +88,9 @@ void Status::AddTiming(const std::string& stage, double ms) {
 }
 
 void Status::Publish() {
-  process_status_t message{};
-  message.utime = WallUtime();
-  message.process = process_;
-  message.host = host_;
-  message.pid = getpid();
-  message.start_utime = start_utime_;
+  process_status_t message = MakeStatus(process_, start_utime_);
   message.state = StateName(state_);
   message.message = message_;
-  message.version = Version();
-  message.types_fingerprint = TypesFingerprint();
   for (const auto& [name, value] : counters_) AddCounter(&message, name, value);
   for (const auto& [channel, counters] : bus_->counters()) AddChannel(&message, channel, counters);
   AddCounter(&message, "reconnects", bus_->reconnects());

@@ -48,7 +48,6 @@ class Status {
   Bus* bus_;
   ServiceManager* service_;
   std::string process_;
-  std::string host_;
   int64_t start_utime_;
   ProcessState state_ = ProcessState::kStarting;
   std::string message_;

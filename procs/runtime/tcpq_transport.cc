@@ -15,9 +15,9 @@
 namespace vismap {
 namespace {
 
-constexpr double kConnectTimeout = 1.0;             // [s]
-constexpr double kSendTimeout = 30.0;               // without any progress [s]
-constexpr size_t kReadPerTurn = 256 * 1024;         // [bytes]
+constexpr double kConnectTimeout = 1.0;      // [s]
+constexpr double kSendTimeout = 90.0;        // without any progress; more than a hub's patience [s]
+constexpr size_t kReadPerTurn = 256 * 1024;  // [bytes]
 constexpr size_t kMaxInboxBytes = 256 * kMegabyte;  // read ahead while sending
 
 class TcpqTransport : public Transport {

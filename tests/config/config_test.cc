@@ -115,6 +115,9 @@ struct Changer {
   void Value(const char*, int& member) { member += ++*counter; }
   void Value(const char*, bool& member) { member = !member; }
   void Value(const char*, std::string& member) { member += "\"\n" + std::to_string(++*counter); }
+  void Value(const char*, std::vector<std::string>& member) {
+    member = {"A.*", "\"" + std::to_string(++*counter)};
+  }
   template <typename Enum>
   void Value(const char*, Enum& member) {
     member = static_cast<Enum>(1 - static_cast<int>(member));
@@ -216,6 +219,13 @@ TEST(ParseConfig, NamesOfChoicesMeanWhatTheySay) {
             UnknownPolicy::kOccupied);
   EXPECT_EQ(Parsed("octomap_exporter { unknown: ABSENT }").octomap_exporter.unknown,
             UnknownPolicy::kAbsent);
+}
+
+TEST(ParseConfig, ListsOfChannels) {
+  const HubConfig hub = Parsed("hub { lossless: [\"A\", \"B.*\"] latest: \"C\" }").hub;
+  EXPECT_THAT(hub.lossless, testing::ElementsAre("A", "B.*"));
+  EXPECT_THAT(hub.latest, testing::ElementsAre("C"));
+  EXPECT_THAT(hub.drop_newest, IsEmpty());
 }
 
 TEST(ParseConfig, AssociationTakesTheRangeOfTheIntegration) {

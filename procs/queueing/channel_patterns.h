@@ -9,15 +9,15 @@
 
 namespace vismap {
 
-/// The channels that one client wants: regular expressions that must match the whole name, as LCM
-/// has them.
-class Subscriptions {
+/// A set of channels: regular expressions that must match the whole name, as LCM's subscriptions
+/// have it.
+class ChannelPatterns {
  public:
   /// Fails when `pattern` is no regular expression, or there are too many.
   Result<void> Add(const std::string& pattern);
   /// Takes back one Add of the same pattern, if there is one.
   void Remove(const std::string& pattern);
-  bool Wants(const std::string& channel);
+  bool Match(const std::string& channel);
 
  private:
   struct Entry {

@@ -1,11 +1,11 @@
-#include "hub/subscriptions.h"
+#include "queueing/channel_patterns.h"
 
 #include <algorithm>
 
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxSubscriptions = 1024;
+constexpr size_t kMaxPatterns = 1024;
 constexpr size_t kMaxKnown = 4096;
 
 // Matching in polynomial time: a pattern from the bus must not be able to stop the hub.
@@ -14,32 +14,32 @@ constexpr auto kRegexFlags =
 
 }  // namespace
 
-Result<void> Subscriptions::Add(const std::string& pattern) {
-  if (entries_.size() >= kMaxSubscriptions) return Fail("has too many subscriptions");
+Result<void> ChannelPatterns::Add(const std::string& pattern) {
+  if (entries_.size() >= kMaxPatterns) return Fail("too many patterns");
   try {
     entries_.push_back({pattern, std::regex(pattern, kRegexFlags)});
   } catch (const std::regex_error& error) {
-    return Fail("subscribed to '" + pattern + "': " + error.what());
+    return Fail("pattern '" + pattern + "': " + error.what());
   }
   known_.clear();
   return {};
 }
 
-void Subscriptions::Remove(const std::string& pattern) {
+void ChannelPatterns::Remove(const std::string& pattern) {
   const auto found = std::find_if(entries_.begin(), entries_.end(),
                                   [&](const Entry& e) { return e.pattern == pattern; });
   if (found != entries_.end()) entries_.erase(found);
   known_.clear();
 }
 
-bool Subscriptions::Wants(const std::string& channel) {
+bool ChannelPatterns::Match(const std::string& channel) {
   if (const auto known = known_.find(channel); known != known_.end()) return known->second;
   if (known_.size() >= kMaxKnown) known_.clear();
-  const bool wants = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+  const bool match = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return std::regex_match(channel, entry.regex);
   });
-  known_[channel] = wants;
-  return wants;
+  known_[channel] = match;
+  return match;
 }
 
 }  // namespace vismap

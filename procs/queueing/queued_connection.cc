@@ -1,0 +1,68 @@
+#include "queueing/queued_connection.h"
+
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "runtime/clock.h"
+
+namespace vismap {
+
+QueuedConnection::QueuedConnection(size_t max_message_bytes, size_t queue_bytes)
+    : reader_(TcpqMagic::kHub, max_message_bytes), queue_(queue_bytes) {}
+
+void QueuedConnection::Open(Socket socket, RecordReader reader, std::vector<uint8_t> opening) {
+  socket_ = std::move(socket);
+  reader_ = std::move(reader);
+  opening_ = std::move(opening);
+  sent_ = 0;
+  last_progress_ = MonotonicSeconds();
+}
+
+Result<void> QueuedConnection::Read(size_t max_bytes,
+                                    const std::function<void(TcpqRecord)>& on_record) {
+  Result<void> read = reader_.ReadFrom(socket_.fd(), max_bytes, on_record);
+  if (!read) Close();
+  return read;
+}
+
+MessageQueue::Added QueuedConnection::Add(const RoutedMessage& message, bool sender_waits) {
+  if (!wants_to_send()) last_progress_ = MonotonicSeconds();
+  return queue_.Add(message, sender_waits);
+}
+
+void QueuedConnection::Flush() {
+  if (!opening_.empty()) {
+    if (!SendSome(opening_)) return;
+    opening_.clear();
+  }
+  while (socket_.open() && (sending_ != nullptr || !queue_.empty())) {
+    if (sending_ == nullptr) sending_ = queue_.Pop();
+    if (!SendSome(*sending_)) return;
+    sending_.reset();
+  }
+}
+
+// True when all of `bytes` has been sent.
+bool QueuedConnection::SendSome(const std::vector<uint8_t>& bytes) {
+  while (socket_.open() && sent_ < bytes.size()) {
+    const ssize_t sent =
+        send(socket_.fd(), bytes.data() + sent_, bytes.size() - sent_, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0) {
+      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) Close();
+      return false;
+    }
+    sent_ += static_cast<size_t>(sent);
+    last_progress_ = MonotonicSeconds();
+  }
+  if (!socket_.open()) return false;
+  sent_ = 0;
+  return true;
+}
+
+double QueuedConnection::SecondsStuck() const {
+  return wants_to_send() ? MonotonicSeconds() - last_progress_ : 0;
+}
+
+}  // namespace vismap

@@ -1,0 +1,35 @@
+#include "runtime/status_message.h"
+
+#include <unistd.h>
+
+#include "runtime/clock.h"
+#include "runtime/version.h"
+#include "wire/fingerprint.h"
+
+namespace vismap {
+
+process_status_t MakeStatus(const std::string& process, int64_t start_utime) {
+  process_status_t message{};
+  message.utime = WallUtime();
+  message.process = process;
+  message.host = HostName();
+  message.pid = getpid();
+  message.start_utime = start_utime;
+  message.version = Version();
+  message.types_fingerprint = TypesFingerprint();
+  return message;
+}
+
+void AddCounter(process_status_t* message, const std::string& name, int64_t value) {
+  message->counter_names.push_back(name);
+  message->counter_values.push_back(value);
+  message->n_counters = static_cast<int32_t>(message->counter_names.size());
+}
+
+std::string HostName() {
+  char name[256] = {};
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+}  // namespace vismap
