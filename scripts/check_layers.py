@@ -32,6 +32,7 @@ LIBS = {
 PROCS = {
     "wire": ["codecs", "meshing", "freespace"],
     "runtime": ["wire"],
+    "logs": ["wire", "simulation"],
     "queueing": ["runtime"],
     "hub": ["queueing", "settings"],
     "settings": ["config"],

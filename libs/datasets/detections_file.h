@@ -17,6 +17,9 @@ class DetectionSource {
   /// are copied); an empty set when the detector found nothing. Fails when a mask has not the size
   /// of the frame's camera. May be called from several threads at once.
   virtual Result<DetectionSet> ForFrame(const FrameHeader& header) const = 0;
+  /// Whether the detector looked at this frame. If not, the frame goes on as one without a
+  /// detector, which is not the same as an empty set.
+  virtual bool LookedAt(const FrameHeader&) const { return true; }
   /// Detections in all frames together; -1 = unknown before asking for each.
   virtual int64_t size() const = 0;
 };

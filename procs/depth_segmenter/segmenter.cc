@@ -60,7 +60,9 @@ Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
 }
 
 Result<void> Segmenter::OnDetections(const detections_t& message) {
-  if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
+  if (Looked(message)) {
+    if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
+  }
   join_.AddDetections(message);
   SegmentWaiting();
   return {};
@@ -113,7 +115,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   Result<RgbdFrame> frame = DecodeFrame(*sensor);
   if (!frame) return tl::unexpected(frame.error());
   std::optional<DetectionSet> detections;
-  if (joined.detections) {
+  if (joined.detections && Looked(*joined.detections)) {
     const detections_t& message = *joined.detections;
     if (message.image_width == joined.frame.width && message.image_height == joined.frame.height) {
       detections = *Decode(message);

@@ -13,11 +13,16 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
   const StageTimer timer(context->status, "detection");
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return tl::unexpected(header.error());
+  context->status->Set(ProcessState::kRunning);
+  if (!source.LookedAt(*header)) {
+    context->bus->Publish(kDetectionsChannel, EncodeNotLooked(*header));
+    context->status->Count("frames_not_looked_at");
+    return {};
+  }
   const Result<DetectionSet> set = source.ForFrame(*header);
   if (!set) return tl::unexpected(set.error());
   context->bus->Publish(kDetectionsChannel,
                         Encode(*set, header->camera.width, header->camera.height));
-  context->status->Set(ProcessState::kRunning);
   context->status->Count("frames");
   context->status->Count("detections", static_cast<int64_t>(set->detections.size()));
   return {};

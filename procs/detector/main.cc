@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "detector/detect.h"
+#include "logs/recording.h"
 #include "settings/settings.h"
-#include "simulation/sequence.h"
 
 namespace {
 
@@ -21,8 +21,9 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option("--detections", arguments->detections,
-                 "COCO results file, folder of instance PNGs, or synthetic:room");
+  app.add_option(
+      "--detections", arguments->detections,
+      "COCO results file, folder of instance PNGs, log of LCM messages, or synthetic:room");
   app.add_option("--dataset", arguments->dataset,
                  "Sequence whose own detections are taken when --detections is absent");
   app.add_option("--format", arguments->format,
@@ -37,9 +38,9 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
 Result<std::string> DetectionsPath(const Arguments& arguments) {
   if (!arguments.detections.empty()) return arguments.detections;
   if (arguments.dataset.empty()) return Fail("expected --detections or --dataset");
-  const auto dataset = OpenSequence(arguments.dataset, arguments.format);
-  if (!dataset) return tl::unexpected(dataset.error());
-  const std::optional<std::string> path = (*dataset)->default_detections_path();
+  const auto recording = OpenRecording(arguments.dataset, arguments.format);
+  if (!recording) return tl::unexpected(recording.error());
+  const std::optional<std::string> path = recording->dataset->default_detections_path();
   if (!path)
     return Fail(arguments.dataset +
                 ": has no detections of its own, and --detections was not given");
@@ -52,7 +53,7 @@ Outcome Open(Arguments* arguments) {
   }
   const Result<std::string> path = DetectionsPath(*arguments);
   if (!path) return ExitWith(ExitCode::kUnreadable, path.error().message);
-  auto source = OpenDetections(*path);
+  auto source = OpenRecordedDetections(*path);
   if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
   arguments->source = std::move(*source);
   return {};

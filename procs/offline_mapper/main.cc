@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "datasets/class_names.h"
+#include "logs/recording.h"
 #include "offline_mapper/offline_mapper.h"
 #include "runtime/clock.h"
 #include "runtime/progress.h"
@@ -16,7 +17,6 @@
 #include "session/outputs.h"
 #include "session/statistics.h"
 #include "settings/settings.h"
-#include "simulation/sequence.h"
 
 namespace {
 
@@ -31,13 +31,13 @@ struct Arguments {
 
 void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--dataset", arguments->dataset,
-                 "Folder of a posed RGB-D sequence, or synthetic:room")
+                 "Folder of a posed RGB-D sequence, a log of LCM messages, or synthetic:room")
       ->required();
   app.add_option("--format", arguments->format,
                  "Format of the folder; default: found by looking at it");
-  app.add_option(
-      "--detections", arguments->detections,
-      "COCO results file, folder of instance PNGs, or none; default: those inside the sequence");
+  app.add_option("--detections", arguments->detections,
+                 "COCO results file, folder of instance PNGs, log, or none; default: those inside "
+                 "the sequence");
   app.add_option("--max-frames", arguments->frames.max_frames, "Stop after so many frames; 0 = all")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--stride", arguments->frames.stride, "Take every n-th frame")
@@ -51,9 +51,9 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
 Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& arguments,
                                                         const Dataset& dataset) {
   if (arguments.detections == "none") return nullptr;
-  if (!arguments.detections.empty()) return OpenDetections(arguments.detections);
+  if (!arguments.detections.empty()) return OpenRecordedDetections(arguments.detections);
   if (const std::optional<std::string> inside = dataset.default_detections_path())
-    return OpenDetections(*inside);
+    return OpenRecordedDetections(*inside);
   LogWarning(dataset.name() +
              " has no detections: mapping geometry alone, so no object gets a class");
   return nullptr;
@@ -114,28 +114,30 @@ void Summarise(const Arguments& arguments, const MapSession& session,
 
 Outcome Run(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
-  const auto dataset = OpenSequence(arguments.dataset, arguments.format, arguments.frames);
-  if (!dataset) return ExitWith(ExitCode::kUnreadable, dataset.error().message);
-  for (const SkippedFrame& skipped : (*dataset)->skipped()) {
+  const auto recording = OpenRecording(arguments.dataset, arguments.format, arguments.frames);
+  if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
+  for (const std::string& remark : recording->remarks) LogWarning(remark);
+  const std::unique_ptr<Dataset>& dataset = recording->dataset;
+  for (const SkippedFrame& skipped : dataset->skipped()) {
     LogWarningSometimes("skipped", "frame " + std::to_string(skipped.frame_number) +
                                        " left out: " + skipped.reason);
   }
-  const auto detections = FindDetections(arguments, **dataset);
+  const auto detections = FindDetections(arguments, *dataset);
   if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
 
   MapMetadata metadata;
-  metadata.map_id = (*dataset)->name();
+  metadata.map_id = dataset->name();
   metadata.config = PrintConfig(arguments.config);
   metadata.created_by = std::string("vismap-offline-mapper ") + Version();
   MapSession session(SessionOptionsOf(arguments.config), std::move(metadata));
   StageTimes times;
   {
-    Progress progress("mapping " + (*dataset)->name(), static_cast<int64_t>((*dataset)->size()));
+    Progress progress("mapping " + dataset->name(), static_cast<int64_t>(dataset->size()));
     const auto proceed = [&](size_t done) {
       progress.Show(static_cast<int64_t>(done));
       return !context.stop.requested();
     };
-    const auto mapped = MapSequence({**dataset, detections->get()}, arguments.config.segmentation,
+    const auto mapped = MapSequence({*dataset, detections->get()}, arguments.config.segmentation,
                                     proceed, &session, &times);
     if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
   }
@@ -148,7 +150,7 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   const auto written =
       WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  const auto reported = WriteReport(arguments, **dataset, session, products.objects, times);
+  const auto reported = WriteReport(arguments, *dataset, session, products.objects, times);
   if (!reported) return ExitWith(ExitCode::kFailed, reported.error().message);
   Summarise(arguments, session, products.objects, times);
   return {};

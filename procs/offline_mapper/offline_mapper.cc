@@ -23,7 +23,7 @@ Result<ReadyFrame> ReadFrame(const OfflineInput& input, size_t i) {
                 ": " + frame.error().message);
   }
   ReadyFrame ready{std::move(*frame), std::nullopt};
-  if (input.detections == nullptr) return ready;
+  if (input.detections == nullptr || !input.detections->LookedAt(sensor->header)) return ready;
   Result<DetectionSet> detections = input.detections->ForFrame(sensor->header);
   if (!detections) return tl::unexpected(detections.error());
   ready.detections = std::move(*detections);

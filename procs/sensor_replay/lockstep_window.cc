@@ -6,6 +6,12 @@
 
 namespace vismap {
 
+bool LockstepWindow::MayGo(const FrameKey& key) const {
+  return HasRoom() && std::all_of(open_.begin(), open_.end(), [&](const Open& open) {
+           return open.key.camera_id == key.camera_id;
+         });
+}
+
 void LockstepWindow::Sent(size_t index, const FrameKey& key, double now) {
   Require(HasRoom(), "a frame is sent only when the window has room");
   if (open_.empty()) last_progress_ = now;

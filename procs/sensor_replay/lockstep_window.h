@@ -18,6 +18,11 @@ class LockstepWindow {
   /// Whether another new frame may be sent.
   bool HasRoom() const { return static_cast<int>(open_.size()) < window_; }
 
+  /// Whether this new frame may be sent: there is room, and no frame of another camera is open. The
+  /// map server keeps the order of one camera's frames by after_utime; across cameras only this
+  /// does.
+  bool MayGo(const FrameKey& key) const;
+
   /// A new frame `index` is sent now. The window must have room.
   void Sent(size_t index, const FrameKey& key, double now);
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "logs/recording.h"
 #include "sensor_replay/replay.h"
 #include "settings/settings.h"
-#include "simulation/sequence.h"
 
 namespace {
 
@@ -27,11 +27,15 @@ struct Arguments {
 void AddOptions(CLI::App& app, Arguments* arguments) {
   DatasetOptions& sequence = arguments->sequence;
   ReplayOptions& replay = arguments->replay;
-  app.add_option("--dataset", arguments->dataset, "Folder of the sequence, or synthetic:room")
+  app.add_option("--dataset", arguments->dataset,
+                 "Folder of the sequence, a log of LCM messages, or synthetic:room")
       ->required();
   app.add_option("--format", arguments->format,
                  "Layout of the folder; found by looking when not given");
-  app.add_option("--mode", arguments->mode, "realtime, or lockstep: at the pace of the map server")
+  app.add_option(
+         "--mode", arguments->mode,
+         "realtime, or lockstep: at the pace of the map server; a log is played in lockstep "
+         "unless you say otherwise")
       ->check(CLI::IsMember({"realtime", "lockstep"}));
   app.add_option("--speed", arguments->speed, "Of real time; 0 = as fast as possible")
       ->check(CLI::NonNegativeNumber);
@@ -46,7 +50,8 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
                  "Programs that must be ready first: depth-segmenter,map-server")
       ->delimiter(',');
   app.add_flag("--loop", replay.loop, "Begin again at the end, with utimes that go on");
-  app.add_option("--camera-id", arguments->camera_id, "Given to every frame")
+  app.add_option("--camera-id", arguments->camera_id,
+                 "Given to every frame; those of a log keep theirs")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--stride", sequence.stride, "Every n-th frame")
       ->check(CLI::PositiveNumber)
@@ -61,6 +66,7 @@ Result<std::string> Configure(const std::string& text, const std::string& path,
   const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
   if (!taken) return taken;
   SensorReplayConfig& section = arguments->config.sensor_replay;
+  if (IsLog(arguments->dataset)) section.lockstep = true;
   if (arguments->mode) section.lockstep = *arguments->mode == "lockstep";
   section.speed = arguments->speed.value_or(section.speed);
   section.window = arguments->window.value_or(section.window);
@@ -74,9 +80,10 @@ Result<std::string> Configure(const std::string& text, const std::string& path,
 
 Outcome Open(Arguments* arguments) {
   arguments->sequence.camera_id = CameraId{arguments->camera_id};
-  auto dataset = OpenSequence(arguments->dataset, arguments->format, arguments->sequence);
-  if (!dataset) return ExitWith(ExitCode::kUnreadable, dataset.error().message);
-  arguments->opened = std::move(*dataset);
+  auto recording = OpenRecording(arguments->dataset, arguments->format, arguments->sequence);
+  if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
+  for (const std::string& remark : recording->remarks) LogWarning(remark);
+  arguments->opened = std::move(recording->dataset);
   return {};
 }
 

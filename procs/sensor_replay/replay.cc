@@ -30,7 +30,12 @@ class Frames {
  public:
   Frames(const Dataset& dataset, bool loop) : dataset_(dataset), loop_(loop) {
     const size_t size = dataset.size();
-    const int64_t span = dataset.Header(size - 1).utime - dataset.Header(0).utime;
+    int64_t first = dataset.Header(0).utime, last = first;
+    for (size_t i = 1; i < size; ++i) {
+      first = std::min(first, dataset.Header(i).utime);
+      last = std::max(last, dataset.Header(i).utime);
+    }
+    const int64_t span = last - first;
     round_us_ = size > 1 ? span + span / static_cast<int64_t>(size - 1) : 33333;
   }
 
@@ -171,7 +176,7 @@ class Player {
   // One round: fills the window with new frames, repeats what is overdue, then waits for commits.
   Outcome Step(LockstepWindow* window, size_t* next) {
     GoBackIfLacking(window, next);
-    while (frames_.Has(*next) && window->HasRoom() && bus_.connected()) {
+    while (frames_.Has(*next) && window->MayGo(frames_.key(*next)) && bus_.connected()) {
       window->Sent(*next, frames_.key(*next), MonotonicSeconds());
       if (const Outcome sent = SendInOrder(*next); !sent) return sent;
       ++*next;

@@ -56,6 +56,18 @@ detections_t Encode(const DetectionSet& set, int image_width, int image_height) 
   return message;
 }
 
+detections_t EncodeNotLooked(const FrameHeader& header) {
+  detections_t message{};
+  message.utime = header.utime;
+  message.camera_id = Raw(header.camera_id);
+  message.frame_number = header.frame_number;
+  return message;
+}
+
+bool Looked(const detections_t& message) {
+  return message.image_width != 0 || message.image_height != 0 || message.n_detections != 0;
+}
+
 Result<DetectionSet> Decode(const detections_t& message) {
   const std::string where = "detections_t of camera " + std::to_string(message.camera_id) +
                             ", utime " + std::to_string(message.utime) + ": ";

@@ -1,11 +1,14 @@
 #include "wire/rgbd_frame.h"
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "codecs/color_codec.h"
 #include "codecs/depth_codec.h"
+#include "wire/envelope.h"
 
 namespace vismap {
 namespace {
@@ -81,6 +84,28 @@ Result<FrameHeader> DecodeHeader(const rgbd_frame_t& message) {
   if (!pose) return Fail(Where(message) + "T_W_C: " + pose.error().message);
   return FrameHeader{message.utime, CameraId{message.camera_id}, message.frame_number, *camera,
                      *pose};
+}
+
+Result<FrameHeader> PeekFrameHeader(std::span<const uint8_t> bytes) {
+  const std::optional<MessageHead> head = PeekHead(bytes);
+  if (!head || head->fingerprint != rgbd_frame_t::getHash()) {
+    return Fail(
+        envelope::FingerprintError(bytes, rgbd_frame_t::getTypeName(), rgbd_frame_t::getHash()));
+  }
+  // The message up to its images, closed with two empty ones.
+  static const rgbd_frame_t kEmpty{};
+  constexpr size_t kSizeOfDepth = 4, kColor = 1 + 4;
+  const size_t images_at =
+      static_cast<size_t>(kEmpty.getEncodedSize()) - kSizeOfDepth - kColor + head->source.size();
+  if (bytes.size() < images_at)
+    return Fail("rgbd_frame_t: cut short at " + std::to_string(bytes.size()) + " bytes");
+  std::vector<uint8_t> prefix(bytes.begin(),
+                              bytes.begin() + static_cast<std::ptrdiff_t>(images_at));
+  prefix.resize(images_at + kSizeOfDepth + kColor, 0);
+  rgbd_frame_t message{};
+  if (message.decode(prefix.data(), 0, static_cast<int>(prefix.size())) < 0)
+    return Fail("rgbd_frame_t: its header cannot be read");
+  return DecodeHeader(message);
 }
 
 Result<SensorFrame> Decode(const rgbd_frame_t& message) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vismap/rgbd_frame_t.hpp>
 
 #include "base/result.h"
@@ -19,5 +22,13 @@ Result<SensorFrame> Decode(const rgbd_frame_t& message);
 
 /// The header alone, checked as above, without decoding the images.
 Result<FrameHeader> DecodeHeader(const rgbd_frame_t& message);
+
+/// Bytes at the beginning of an encoded rgbd_frame_t that PeekFrameHeader looks at, at most.
+inline constexpr size_t kFramePeekBytes = 1024;
+
+/// The header alone from the first bytes (kFramePeekBytes are enough) of an encoded message, for
+/// going through many fast; checked as DecodeHeader does. The checksum is not looked at. Fails on
+/// another type, and on bytes cut short.
+Result<FrameHeader> PeekFrameHeader(std::span<const uint8_t> bytes);
 
 }  // namespace vismap

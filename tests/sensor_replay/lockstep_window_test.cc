@@ -74,5 +74,20 @@ TEST(LockstepWindow, EndsEmpty) {
   EXPECT_FALSE(window.NextResend(1000));
 }
 
+// The order of frames is that of the sequence also across cameras.
+TEST(LockstepWindow, AnotherCameraWaitsUntilAllAreCommitted) {
+  LockstepWindow window(3, 1.0);
+  const FrameKey first{CameraId{1}, 100}, second{CameraId{1}, 200}, other{CameraId{2}, 150};
+  EXPECT_TRUE(window.MayGo(first));
+  window.Sent(0, first, 0);
+  EXPECT_TRUE(window.MayGo(second));
+  EXPECT_FALSE(window.MayGo(other));
+  window.Sent(1, second, 0);
+  window.Commit(first, 0);
+  EXPECT_FALSE(window.MayGo(other));
+  window.Commit(second, 0);
+  EXPECT_TRUE(window.MayGo(other));
+}
+
 }  // namespace
 }  // namespace vismap

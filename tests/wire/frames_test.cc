@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <limits>
+#include <vismap/frame_commit_t.hpp>
 
 #include "codecs/frame_codec.h"
 #include "support/messages.h"
@@ -119,6 +120,25 @@ TEST(RgbdFrameMessage, RefusesColorOfAnotherSize) {
   EXPECT_THAT(back.error().message, HasSubstr("32x48"));
 }
 
+TEST(RgbdFrameMessage, TheHeaderCanBeReadFromTheFirstBytes) {
+  rgbd_frame_t message = Encode(SmallSensorFrame());
+  message.source = "some-camera";
+  const std::vector<uint8_t> bytes = Pack(message);
+  const std::span<const uint8_t> all(bytes);
+  ASSERT_GT(bytes.size(), kFramePeekBytes);
+  const Result<FrameHeader> header = PeekFrameHeader(all.first(kFramePeekBytes));
+  ASSERT_TRUE(header) << header.error().message;
+  ExpectSameHeader(*header, SmallSensorFrame().header);
+  size_t enough = 0;
+  while (!PeekFrameHeader(all.first(enough))) ++enough;
+  EXPECT_GT(enough, 200u);
+  EXPECT_THAT(PeekFrameHeader(all.first(enough - 1)).error().message, HasSubstr("cut short"));
+  message.camera_id = -1;
+  EXPECT_THAT(PeekFrameHeader(Pack(message)).error().message, HasSubstr("camera_id"));
+  frame_commit_t other{};
+  EXPECT_THAT(PeekFrameHeader(Pack(other)).error().message, HasSubstr("fingerprint"));
+}
+
 TEST(DetectionsMessage, RoundTripChangesNothing) {
   const DetectionSet set = SmallDetections();
   const auto back = Decode(*Through(Encode(set, kSmallCamera.width, kSmallCamera.height)));
@@ -139,6 +159,16 @@ TEST(DetectionsMessage, NothingFoundIsAMessageToo) {
   const auto back = Decode(*Through(Encode(none, 640, 480)));
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_TRUE(back->detections.empty());
+}
+
+TEST(DetectionsMessage, ThatNoDetectorLooksIsAMessageToo) {
+  const FrameHeader header = SmallSensorFrame().header;
+  const Result<detections_t> message = Through(EncodeNotLooked(header));
+  ASSERT_TRUE(message) << message.error().message;
+  EXPECT_FALSE(Looked(*message));
+  EXPECT_EQ(message->utime, header.utime);
+  EXPECT_EQ(message->camera_id, Raw(header.camera_id));
+  EXPECT_TRUE(Looked(Encode(DetectionSet{}, 64, 48)));
 }
 
 TEST(DetectionsMessage, RefusesNonsense) {

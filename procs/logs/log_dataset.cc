@@ -1,0 +1,134 @@
+#include "logs/log_dataset.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "base/require.h"
+#include "wire/detections.h"
+#include "wire/rgbd_frame.h"
+
+namespace vismap {
+namespace {
+
+FrameKey KeyOfHeader(const FrameHeader& header) { return {header.camera_id, header.utime}; }
+
+// The frames of the newest map, as far as they are in the log.
+void TakeCommitted(const RecordedRun& run, FrameSelection* selection) {
+  MapHistory history = HistoryOfNewestMap(run.commits);
+  selection->remarks = std::move(history.remarks);
+  std::set<size_t> taken;
+  for (const frame_commit_t& commit : history.integrated) {
+    const FrameKey key = KeyOf(commit);
+    const auto found = run.index.find(key);
+    if (found == run.index.end()) {
+      selection->skipped.push_back(
+          {commit.frame_number,
+           ToText(key) + ": was committed, but its RGBD_FRAME is not in the log"});
+      selection->remarks.push_back("the RGBD_FRAME of " + ToText(key) +
+                                   " is not in the log: the map will not be the recorded one");
+      continue;
+    }
+    taken.insert(found->second);
+    selection->frames.push_back(run.frames[found->second]);
+    if (commit.had_detections && !run.detections.contains(key)) {
+      selection->remarks.push_back("the DETECTIONS of " + ToText(key) +
+                                   " are not in the log: the map will not be the recorded one");
+    }
+  }
+  for (size_t i = 0; i < run.frames.size(); ++i) {
+    if (taken.contains(i)) continue;
+    const FrameHeader& header = run.frames[i].header;
+    selection->skipped.push_back(
+        {header.frame_number,
+         ToText(KeyOfHeader(header)) + ": was not committed in the recorded run"});
+  }
+}
+
+std::vector<RecordedFrame> Thin(std::vector<RecordedFrame> frames, const DatasetOptions& options) {
+  std::vector<RecordedFrame> chosen;
+  for (size_t i = 0; i < frames.size(); i += static_cast<size_t>(options.stride)) {
+    if (options.max_frames > 0 && chosen.size() == static_cast<size_t>(options.max_frames)) break;
+    chosen.push_back(std::move(frames[i]));
+  }
+  return chosen;
+}
+
+}  // namespace
+
+FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptions& options) {
+  FrameSelection selection;
+  if (all || run.commits.empty()) {
+    selection.frames = run.frames;
+  } else {
+    TakeCommitted(run, &selection);
+  }
+  for (const std::string& reason : run.unusable_frames) selection.skipped.push_back({-1, reason});
+  if (run.damaged > 0) {
+    selection.remarks.push_back("the file is damaged in " + std::to_string(run.damaged) +
+                                " places; vismap-log verify tells more");
+  }
+  selection.frames = Thin(std::move(selection.frames), options);
+  return selection;
+}
+
+LogDataset::LogDataset(LogReader reader, FrameSelection selection,
+                       std::optional<std::string> detections_path)
+    : reader_(std::move(reader)),
+      selection_(std::move(selection)),
+      detections_path_(std::move(detections_path)) {}
+
+std::string LogDataset::name() const {
+  return std::filesystem::path(reader_.path()).filename().string();
+}
+
+FrameHeader LogDataset::Header(size_t i) const {
+  Require(i < size(), "the index of a frame is below the number of frames");
+  return selection_.frames[i].header;
+}
+
+// The first copy that came unharmed, as in the recorded run.
+Result<SensorFrame> LogDataset::Read(size_t i) const {
+  const FrameKey key = KeyOfHeader(Header(i));
+  std::string problem;
+  for (const LogEvent& copy : selection_.frames[i].copies) {
+    const auto message = ReadMessage<rgbd_frame_t>(reader_, copy, kRgbdFrameChannel);
+    if (!message) {
+      problem = message.error().message;
+      continue;
+    }
+    Result<SensorFrame> frame = Decode(*message);
+    if (frame) return frame;
+    problem = reader_.path() + ": " + frame.error().message;
+  }
+  return Fail(problem + " (" + ToText(key) + ")");
+}
+
+LogDetections::LogDetections(LogReader reader, const RecordedRun& run, bool all)
+    : reader_(std::move(reader)), messages_(run.detections) {
+  if (all) return;
+  for (const frame_commit_t& commit : HistoryOfNewestMap(run.commits).integrated) {
+    if (!commit.had_detections) messages_.erase(KeyOf(commit));
+  }
+}
+
+bool LogDetections::LookedAt(const FrameHeader& header) const {
+  return messages_.contains(KeyOfHeader(header));
+}
+
+Result<DetectionSet> LogDetections::ForFrame(const FrameHeader& header) const {
+  const auto found = messages_.find(KeyOfHeader(header));
+  if (found == messages_.end())
+    return DetectionSet{header.utime, header.camera_id, header.frame_number, {}};
+  const auto message = ReadMessage<detections_t>(reader_, found->second, kDetectionsChannel);
+  if (!message) return tl::unexpected(message.error());
+  if (message->image_width != header.camera.width ||
+      message->image_height != header.camera.height) {
+    return Fail(reader_.path() + ": the masks of " + ToText(found->first) + " are for images of " +
+                std::to_string(message->image_width) + "x" + std::to_string(message->image_height) +
+                ", the frame has " + std::to_string(header.camera.width) + "x" +
+                std::to_string(header.camera.height));
+  }
+  return Decode(*message);
+}
+
+}  // namespace vismap

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "datasets/dataset.h"
+#include "datasets/detections_file.h"
+#include "logs/map_history.h"
+#include "logs/recorded_run.h"
+
+namespace vismap {
+
+/// Which frames of a log make the sequence, in which order.
+struct FrameSelection {
+  std::vector<RecordedFrame> frames;
+  std::vector<SkippedFrame> skipped;
+  std::vector<std::string> remarks;
+};
+
+/// Those of the newest map, in the order of their commits; with `all`, or when the log has no
+/// commits, all in order of arrival. Of these every options.stride-th, at most options.max_frames.
+FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptions& options);
+
+/// The frames of a log as a sequence; each is read from the file when asked for.
+class LogDataset : public Dataset {
+ public:
+  /// `detections_path` = the log as OpenRecordedDetections takes it; none = it has no detections.
+  LogDataset(LogReader reader, FrameSelection selection,
+             std::optional<std::string> detections_path);
+
+  std::string name() const override;
+  std::string format() const override { return "lcmlog"; }
+  size_t size() const override { return selection_.frames.size(); }
+  FrameHeader Header(size_t i) const override;
+  Result<SensorFrame> Read(size_t i) const override;
+  const std::vector<SkippedFrame>& skipped() const override { return selection_.skipped; }
+  std::optional<std::string> default_detections_path() const override { return detections_path_; }
+
+ private:
+  LogReader reader_;
+  FrameSelection selection_;
+  std::optional<std::string> detections_path_;
+};
+
+/// The detections in a log, by camera and utime.
+class LogDetections : public DetectionSource {
+ public:
+  /// With `all`, what the commits say of detections is not asked.
+  LogDetections(LogReader reader, const RecordedRun& run, bool all);
+
+  Result<DetectionSet> ForFrame(const FrameHeader& header) const override;
+  bool LookedAt(const FrameHeader& header) const override;
+  int64_t size() const override { return -1; }
+
+ private:
+  LogReader reader_;
+  std::map<FrameKey, LogEvent> messages_;
+};
+
+}  // namespace vismap

@@ -1,0 +1,53 @@
+#include "logs/recorded_run.h"
+
+#include "wire/detections.h"
+#include "wire/rgbd_frame.h"
+
+namespace vismap {
+namespace {
+
+Result<void> TakeFrame(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
+  const Result<std::vector<uint8_t>> bytes = reader.ReadData(event, kFramePeekBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const Result<FrameHeader> header = PeekFrameHeader(*bytes);
+  if (!header) {
+    run->unusable_frames.push_back(header.error().message);
+    return {};
+  }
+  const auto [found, first] =
+      run->index.try_emplace(FrameKey{header->camera_id, header->utime}, run->frames.size());
+  if (first) run->frames.push_back({*header, {}});
+  run->frames[found->second].copies.push_back(event);
+  return {};
+}
+
+void TakeDetections(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
+  const auto message = ReadMessage<detections_t>(reader, event, kDetectionsChannel);
+  if (message && Looked(*message) && Decode(*message))
+    run->detections.emplace(KeyOf(*message), event);
+}
+
+void TakeCommit(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
+  auto message = ReadMessage<frame_commit_t>(reader, event, kMapCommitChannel);
+  if (message) run->commits.push_back(std::move(*message));
+}
+
+}  // namespace
+
+Result<RecordedRun> ReadRun(LogReader& reader) {
+  RecordedRun run;
+  int64_t events = 0;
+  const auto take = [&](const LogEvent& event) -> Result<void> {
+    ++events;
+    if (event.channel == kRgbdFrameChannel.name) return TakeFrame(reader, event, &run);
+    if (event.channel == kDetectionsChannel.name) TakeDetections(reader, event, &run);
+    if (event.channel == kMapCommitChannel.name) TakeCommit(reader, event, &run);
+    return {};
+  };
+  const Result<void> read = ForEachEvent(reader, take, [&](const LogDamage&) { ++run.damaged; });
+  if (!read) return tl::unexpected(read.error());
+  if (events == 0) return Fail(reader.path() + ": not one LCM event in this file");
+  return run;
+}
+
+}  // namespace vismap

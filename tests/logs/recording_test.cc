@@ -1,0 +1,211 @@
+#include "logs/recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/file.h"
+#include "log_builder.h"
+#include "logs/log_reader.h"
+#include "support/mutations.h"
+
+namespace vismap {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Recording Open(const std::string& path, const DatasetOptions& options = {}) {
+  Result<Recording> recording = OpenRecording(path, "", options);
+  EXPECT_TRUE(recording) << recording.error().message;
+  return recording ? std::move(*recording) : Recording{};
+}
+
+std::vector<int64_t> Utimes(const Dataset& dataset) {
+  std::vector<int64_t> utimes;
+  for (size_t i = 0; i < dataset.size(); ++i) utimes.push_back(dataset.Header(i).utime);
+  return utimes;
+}
+
+std::vector<std::string> SkippedReasons(const Dataset& dataset) {
+  std::vector<std::string> reasons;
+  for (const SkippedFrame& skipped : dataset.skipped()) reasons.push_back(skipped.reason);
+  return reasons;
+}
+
+TEST(OpenRecording, FramesComeAsTheyWereSent) {
+  LogBuilder builder;
+  const Recording recording = Open(builder.Frame(1000, 3).Frame(2000, 5).Finish());
+  EXPECT_EQ(recording.dataset->format(), "lcmlog");
+  EXPECT_EQ(recording.dataset->name(), "run.lcmlog");
+  ASSERT_THAT(Utimes(*recording.dataset), ElementsAre(1000, 2000));
+  EXPECT_THAT(recording.remarks, IsEmpty());
+  EXPECT_EQ(recording.dataset->default_detections_path(), std::nullopt);
+  const SensorFrame sent = SmallSensorFrame(2000, 5);
+  const FrameHeader header = recording.dataset->Header(1);
+  EXPECT_EQ(header.camera_id, CameraId{5});
+  EXPECT_EQ(header.frame_number, sent.header.frame_number);
+  EXPECT_EQ(header.camera, sent.header.camera);
+  EXPECT_EQ(header.T_W_C.matrix(), sent.header.T_W_C.matrix());
+  const Result<SensorFrame> read = recording.dataset->Read(1);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->header.camera_id, CameraId{5});
+  EXPECT_EQ(read->depth, sent.depth);
+  EXPECT_EQ(read->color_jpeg, sent.color_jpeg);
+  EXPECT_EQ(read->depth_unit_m, sent.depth_unit_m);
+}
+
+TEST(OpenRecording, WithCommitsTheOrderIsThatOfTheMap) {
+  LogBuilder builder;
+  builder.Frame(1000).Frame(2000).Frame(2000).Frame(3000).Frame(4000).Detections(1000);
+  builder.Detections(2000).Detections(3000).Commit(2000, 1).Commit(1000, 2).Skip(3000, "no depth");
+  const std::string path = builder.Finish();
+  const Recording committed = Open(path);
+  EXPECT_THAT(Utimes(*committed.dataset), ElementsAre(2000, 1000));
+  EXPECT_THAT(committed.remarks, IsEmpty());
+  EXPECT_THAT(SkippedReasons(*committed.dataset),
+              ElementsAre(HasSubstr("utime 3000: was not committed in the recorded run"),
+                          HasSubstr("utime 4000: was not committed in the recorded run")));
+  EXPECT_EQ(committed.dataset->default_detections_path(), path);
+
+  const Recording all = Open(path + "?frames=all");
+  EXPECT_THAT(Utimes(*all.dataset), ElementsAre(1000, 2000, 3000, 4000));
+  EXPECT_THAT(all.dataset->skipped(), IsEmpty());
+  DatasetOptions every_second;
+  every_second.stride = 2;
+  EXPECT_THAT(Utimes(*Open(path + "?frames=all", every_second).dataset), ElementsAre(1000, 3000));
+  DatasetOptions few;
+  few.max_frames = 3;
+  EXPECT_THAT(Utimes(*Open(path + "?frames=all", few).dataset), ElementsAre(1000, 2000, 3000));
+}
+
+TEST(OpenRecording, TellsWhyTheMapWillNotBeTheRecordedOne) {
+  LogBuilder no_frame;
+  EXPECT_THAT(Open(no_frame.Frame(1000).Commit(1000, 1).Commit(2000, 2).Finish()).remarks,
+              ElementsAre(HasSubstr("the DETECTIONS of camera 3, utime 1000"),
+                          HasSubstr("the RGBD_FRAME of camera 3, utime 2000")));
+  LogBuilder continued;
+  EXPECT_THAT(Open(continued.Frame(1000).Detections(1000).Commit(1000, 8).Finish()).remarks,
+              ElementsAre(HasSubstr("no MAP_COMMIT of revisions 1 to 7")));
+}
+
+TEST(OpenRecording, ADamagedCopyOfAFrameIsPassedOver) {
+  LogBuilder builder;
+  rgbd_frame_t message = Encode(SmallSensorFrame(1000));
+  std::vector<uint8_t> damaged = Pack(message);
+  damaged[damaged.size() - 50] ^= 1;
+  builder.AddBytes("RGBD_FRAME", damaged).Frame(1000);
+  const Recording recording = Open(builder.Finish());
+  ASSERT_THAT(Utimes(*recording.dataset), ElementsAre(1000));
+  EXPECT_TRUE(recording.dataset->Read(0));
+
+  LogBuilder alone;
+  const Recording broken = Open(alone.AddBytes("RGBD_FRAME", damaged).Finish());
+  EXPECT_THAT(
+      broken.dataset->Read(0).error().message,
+      testing::AllOf(HasSubstr("run.lcmlog"), HasSubstr("checksum"), HasSubstr("utime 1000")));
+}
+
+TEST(OpenRecording, RefusesWhatItCannotDo) {
+  LogBuilder builder;
+  const std::string path = builder.Frame(1000).Finish();
+  const auto refusal = [](const std::string& name, const DatasetOptions& options = {}) {
+    const Result<Recording> recording = OpenRecording(name, "", options);
+    return recording ? "opened" : recording.error().message;
+  };
+  DatasetOptions camera;
+  camera.camera_id = CameraId{2};
+  EXPECT_THAT(refusal(path, camera), HasSubstr("have their cameras"));
+  EXPECT_THAT(refusal(path + "?frames=some"), HasSubstr("frames=all"));
+  EXPECT_THAT(refusal((builder.folder() / "missing.lcmlog").string()), HasSubstr("missing.lcmlog"));
+  builder.folder().Write("empty.lcmlog", "");
+  EXPECT_THAT(refusal((builder.folder() / "empty.lcmlog").string()),
+              HasSubstr("not one LCM event"));
+  LogBuilder other;
+  EXPECT_THAT(refusal(other.AddBytes("OTHER", {1, 2, 3}).Finish()),
+              HasSubstr("none of its 0 frames"));
+}
+
+TEST(IsLog, KnowsLogsByNameAndContent) {
+  LogBuilder builder("lcmlog-2026-01-01.00");
+  const std::string path = builder.Frame(1000).Finish();
+  EXPECT_TRUE(IsLog(path));
+  EXPECT_TRUE(IsLog(path + "?frames=all"));
+  EXPECT_TRUE(IsLog("/missing/run.lcmlog"));
+  EXPECT_TRUE(IsLog("/missing/run.lcmlog.02?frames=all"));
+  EXPECT_FALSE(IsLog("/missing/run.lcmlog.txt"));
+  EXPECT_FALSE(IsLog(builder.folder().path().string()));
+  EXPECT_FALSE(IsLog("synthetic:room?frames=3"));
+}
+
+TEST(OpenRecordedDetections, NoDetectorLookedIsNotNothingFound) {
+  LogBuilder builder;
+  detections_t nothing = Encode(DetectionSet{2000, CameraId{3}, 17, {}}, 64, 48);
+  builder.Frame(1000).Detections(1000).Frame(2000).Add(kDetectionsChannel, nothing);
+  builder.Frame(3000).Frame(4000).Add(kDetectionsChannel,
+                                      EncodeNotLooked(SmallSensorFrame(4000).header));
+  const auto source = OpenRecordedDetections(builder.Finish());
+  ASSERT_TRUE(source) << source.error().message;
+  const auto header = [](int64_t utime) { return SmallSensorFrame(utime).header; };
+  EXPECT_TRUE((*source)->LookedAt(header(1000)));
+  const Result<DetectionSet> set = (*source)->ForFrame(header(1000));
+  ASSERT_TRUE(set) << set.error().message;
+  ASSERT_EQ(set->detections.size(), 2u);
+  EXPECT_EQ(set->detections[0].class_id, ClassId{62});
+  EXPECT_EQ(set->detections[0].mask, SmallDetections().detections[0].mask);
+  EXPECT_TRUE((*source)->LookedAt(header(2000)));
+  EXPECT_THAT((*source)->ForFrame(header(2000))->detections, IsEmpty());
+  EXPECT_FALSE((*source)->LookedAt(header(3000)));
+  EXPECT_FALSE((*source)->LookedAt(header(4000)));
+  EXPECT_FALSE((*source)->LookedAt(SmallSensorFrame(1000, 4).header));
+}
+
+TEST(OpenRecordedDetections, LateOnesAreNotUsedWhereTheMapDidWithout) {
+  LogBuilder builder;
+  frame_commit_t without = builder.Committed(1000, 1);
+  without.had_detections = false;
+  builder.Frame(1000).Add(kMapCommitChannel, without).Detections(1000);
+  builder.Frame(2000).Detections(2000).Commit(2000, 2);
+  const std::string path = builder.Finish();
+  const auto source = OpenRecordedDetections(path);
+  EXPECT_FALSE((*source)->LookedAt(SmallSensorFrame(1000).header));
+  EXPECT_TRUE((*source)->LookedAt(SmallSensorFrame(2000).header));
+  const auto all = OpenRecordedDetections(path + "?frames=all");
+  EXPECT_TRUE((*all)->LookedAt(SmallSensorFrame(1000).header));
+}
+
+TEST(OpenRecordedDetections, MasksOfAnotherSizeAreAnError) {
+  LogBuilder builder;
+  const auto source = OpenRecordedDetections(builder.Frame(1000).Detections(1000).Finish());
+  FrameHeader larger = SmallSensorFrame(1000).header;
+  larger.camera.width = 640;
+  EXPECT_THAT((*source)->ForFrame(larger).error().message, HasSubstr("64x48"));
+}
+
+// The claim is that all of it returns: what a mutated log gives is an error or a sequence, some of
+// whose frames may be errors.
+TEST(OpenRecording, MutatedLogsGiveValuesOrErrors) {
+  LogBuilder builder;
+  builder.Frame(1000).Detections(1000).Commit(1000, 1).Frame(2000).Detections(2000).Commit(2000, 2);
+  const std::vector<uint8_t> good = *ReadFileBytes(builder.Finish());
+  const TempFolder folder;
+  const std::string path = (folder / "bad.lcmlog").string();
+  int frames = 0;
+  ForEachMutation(good, 2000, [&](const std::vector<uint8_t>& bad) {
+    std::filesystem::remove(path);  // rewriting a file is slow on some file systems
+    folder.Write("bad.lcmlog", std::span<const uint8_t>(bad));
+    const Result<Recording> recording = OpenRecording(path, "");
+    if (!recording) return;
+    const auto source = OpenRecordedDetections(path);
+    for (size_t i = 0; i < recording->dataset->size(); ++i) {
+      const Result<SensorFrame> frame = recording->dataset->Read(i);
+      if (!frame) continue;
+      ++frames;
+      if (source) (void)(*source)->ForFrame(frame->header);
+    }
+  });
+  EXPECT_GT(frames, 1000);
+}
+
+}  // namespace
+}  // namespace vismap
