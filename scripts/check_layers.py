@@ -19,7 +19,7 @@ LIBS = {
     "mapping": ["association"],
     "meshing": ["mapping"],
     "render": ["meshing"],
-    "freespace": ["mapping"],
+    "freespace": ["mapping", "codecs"],
     "mapfile": ["mapping"],
     "datasets": ["codecs"],
     "simulation": ["datasets"],

@@ -1,15 +1,13 @@
 #include "freespace/occupancy_codec.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <string>
 
 #include "base/require.h"
+#include "codecs/zstd_codec.h"
 
 namespace vismap {
 namespace {
@@ -23,7 +21,6 @@ constexpr uint8_t kMixed = 3;
 constexpr size_t kHeaderBytes = 14;
 constexpr size_t kBytesPerBlock = 13;
 constexpr int32_t kMaxIndex = 1 << 27;  // so that voxel indices fit 31 bits
-constexpr int kZstdLevel = 1;
 
 template <typename T>
 void Put(const T& value, std::vector<uint8_t>* out) {
@@ -49,44 +46,6 @@ class Cursor {
   std::span<const uint8_t> bytes_;
   size_t at_ = 0;
 };
-
-std::vector<uint8_t> Compress(const std::vector<uint8_t>& raw) {
-  std::vector<uint8_t> packed(ZSTD_compressBound(raw.size()));
-  const size_t size =
-      ZSTD_compress(packed.data(), packed.size(), raw.data(), raw.size(), kZstdLevel);
-  Require(!ZSTD_isError(size), "zstd compresses into a buffer of its own bound");
-  packed.resize(size);
-  return packed;
-}
-
-/// Grows with what is really there, not with what a header claims.
-Result<std::vector<uint8_t>> Decompress(std::span<const uint8_t> packed, size_t max_bytes) {
-  const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
-                                                                          &ZSTD_freeDStream);
-  Require(stream != nullptr, "zstd has memory for a stream");
-  ZSTD_DCtx_setParameter(stream.get(), ZSTD_d_windowLogMax, 27);
-  std::vector<uint8_t> raw;
-  std::vector<uint8_t> chunk(ZSTD_DStreamOutSize());
-  ZSTD_inBuffer in{packed.data(), packed.size(), 0};
-  size_t hint = 1;
-  while (hint != 0) {
-    ZSTD_outBuffer out{chunk.data(), chunk.size(), 0};
-    hint = ZSTD_decompressStream(stream.get(), &out, &in);
-    if (ZSTD_isError(hint)) {
-      return Fail(std::string("occupancy delta: zstd says ") + ZSTD_getErrorName(hint));
-    }
-    if (raw.size() + out.pos > max_bytes) {
-      return Fail("occupancy delta: expected at most " + std::to_string(max_bytes) +
-                  " bytes, found more");
-    }
-    raw.insert(raw.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(out.pos));
-    if (hint != 0 && in.pos == in.size && out.pos < chunk.size()) {
-      return Fail("occupancy delta: the compressed data end early");
-    }
-  }
-  if (in.pos != in.size) return Fail("occupancy delta: bytes are left after the compressed data");
-  return raw;
-}
 
 bool InRange(BlockIndex index) {
   const auto fits = [](int32_t i) { return i > -kMaxIndex && i < kMaxIndex; };
@@ -150,14 +109,17 @@ std::vector<uint8_t> EncodeOccupancyDelta(const OccupancyDelta& delta) {
   for (const auto& [index, occupancy] : delta.blocks) {
     if (occupancy.mixed() != nullptr) Put(*occupancy.mixed(), &raw);
   }
-  return Compress(raw);
+  return CompressBytes(raw);
+}
+
+size_t MaxOccupancyDeltaBytes(size_t blocks) {
+  return kHeaderBytes + blocks * (kBytesPerBlock + sizeof(OccupancyPlanes));
 }
 
 Result<OccupancyDelta> DecodeOccupancyDelta(std::span<const uint8_t> bytes,
                                             size_t max_decoded_bytes) {
-  const Result<std::vector<uint8_t>> raw = Decompress(bytes, max_decoded_bytes);
-  if (!raw) return tl::unexpected(raw.error());
-  if (raw->size() < kHeaderBytes) return Fail("occupancy delta: too short for its header");
+  const Result<std::vector<uint8_t>> raw = DecompressBytes(bytes, kHeaderBytes, max_decoded_bytes);
+  if (!raw) return Fail("occupancy delta: " + raw.error().message);
   Cursor cursor(*raw);
   const auto version = cursor.Take<uint8_t>();
   if (version != kVersion) {

@@ -67,6 +67,16 @@ Result<std::vector<uint8_t>> ConvertToOt(const OctreeBytes& octree);
 /// Writes the stream to a file, all or nothing; the directory must exist.
 Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree);
 
+/// What a `.bt` or `.ot` stream holds.
+struct OctreeStreamInfo {
+  double resolution = 0;  ///< edge of a leaf [m]
+  int64_t nodes = 0;      ///< inner nodes and leaves
+};
+
+/// Checks every byte of a stream (header, depth, node count, nothing missing, nothing left over)
+/// without building the tree: needs no memory. `name` stands in the error.
+Result<OctreeStreamInfo> CheckOctree(std::span<const uint8_t> bytes, const std::string& name);
+
 /// An octree read from a `.bt` or `.ot` stream.
 class Octree {
  public:
@@ -76,8 +86,8 @@ class Octree {
     CellState state = CellState::kUnknown;
   };
 
-  /// Checks every byte before OctoMap sees it: header, depth, node count, nothing missing, nothing
-  /// left over. `name` stands in the error.
+  /// Fails as CheckOctree does, before OctoMap sees a byte. Takes up to 140 times the memory of a
+  /// `.bt` stream.
   static Result<Octree> Parse(std::span<const uint8_t> bytes, const std::string& name);
 
   Octree(Octree&&) noexcept;

@@ -133,6 +133,19 @@ Result<void> CheckData(const Header& header, std::span<const uint8_t> data) {
   return {};
 }
 
+std::string_view TextOf(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// The header of a stream of which every byte is right.
+Result<Header> CheckStream(std::span<const uint8_t> bytes) {
+  const Result<Header> header = ParseHeader(TextOf(bytes));
+  if (!header) return header;
+  const Result<void> checked = CheckData(*header, bytes.subspan(header->data_begin));
+  if (!checked) return tl::unexpected(checked.error());
+  return header;
+}
+
 }  // namespace
 
 struct Octree::Impl {
@@ -145,15 +158,18 @@ Octree::Octree(Octree&&) noexcept = default;
 Octree& Octree::operator=(Octree&&) noexcept = default;
 Octree::~Octree() = default;
 
-Result<Octree> Octree::Parse(std::span<const uint8_t> bytes, const std::string& name) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const Result<Header> header = ParseHeader(text);
+Result<OctreeStreamInfo> CheckOctree(std::span<const uint8_t> bytes, const std::string& name) {
+  const Result<Header> header = CheckStream(bytes);
   if (!header) return Fail(name + ": " + header.error().message);
-  const Result<void> checked = CheckData(*header, bytes.subspan(header->data_begin));
-  if (!checked) return Fail(name + ": " + checked.error().message);
+  return OctreeStreamInfo{header->resolution, header->nodes};
+}
+
+Result<Octree> Octree::Parse(std::span<const uint8_t> bytes, const std::string& name) {
+  const Result<Header> header = CheckStream(bytes);
+  if (!header) return Fail(name + ": " + header.error().message);
   auto impl = std::make_unique<Impl>(header->resolution);
   if (header->nodes > 0) {
-    std::istringstream data{std::string(text.substr(header->data_begin))};
+    std::istringstream data{std::string(TextOf(bytes).substr(header->data_begin))};
     if (header->binary) {
       impl->tree.readBinaryData(data);
     } else {

@@ -34,7 +34,12 @@ Result<MapUpdate> Decode(const map_delta_t& message) {
   if (message.encoding != map_delta_t::PAYLOAD_STATES_ZSTD) {
     return Fail(where + "payload encoding is " + std::to_string(message.encoding) + ", expected 1");
   }
-  Result<OccupancyDelta> delta = DecodeOccupancyDelta(message.payload);
+  if (message.n_blocks < 0 || message.n_blocks > kMaxBlocksPerUpdate) {
+    return Fail(where + std::to_string(message.n_blocks) + " blocks, expected 0 to " +
+                std::to_string(kMaxBlocksPerUpdate));
+  }
+  Result<OccupancyDelta> delta = DecodeOccupancyDelta(
+      message.payload, MaxOccupancyDeltaBytes(static_cast<size_t>(message.n_blocks)));
   if (!delta) return Fail(where + delta.error().message);
   if (delta->complete != static_cast<bool>(message.full))
     return Fail(where + "header and payload disagree on being full");

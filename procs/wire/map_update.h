@@ -10,6 +10,9 @@
 
 namespace vismap {
 
+/// A part of an update with more blocks is refused: 25 kB of zstd could hold a gigabyte of them.
+inline constexpr int32_t kMaxBlocksPerUpdate = 65536;
+
 /// Occupancy that changed between two revisions of a map, or all of it, as MAP_DELTA carries it.
 struct MapUpdate {
   int64_t utime = 0;           ///< of the newest frame contained [us]

@@ -3,6 +3,11 @@
 #include <cmath>
 
 namespace vismap {
+namespace {
+
+constexpr double kMaxObservations = 1e9;  // far beyond any map, and within an int
+
+}  // namespace
 
 octree_t Encode(const OctreeMessage& octree) {
   octree_t message{};
@@ -41,11 +46,18 @@ Result<OctreeMessage> Decode(const octree_t& message) {
     return Fail(where + "unknown policy is " + std::to_string(message.unknown) +
                 ", expected 0 or 1");
   }
-  const Result<Octree> octree = Octree::Parse(message.data, where + "data");
+  if (!(message.min_observations >= 0 && message.min_observations <= kMaxObservations)) {
+    return Fail(where + "min_observations is outside [0, 1000000000]");
+  }
+  const Result<OctreeStreamInfo> octree = CheckOctree(message.data, where + "data");
   if (!octree) return tl::unexpected(octree.error());
-  if (!(std::abs(octree->resolution() - message.resolution_m) < 1e-6)) {
+  if (!(std::abs(octree->resolution - message.resolution_m) < 1e-6)) {
     return Fail(where + "resolution_m is " + std::to_string(message.resolution_m) +
-                ", the stream's is " + std::to_string(octree->resolution()));
+                ", the stream's is " + std::to_string(octree->resolution));
+  }
+  if (octree->nodes != message.n_nodes) {
+    return Fail(where + "n_nodes is " + std::to_string(message.n_nodes) + ", the stream has " +
+                std::to_string(octree->nodes));
   }
   OctreeMessage value{
       message.utime, message.map_id, message.revision, message.voxel_size_m, {}, {}};

@@ -21,7 +21,7 @@ struct OctreeMessage {
 octree_t Encode(const OctreeMessage& octree);
 
 /// Fails, naming the field, on another encoding than .bt, on a stream that is no octree, and on a
-/// resolution that is not the stream's.
+/// resolution or number of nodes that is not the stream's.
 Result<OctreeMessage> Decode(const octree_t& message);
 
 }  // namespace vismap

@@ -1,0 +1,227 @@
+// Messages that nobody of ours would send, on the way that they take into a process. The claim: no
+// crash, no exception, no undefined behaviour (under the san preset), no more memory than stated.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+
+#include "allocation_meter.h"
+#include "codecs/zstd_codec.h"
+#include "hostile_messages.h"
+#include "support/messages.h"
+#include "wire/channels.h"
+#include "wire/envelope.h"
+#include "wire/map_update.h"
+#include "wire/rgbd_frame.h"
+#include "wire/segmented_frame.h"
+
+namespace vismap {
+namespace {
+
+int64_t FromEnvironment(const char* name, int64_t otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr || *text == '\0' ? otherwise : std::atoll(text);
+}
+
+struct Tally {
+  int64_t messages = 0, taken = 0;
+  AllocationFigures worst;
+};
+
+/// Decodes one message; false when it breaks the claim.
+testing::AssertionResult Decodes(const FuzzTarget& target, std::span<const uint8_t> bytes,
+                                 Tally* tally) {
+  AllocationMeter::Begin();
+  std::string thrown;
+  try {
+    tally->taken += target.decode(bytes).has_value();
+  } catch (const std::exception& error) {
+    thrown = error.what();
+  }
+  const AllocationFigures figures = AllocationMeter::End();
+  ++tally->messages;
+  tally->worst.largest = std::max(tally->worst.largest, figures.largest);
+  tally->worst.peak = std::max(tally->worst.peak, figures.peak);
+  if (!thrown.empty()) return testing::AssertionFailure() << target.type << " threw: " << thrown;
+  if (figures.largest > target.AllowedAllocation(bytes.size()) ||
+      figures.peak > target.AllowedPeak(bytes.size())) {
+    return testing::AssertionFailure()
+           << target.type << " of " << bytes.size() << " bytes: one allocation of "
+           << figures.largest << ", at most " << target.AllowedAllocation(bytes.size())
+           << " are allowed; together " << figures.peak << ", at most "
+           << target.AllowedPeak(bytes.size()) << " are allowed";
+  }
+  return testing::AssertionSuccess();
+}
+
+TEST(AllocationMeter, SeesWhatIsAllocatedAndWhatIsHeldAtOnce) {
+  AllocationMeter::Begin();
+  for (int i = 0; i < 3; ++i) {
+    std::vector<char> one(1000), two(5000);
+    one[0] = two[0] = 1;
+    EXPECT_EQ(one[0], two[0]);
+  }
+  std::free(std::realloc(std::malloc(100), 300));
+  const AllocationFigures figures = AllocationMeter::End();
+  EXPECT_GE(figures.largest, 5000U);
+  EXPECT_LT(figures.largest, 5100U);
+  EXPECT_GE(figures.peak, 6000U);
+  EXPECT_LT(figures.peak, 6500U);
+}
+
+TEST(Fuzz, GoodMessagesAreTaken) {
+  for (const FuzzTarget& target : AllFuzzTargets()) {
+    Tally tally;
+    EXPECT_TRUE(Decodes(target, target.good, &tally));
+    EXPECT_EQ(tally.taken, 1) << target.type;
+  }
+}
+
+TEST(Fuzz, MutatedAndTruncatedMessages) {
+  const std::vector<FuzzTarget> targets = AllFuzzTargets();
+  const int64_t count = FromEnvironment("VISMAP_FUZZ_MESSAGES", 200'000);
+  const auto seed = static_cast<uint64_t>(FromEnvironment("VISMAP_FUZZ_SEED", 1));
+  std::vector<Tally> tallies(targets.size());
+  for (int64_t i = 0; i < count; ++i) {
+    const size_t which = static_cast<size_t>(i) % targets.size();
+    TestRandom random(seed * 1'000'003 + static_cast<uint64_t>(i));
+    const std::vector<uint8_t> bytes = Mutate(targets[which], &random);
+    ASSERT_TRUE(Decodes(targets[which], bytes, &tallies[which]))
+        << "message " << i << " of VISMAP_FUZZ_SEED=" << seed;
+  }
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const Tally& tally = tallies[i];
+    std::cout << targets[i].type << ": " << tally.messages << " messages, " << tally.taken
+              << " taken, largest allocation " << tally.worst.largest << ", most at once "
+              << tally.worst.peak << " bytes\n";
+    EXPECT_GT(tally.taken, 0) << targets[i].type << ": some mutations must come through";
+    EXPECT_LT(tally.taken, tally.messages) << targets[i].type;
+  }
+}
+
+TEST(Fuzz, EveryTruncationOfEveryType) {
+  for (const FuzzTarget& target : AllFuzzTargets()) {
+    std::vector<uint8_t> good = target.good;
+    DropChecksum(target, &good);
+    Tally tally;
+    for (size_t size = 0; size < good.size(); ++size) {
+      const std::vector<uint8_t> cut(good.begin(),
+                                     good.begin() + static_cast<std::ptrdiff_t>(size));
+      ASSERT_TRUE(Decodes(target, cut, &tally)) << size;
+    }
+    EXPECT_EQ(tally.taken, 0) << target.type;
+  }
+}
+
+// Whatever is a length in a message, of an array, of an array in an element, of a string or of a
+// string in an array, stands in four of its bytes.
+TEST(Fuzz, EveryLengthOfEveryTypeIsHostile) {
+  int64_t attacks = 0;
+  for (const FuzzTarget& target : AllFuzzTargets()) {
+    Tally tally;
+    for (size_t at = 8; at + 4 <= target.good.size(); ++at) {
+      for (const int64_t length : kHostileLengths) {
+        std::vector<uint8_t> bytes = target.good;
+        WriteLength(length, at, &bytes);
+        DropChecksum(target, &bytes);
+        ASSERT_TRUE(Decodes(target, bytes, &tally)) << length << " at byte " << at;
+      }
+    }
+    attacks += tally.messages;
+  }
+  std::cout << attacks << " lengths\n";
+}
+
+/// A legal message with as much behind its compressed parts as they can hold.
+struct Bomb {
+  const char* what;
+  std::vector<uint8_t> bytes;
+};
+
+rgbd_frame_t BlackFrame(int width, int height) {
+  SensorFrame frame = SmallSensorFrame();
+  frame.header.camera.width = width;
+  frame.header.camera.height = height;
+  frame.color_jpeg.clear();
+  frame.depth = Image<uint16_t>(width, height);
+  rgbd_frame_t message = Encode(frame);
+  message.source = "bomb";
+  return message;
+}
+
+FuzzTarget TargetOf(const std::string& type) {
+  for (FuzzTarget& target : AllFuzzTargets()) {
+    if (target.type == type) return std::move(target);
+  }
+  ADD_FAILURE() << type;
+  return {};
+}
+
+TEST(Bombs, LargestDepthImageIsTakenWithinItsMemoryAndALargerOneNeedsNone) {
+  const FuzzTarget target = TargetOf("rgbd_frame_t");
+  rgbd_frame_t frame = BlackFrame(4096, 4096);
+  std::vector<uint8_t> bytes = Pack(frame);
+  EXPECT_LT(bytes.size(), 8192U) << "compressed more than ten thousand times";
+  Tally tally;
+  EXPECT_TRUE(Decodes(target, bytes, &tally));
+  EXPECT_EQ(tally.taken, 1);
+  frame.width = 4097;
+  bytes = Pack(frame);
+  Tally refused;
+  EXPECT_TRUE(Decodes(target, bytes, &refused));
+  EXPECT_EQ(refused.taken, 0);
+  EXPECT_LT(refused.worst.peak, 64U * 1024);
+}
+
+TEST(Bombs, LabelRunsBehindASmallImageNeedNoMemory) {
+  const FuzzTarget target = TargetOf("segmented_frame_t");
+  segmented_frame_t message{};
+  message.frame = Encode(SmallSensorFrame());
+  message.utime = message.frame.utime;
+  message.label_encoding = segmented_frame_t::LABELS_RLE_ZSTD;
+  message.labels = CompressBytes(std::vector<uint8_t>(size_t{1} << 28, 1));
+  message.label_size = static_cast<int32_t>(message.labels.size());
+  const std::vector<uint8_t> bytes = Pack(message);
+  Tally tally;
+  EXPECT_TRUE(Decodes(target, bytes, &tally));
+  EXPECT_EQ(tally.taken, 0);
+  EXPECT_LT(tally.worst.largest, size_t{1} << 20);
+}
+
+TEST(Bombs, MapDeltaWithAGigabyteOfBlocksIsRefusedInAMegabyte) {
+  const FuzzTarget target = TargetOf("map_delta_t");
+  OccupancyDelta delta{0.01, true, {}};
+  for (int32_t i = 0; i <= kMaxBlocksPerUpdate; ++i)
+    delta.blocks.emplace_back(BlockIndex{0, 0, i}, BlockOccupancy(CellState::kFree));
+  map_delta_t message = Encode(MapUpdate{1, "map", 1, -1, 0, 1, delta});
+  std::vector<uint8_t> bytes = Pack(message);
+  Tally tally;
+  EXPECT_TRUE(Decodes(target, bytes, &tally));
+  EXPECT_EQ(tally.taken, 0) << "one block too many";
+  message.n_blocks = 10;  // a lie: what is behind is as large as before
+  bytes = Pack(message);
+  EXPECT_TRUE(Decodes(target, bytes, &tally));
+  EXPECT_EQ(tally.taken, 0);
+  EXPECT_LT(tally.worst.peak, size_t{1} << 20);
+  delta.blocks.pop_back();
+  message = Encode(MapUpdate{1, "map", 1, -1, 0, 1, delta});
+  bytes = Pack(message);
+  EXPECT_TRUE(Decodes(target, bytes, &tally));
+  EXPECT_EQ(tally.taken, 1);
+}
+
+TEST(Bombs, MessagesBeyondTheirChannelAreNotLookedAt) {
+  for (const FuzzTarget& target : AllFuzzTargets()) {
+    std::vector<uint8_t> bytes = target.good;
+    bytes.resize(target.channel_bytes + 1);
+    Tally tally;
+    EXPECT_TRUE(Decodes(target, bytes, &tally));
+    EXPECT_EQ(tally.taken, 0) << target.type;
+    EXPECT_LT(tally.worst.peak, 4096U) << target.type;
+  }
+}
+
+}  // namespace
+}  // namespace vismap
