@@ -1,0 +1,87 @@
+# What a robot computer (component runtime, with its deployment files in component deploy) and a computer that builds
+# other programs for our bus (component dev) get; and Debian packages of them: scripts/package.
+include(GNUInstallDirs)
+set(DEPLOY ${PROJECT_SOURCE_DIR}/config/deploy)
+set(SHARE ${CMAKE_INSTALL_DATADIR}/vismap)
+set(DOC ${CMAKE_INSTALL_DATADIR}/doc)
+
+# Presets and tools, beside the programs that vismap_process() installs.
+file(GLOB PRESETS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/config/*.txtpb)
+install(FILES ${PRESETS} DESTINATION ${SHARE}/config COMPONENT runtime)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/launch DESTINATION ${SHARE} COMPONENT runtime)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/scripts/launch ${PROJECT_SOURCE_DIR}/scripts/deploy-check
+        DESTINATION ${SHARE}/scripts COMPONENT runtime)
+install(FILES ${PROJECT_SOURCE_DIR}/scripts/procman_config.py DESTINATION ${SHARE}/scripts COMPONENT runtime)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/links)
+foreach(TOOL launch deploy-check)
+  file(CREATE_LINK ../share/vismap/scripts/${TOOL} ${PROJECT_BINARY_DIR}/links/vismap-${TOOL} SYMBOLIC)
+  install(FILES ${PROJECT_BINARY_DIR}/links/vismap-${TOOL} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+endforeach()
+
+# Deployment: belongs in fixed places of the system, so only packages have it.
+install(DIRECTORY ${DEPLOY}/systemd/ DESTINATION lib/systemd/system COMPONENT deploy)
+install(DIRECTORY ${DEPLOY}/etc/ DESTINATION /etc/vismap COMPONENT deploy)
+install(DIRECTORY ${DEPLOY}/three-computers ${DEPLOY}/sysctl ${DEPLOY}/firewall
+        DESTINATION ${DOC}/vismap/examples COMPONENT deploy)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${DOC}/vismap COMPONENT deploy)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/.readme DESTINATION ${DOC}/vismap COMPONENT deploy)
+
+# Debian's own files of documentation.
+configure_file(${CMAKE_CURRENT_LIST_DIR}/deb/changelog.in ${PROJECT_BINARY_DIR}/deb/changelog @ONLY)
+execute_process(COMMAND gzip -9nf ${PROJECT_BINARY_DIR}/deb/changelog COMMAND_ERROR_IS_FATAL ANY)
+foreach(PACKAGE_COMPONENT vismap:deploy vismap-dev:dev)
+  string(REPLACE ":" ";" PAIR ${PACKAGE_COMPONENT})
+  list(GET PAIR 0 PACKAGE)
+  list(GET PAIR 1 COMPONENT)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${DOC}/${PACKAGE} RENAME copyright COMPONENT ${COMPONENT})
+  install(FILES ${PROJECT_BINARY_DIR}/deb/changelog.gz DESTINATION ${DOC}/${PACKAGE} COMPONENT ${COMPONENT})
+endforeach()
+
+# For other programs on our bus: find_package(vismap) gives vismap::lcmtypes, pkg-config the same as "vismap".
+install(TARGETS vismap_lcmtypes EXPORT vismapTargets)
+install(EXPORT vismapTargets NAMESPACE vismap:: DESTINATION ${CMAKE_INSTALL_DATADIR}/cmake/vismap COMPONENT dev)
+include(CMakePackageConfigHelpers)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake COMPATIBILITY SameMinorVersion
+                                 ARCH_INDEPENDENT)
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/vismapConfig.cmake ${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake
+        ${CMAKE_CURRENT_LIST_DIR}/FindLcmAny.cmake DESTINATION ${CMAKE_INSTALL_DATADIR}/cmake/vismap COMPONENT dev)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/vismap.pc.in ${PROJECT_BINARY_DIR}/vismap.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/vismap.pc DESTINATION ${CMAKE_INSTALL_DATADIR}/pkgconfig COMPONENT dev)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME vismap)
+set(CPACK_PACKAGE_CONTACT "the vismap authors <vismap@packages.invalid>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};vismap;ALL;/")
+set(CPACK_COMPONENTS_ALL runtime deploy dev)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_ROBOT_PACKAGE_NAME vismap)
+set(CPACK_DEBIAN_ROBOT_DESCRIPTION "The processes of vismap (hub, detector, depth segmenter, map server,
+octomap exporter), their systemd units, and tools that start and check them on
+a robot computer.")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_ROBOT_PACKAGE_RECOMMENDS "python3, nftables, systemd, liblcm-bin")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/postinst ${CMAKE_CURRENT_LIST_DIR}/deb/prerm
+    ${PROJECT_BINARY_DIR}/deb/conffiles)
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME vismap-dev)
+set(CPACK_DEBIAN_DEV_DESCRIPTION "The .lcm files, C++ headers made of them that are safe against messages of
+anybody, and their CMake and pkg-config files.")
+set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "liblcm-dev, liblcm-bin")
+file(GLOB CONFFILES RELATIVE ${DEPLOY}/etc CONFIGURE_DEPENDS ${DEPLOY}/etc/*)
+list(TRANSFORM CONFFILES PREPEND /etc/vismap/)
+list(JOIN CONFFILES "\n" CONFFILES)
+file(WRITE ${PROJECT_BINARY_DIR}/deb/conffiles "${CONFFILES}\n")
+
+include(CPack)
+cpack_add_component_group(robot)
+cpack_add_component_group(dev)
+cpack_add_component(runtime GROUP robot)
+cpack_add_component(deploy GROUP robot)
+cpack_add_component(dev GROUP dev)

@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Builds the Debian packages, unpacks them, and uses them. Usage: packages_test.py BUILD_FOLDER"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CONSUMER = pathlib.Path(__file__).parent / "consumer"
+BUILD = None  # from the command line
+
+
+def call(*command, **options):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{command}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class PackagesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        for tool in ("dpkg-deb", "dpkg-shlibdeps", "cpack"):
+            if not shutil.which(tool):
+                raise unittest.SkipTest(f"no {tool}")
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.temporary.cleanup)
+        folder = pathlib.Path(cls.temporary.name)
+        call("cpack", "-G", "DEB", "--config", BUILD / "CPackConfig.cmake", "-B", folder, umask=0o022)
+        cls.packages = {path.name.split("_")[0]: path for path in folder.glob("*.deb")}
+        cls.root = folder / "root"
+        for package in cls.packages.values():
+            call("dpkg-deb", "-x", package, cls.root)
+
+    def field(self, package, name):
+        return call("dpkg-deb", "-f", self.packages[package], name).strip()
+
+    def files(self, package):
+        """Path -> mode and owner."""
+        lines = call("dpkg-deb", "-c", self.packages[package]).splitlines()
+        return {words[5]: (words[0], words[1]) for words in (line.split(None, 5) for line in lines)}
+
+    def hub(self):
+        process = subprocess.Popen([self.root / "usr/bin/vismap-hub", "--listen", "127.0.0.1:0"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        return process.stdout.readline().strip()
+
+    def test_there_are_two(self):
+        self.assertEqual(set(self.packages), {"vismap", "vismap-dev"})
+
+    def test_control_fields(self):
+        depends = self.field("vismap", "Depends")
+        for library in ("liblcm1", "libtbb12", "libsystemd0", "libstdc++6"):
+            self.assertIn(library, depends)
+        self.assertNotIn("-dev", depends)
+        self.assertEqual(self.field("vismap", "Architecture"), call("dpkg", "--print-architecture").strip())
+        self.assertEqual(self.field("vismap-dev", "Architecture"), "all")
+        self.assertIn("liblcm-dev", self.field("vismap-dev", "Depends"))
+        for package in self.packages:
+            self.assertRegex(self.field(package, "Version"), r"^\d+\.\d+\.\d+$")
+            self.assertIn("@", self.field(package, "Maintainer"))
+            summary, *long = self.field(package, "Description").splitlines()
+            self.assertLess(len(summary), 80)
+            self.assertTrue(long and all(line.startswith(" ") for line in long), long)
+
+    def test_files_are_roots_in_known_places_with_plain_modes(self):
+        for package in self.packages:
+            names = self.files(package)
+            self.assertIn(f"./usr/share/doc/{package}/copyright", names)
+            self.assertIn(f"./usr/share/doc/{package}/changelog.gz", names)
+            for name, (mode, owner) in names.items():
+                self.assertEqual(owner, "root/root", name)
+                self.assertRegex(mode, r"^(drwxr-xr-x|-rw-r--r--|-rwxr-xr-x|lrwxrwxrwx)$", name)
+                self.assertRegex(name, r"^\./($|etc/($|vismap/)|usr/($|bin/|include/|lib/($|systemd/)|share/))", name)
+
+    def test_settings_are_conffiles(self):
+        control = pathlib.Path(self.temporary.name) / "control"
+        call("dpkg-deb", "-e", self.packages["vismap"], control)
+        listed = set((control / "conffiles").read_text().split())
+        packed = {name[1:] for name in self.files("vismap") if name.startswith("./etc/") and not name.endswith("/")}
+        self.assertEqual(listed, packed)
+        self.assertIn("/etc/vismap/map-server.txtpb", listed)
+        for script in ("postinst", "prerm"):
+            self.assertTrue(os.access(control / script, os.X_OK), script)
+            call("sh", "-n", control / script)
+
+    def test_programs_run_where_they_are_unpacked(self):
+        programs = [path for path in (self.root / "usr/bin").iterdir() if not path.is_symlink()]
+        self.assertGreaterEqual(len(programs), 8)
+        for program in programs:
+            self.assertIn(program.name, call(program, "--version"))
+            self.assertNotIn("not found", call("ldd", program))
+            self.assertNotIn("RUNPATH", call("readelf", "-d", program), "libraries come from the system")
+            self.assertFalse(re.search(r"\.debug_info", call("readelf", "-S", program)), "stripped")
+        for tool in ("launch", "deploy-check"):
+            call(self.root / f"usr/bin/vismap-{tool}", "--help", env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"})
+        call(self.root / "usr/bin/vismap-launch", self.root / "usr/share/vismap/launch/room.pmd", "--check", "--bin",
+             self.root / "usr/bin")
+
+    def test_units_name_programs_of_the_package(self):
+        unit = (self.root / "usr/lib/systemd/system/vismap@.service").read_text()
+        self.assertIn("ExecStart=/usr/bin/vismap-%i ", unit)
+        for environment in (self.root / "etc/vismap").glob("*.env"):
+            if environment.name != "vismap.env":
+                self.assertTrue((self.root / f"usr/bin/vismap-{environment.stem}").exists(), environment.name)
+
+    def test_another_program_by_pkg_config(self):
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(self.root / "usr/share/pkgconfig"),
+                       "PKG_CONFIG_SYSROOT_DIR": str(self.root)}
+        flags = call("pkg-config", "--cflags", "--libs", "vismap", env=environment).split()
+        program = pathlib.Path(self.temporary.name) / "by-pkg-config"
+        call("c++", "-std=c++17", CONSUMER / "consumer.cc", *flags, "-o", program)
+        self.assertRegex(call(program, self.hub(), timeout=60), r"^hub \d")
+
+    def test_another_program_by_cmake(self):
+        build = pathlib.Path(self.temporary.name) / "by-cmake"
+        call("cmake", "-S", CONSUMER, "-B", build, f"-DCMAKE_PREFIX_PATH={self.root}/usr")
+        call("cmake", "--build", build)
+        self.assertRegex(call(build / "consumer", self.hub(), timeout=60), r"^hub \d")
+        flags = (build / "CMakeFiles/consumer.dir/flags.make").read_text()
+        self.assertIn(f"{self.root}/usr/include", flags)
+        self.assertNotIn(str(BUILD), flags)
+
+
+if __name__ == "__main__":
+    BUILD = pathlib.Path(sys.argv.pop()).resolve()
+    unittest.main()
