@@ -35,6 +35,7 @@ PROCS = {
     "logs": ["wire", "simulation"],
     "queueing": ["runtime"],
     "hub": ["queueing", "settings"],
+    "bridge": ["queueing", "settings"],
     "settings": ["config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.

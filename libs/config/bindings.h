@@ -144,6 +144,17 @@ void BindHub(Binder& bind, HubConfig& config) {
 }
 
 template <typename Binder>
+void BindBridge(Binder& bind, BridgeConfig& config) {
+  bind.Value("remote_url", config.remote_url);
+  bind.Value("send", config.send);
+  bind.Value("receive", config.receive);
+  bind.Value("queue_mb", config.queue_mb);
+  bind.Value("lossless", config.lossless);
+  bind.Value("latest", config.latest);
+  bind.Value("drop_newest", config.drop_newest);
+}
+
+template <typename Binder>
 void BindMapServer(Binder& bind, MapServerConfig& config) {
   bind.Value("load", config.load);
   bind.Value("save_on_exit", config.save_on_exit);
@@ -187,6 +198,7 @@ void BindConfig(Binder& bind, VismapConfig& config) {
   bind.Section("sensor_replay", [&](Binder& at) { BindSensorReplay(at, config.sensor_replay); });
   bind.Section("detector", [&](Binder& at) { BindDetector(at, config.detector); });
   bind.Section("hub", [&](Binder& at) { BindHub(at, config.hub); });
+  bind.Section("bridge", [&](Binder& at) { BindBridge(at, config.bridge); });
 }
 
 }  // namespace vismap::config

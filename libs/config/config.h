@@ -64,6 +64,14 @@ struct HubConfig {
   std::vector<std::string> lossless, latest, drop_newest;
 };
 
+struct BridgeConfig {
+  std::string remote_url;                  ///< the other bus
+  std::vector<std::string> send, receive;  ///< channels, besides STATUS
+  int queue_mb = 256;                      ///< may wait in each direction
+  /// Patterns of channels, see QueuePolicy.
+  std::vector<std::string> lossless, latest, drop_newest;
+};
+
 struct OctreeConfig {
   double resolution = 0;  ///< see OctreeOptions [m]
   double free_fraction = 1.0;
@@ -86,6 +94,7 @@ struct VismapConfig {
   SensorReplayConfig sensor_replay;
   DetectorConfig detector;
   HubConfig hub;
+  BridgeConfig bridge;
 };
 
 /// Reads protobuf text. Unknown keys, wrong types, keys given twice and syntax errors fail with

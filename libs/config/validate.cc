@@ -77,6 +77,21 @@ void CheckPeriod(double period, const std::string& key, Problems* problems) {
   problems->Unless(InRange(period, 0, 86400), key + " must be in [0, 86400] s");
 }
 
+void Check(const BridgeConfig& bridge, Problems* problems) {
+  problems->Unless(InRange(bridge.queue_mb, 1, 65536), "bridge.queue_mb must be in [1, 65536]");
+  for (const auto* list : {&bridge.send, &bridge.receive}) {
+    problems->Unless(list->size() <= 64, "bridge: at most 64 channels in each direction");
+    for (const std::string& channel : *list) {
+      const bool plain = channel.find_first_not_of(
+                             "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") ==
+                         std::string::npos;
+      problems->Unless(
+          plain && !channel.empty() && channel.size() <= 63,
+          "bridge: '" + channel + "' is not the name of a channel (letters, digits, _ and -)");
+    }
+  }
+}
+
 void CheckProcesses(const VismapConfig& config, Problems* problems) {
   problems->Unless(InRange(config.depth_segmenter.detection_timeout, 0.01, 3600),
                    "depth_segmenter.detection_timeout_s must be in [0.01, 3600] s");
@@ -104,6 +119,7 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
   problems->Unless(InRange(config.hub.max_clients, 1, 10000),
                    "hub.max_clients must be in [1, 10000]");
   problems->Unless(InRange(config.hub.patience, 0.1, 60), "hub.patience_s must be in [0.1, 60] s");
+  Check(config.bridge, problems);
 }
 
 }  // namespace

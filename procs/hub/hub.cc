@@ -270,12 +270,7 @@ void Hub::PublishStatus() {
   AddCounts(&message, counters_.dropped_by_channel, ".dropped");
   AddCounts(&message, counters_.replaced_by_channel, ".replaced");
   AddCounts(&message, counters_.dropped_by_client, ": dropped");
-  const std::vector<uint8_t> bytes = Pack(message);
-  std::vector<uint8_t> record = TcpqPublishHead(kStatusChannel.name, bytes.size());
-  record.insert(record.end(), bytes.begin(), bytes.end());
-  Route({TcpqRecord::Kind::kPublish, kStatusChannel.name,
-         std::make_shared<const std::vector<uint8_t>>(std::move(record))},
-        nullptr);
+  Route(TcpqPublish(kStatusChannel.name, Pack(message)), nullptr);
   for (const std::shared_ptr<Client>& client : clients_) client->connection.Flush();
 }
 

@@ -48,6 +48,13 @@ std::vector<uint8_t> TcpqPublishHead(const std::string& channel, size_t data_siz
   return bytes;
 }
 
+TcpqRecord TcpqPublish(const std::string& channel, std::span<const uint8_t> data) {
+  std::vector<uint8_t> bytes = TcpqPublishHead(channel, data.size());
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  return {TcpqRecord::Kind::kPublish, channel,
+          std::make_shared<const std::vector<uint8_t>>(std::move(bytes))};
+}
+
 uint32_t RecordReader::Word(size_t offset) const {
   uint32_t word = 0;
   std::memcpy(&word, buffer_.data() + offset, 4);

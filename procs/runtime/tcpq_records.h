@@ -42,6 +42,8 @@ std::vector<uint8_t> TcpqHello(TcpqMagic magic);
 /// The bytes of a record of kind 2 or 3, or, up to where the data begins, of kind 1.
 std::vector<uint8_t> TcpqSubscribe(const std::string& pattern);
 std::vector<uint8_t> TcpqPublishHead(const std::string& channel, size_t data_size);
+/// A record of kind 1 with its message.
+TcpqRecord TcpqPublish(const std::string& channel, std::span<const uint8_t> data);
 
 /// Puts records together from what arrives on a socket. Memory follows what has arrived, not what a
 /// sender claims.

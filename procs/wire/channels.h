@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace vismap {
@@ -26,6 +27,11 @@ inline constexpr Channel kOctomapChannel{"OCTOMAP", 192 * kMegabyte};        ///
 inline constexpr Channel kMapRequestChannel{"MAP_REQUEST", kMegabyte / 16};  ///< map_request_t
 inline constexpr Channel kMapReplyChannel{"MAP_REPLY", 192 * kMegabyte};     ///< map_reply_t
 inline constexpr Channel kStatusChannel{"STATUS", kMegabyte / 16};           ///< process_status_t
+
+inline constexpr std::array kAllChannels = {
+    kRgbdFrameChannel,  kDetectionsChannel, kSegmentedFrameChannel, kMapCommitChannel,
+    kMapDeltaChannel,   kMeshDeltaChannel,  kObjectsChannel,        kOctomapChannel,
+    kMapRequestChannel, kMapReplyChannel,   kStatusChannel};
 
 /// No message of any channel is larger.
 inline constexpr size_t kMaxMessageBytes = 192 * kMegabyte;

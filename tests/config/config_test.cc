@@ -106,6 +106,7 @@ TEST(Bindings, EveryMemberOfTheOptionStructsHasAKey) {
   EXPECT_EQ(KeyCount(BindSensorReplay<KeyCounter>), MemberCount<SensorReplayConfig>());
   EXPECT_EQ(KeyCount(BindDetector<KeyCounter>), MemberCount<DetectorConfig>());
   EXPECT_EQ(KeyCount(BindHub<KeyCounter>), MemberCount<HubConfig>());
+  EXPECT_EQ(KeyCount(BindBridge<KeyCounter>), MemberCount<BridgeConfig>());
 }
 
 /// Gives every value another one, so that a binding to the wrong member shows.
@@ -245,6 +246,11 @@ TEST(ParseConfig, ErrorsNameFileLineAndColumn) {
   EXPECT_THAT(ErrorOf("grid { voxel_size_m: 0.01 voxel_size_m: 0.02 }"), HasSubstr("voxel_size_m"));
   EXPECT_THAT(ErrorOf("association { min_overlap_points: 1e30 }"), HasSubstr("test.txtpb:1:"));
   EXPECT_THAT(ErrorOf("objects { up_W: [0, 1] }"), HasSubstr("objects.up_W: expected three"));
+}
+
+TEST(Validate, BridgesTakeNamesOfChannels) {
+  EXPECT_THAT(ErrorOf("bridge { send: \"RGBD_.*\" }"), HasSubstr("'RGBD_.*' is not the name"));
+  EXPECT_THAT(Validate(Parsed("bridge { send: [\"RGBD_FRAME\", \"robot1-POSE\"] }")), IsEmpty());
 }
 
 TEST(Validate, ReturnsAllProblemsAtOnce) {

@@ -45,10 +45,12 @@ ChildProcess::ChildProcess(const std::string& name, const std::vector<std::strin
                            const std::filesystem::path& folder)
     : name_(name) {
   static std::atomic<int> count{0};
-  const std::string stem = name + "-" + std::to_string(count++);
+  const bool ours = name.find('/') == std::string::npos;
+  const std::string stem =
+      std::filesystem::path(name).filename().string() + "-" + std::to_string(count++);
   out_ = folder / (stem + ".out");
   err_ = folder / (stem + ".err");
-  const std::string program = std::string(VISMAP_BIN_DIR) + "/vismap-" + name;
+  const std::string program = ours ? std::string(VISMAP_BIN_DIR) + "/vismap-" + name : name;
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -109,9 +111,13 @@ void ProcessBus::StartHub(const std::string& listen) {
   url_ = output.substr(0, output.find('\n'));
 }
 
-void ProcessBus::RestartHub() {
+void ProcessBus::StopHub() {
   hub_->Signal(SIGKILL);
   hub_->WaitForExit();
+}
+
+void ProcessBus::RestartHub() {
+  StopHub();
   StartHub(url_.substr(url_.find("//") + 2));
 }
 

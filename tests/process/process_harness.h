@@ -23,7 +23,8 @@ inline constexpr double kProcessDeadline = 120;
 /// One of our programs, running. What it writes goes to files. Killed at the end if it still runs.
 class ChildProcess {
  public:
-  /// Starts vismap-NAME of this build. `folder` = where its output goes.
+  /// Starts vismap-NAME of this build, or the program of another path. `folder` = where its output
+  /// goes.
   ChildProcess(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& folder);
   ~ChildProcess();
@@ -56,7 +57,9 @@ class ProcessBus {
   /// Starts a program with --lcm-url and the arguments.
   std::unique_ptr<ChildProcess> Start(const std::string& name,
                                       const std::vector<std::string>& arguments = {});
-  /// Ends the hub as a crash does, and starts another one on the same port.
+  /// Ends the hub as a crash does.
+  void StopHub();
+  /// The same, and starts another one on the same port.
   void RestartHub();
 
   const std::string& url() const { return url_; }

@@ -26,7 +26,7 @@ void RoomPipeline::Start() {
        std::string("map-server,depth-segmenter") + (detections == "none" ? "" : ",detector")});
 }
 
-void RoomPipeline::StartServer() { server = processes_->Start("map-server", server_arguments); }
+void RoomPipeline::StartServer() { server = map_processes_->Start("map-server", server_arguments); }
 void RoomPipeline::StartSegmenter() {
   segmenter = processes_->Start("depth-segmenter", {"--detections", detections});
 }
@@ -34,7 +34,7 @@ void RoomPipeline::StartDetector() {
   detector = processes_->Start("detector", {"--dataset", kRoom});
 }
 void RoomPipeline::StartExporter() {
-  exporter = processes_->Start("octomap-exporter", exporter_arguments);
+  exporter = map_processes_->Start("octomap-exporter", exporter_arguments);
 }
 
 bool RoomPipeline::WaitForFrames(int count) {

@@ -17,7 +17,10 @@ class RoomPipeline {
   static constexpr int kFrames = 16;
   static constexpr char kRoom[] = "synthetic:room?frames=16&width=160";
 
-  explicit RoomPipeline(ProcessBus* processes) : processes_(processes) {}
+  explicit RoomPipeline(ProcessBus* processes) : RoomPipeline(processes, processes) {}
+  /// Map server and exporter on another bus than the rest.
+  RoomPipeline(ProcessBus* processes, ProcessBus* map_processes)
+      : processes_(processes), map_processes_(map_processes) {}
 
   std::vector<std::string> server_arguments{"--threads", "2"};
   std::vector<std::string> exporter_arguments;
@@ -40,6 +43,7 @@ class RoomPipeline {
 
  private:
   ProcessBus* processes_;
+  ProcessBus* map_processes_;
   int integrated_ = 0;
 };
 

@@ -1,0 +1,175 @@
+#include "bridge/bridge.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "runtime/status.h"
+#include "runtime/status_message.h"
+#include "wire/channels.h"
+#include "wire/envelope.h"
+
+namespace vismap {
+namespace {
+
+size_t MaxBytesOf(const std::string& name) {
+  const auto found = std::find_if(kAllChannels.begin(), kAllChannels.end(),
+                                  [&](const Channel& channel) { return name == channel.name; });
+  return found == kAllChannels.end() ? kMaxMessageBytes : found->max_bytes;
+}
+
+std::map<std::string, ForwardCounters> NoneYet(const std::vector<std::string>& channels) {
+  std::map<std::string, ForwardCounters> counters = {{kStatusChannel.name, {}}};
+  for (const std::string& channel : channels) counters[channel];
+  return counters;
+}
+
+std::vector<std::string> Names(const std::map<std::string, ForwardCounters>& counters) {
+  std::vector<std::string> names;
+  for (const auto& [name, unused] : counters) names.push_back(name);
+  return names;
+}
+
+}  // namespace
+
+Bridge::Bridge(const BridgeOptions& options) : options_(options), start_utime_(WallUtime()) {
+  if (options_.name.empty()) options_.name = "bridge-" + HostName();
+}
+
+Result<std::unique_ptr<Bridge>> Bridge::Open(const BridgeOptions& options) {
+  std::unique_ptr<Bridge> bridge(new Bridge(options));
+  Direction& send = bridge->directions_[0];
+  Direction& receive = bridge->directions_[1];
+  send = {"send", BridgeSide::kLocal, nullptr, nullptr, NoneYet(options.send)};
+  receive = {"receive", BridgeSide::kRemote, nullptr, nullptr, NoneYet(options.receive)};
+  const auto open = [&](const LcmUrl& url, const Direction& direction) {
+    return OpenBridgeEnd(url, {Names(direction.counters), options.queue_bytes});
+  };
+  Result<std::unique_ptr<BridgeEnd>> local = open(options.local, send);
+  if (!local) return tl::unexpected(local.error());
+  Result<std::unique_ptr<BridgeEnd>> remote = open(options.remote, receive);
+  if (!remote) return tl::unexpected(remote.error());
+  bridge->local_ = std::move(*local);
+  bridge->remote_ = std::move(*remote);
+  send.from = receive.to = bridge->local_.get();
+  send.to = receive.from = bridge->remote_.get();
+  return bridge;
+}
+
+void Bridge::Run(const StopSignal& stop, const std::function<void()>& each_round) {
+  double next_status = 0;
+  while (!stop.requested()) {
+    each_round();
+    for (BridgeEnd* end : {local_.get(), remote_.get()}) end->KeepConnected();
+    if (MonotonicSeconds() >= next_status) {
+      PublishStatus();
+      next_status = MonotonicSeconds() + 1;
+    }
+    ServeOnce(stop, 250);
+  }
+}
+
+void Bridge::ServeOnce(const StopSignal& stop, int timeout_ms) {
+  pollfd waiting[3] = {{stop.fd(), POLLIN, 0}, {-1, 0, 0}, {-1, 0, 0}};
+  for (size_t i = 0; i < directions_.size(); ++i) {
+    const Direction& direction = directions_[i];
+    // Nothing is read that would have to be kept beyond the limit.
+    const bool held = direction.to->connected() && direction.to->full();
+    const int events = (held ? 0 : POLLIN) | (direction.from->wants_to_send() ? POLLOUT : 0);
+    waiting[i + 1] = {direction.from->fd(), static_cast<short>(events), 0};
+  }
+  if (poll(waiting, 3, timeout_ms) <= 0) return;
+  for (size_t i = 0; i < directions_.size(); ++i) {
+    if ((waiting[i + 1].revents & ~POLLOUT) == 0) continue;
+    Direction& direction = directions_[i];
+    direction.from->Receive([&](const TcpqRecord& record) { Forward(direction, record); });
+  }
+  for (BridgeEnd* end : {local_.get(), remote_.get()}) end->Flush();
+}
+
+void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
+  const auto entry = direction.counters.find(record.name);
+  if (entry == direction.counters.end()) return;
+  ForwardCounters& counters = entry->second;
+  if (record.data().size() > MaxBytesOf(record.name)) {
+    ++counters.rejected;
+    LogWarningSometimes("large " + record.name,
+                        record.name + ": a message of " + std::to_string(record.data().size()) +
+                            " bytes was not passed on, at most " +
+                            std::to_string(MaxBytesOf(record.name)) + " are allowed");
+    return;
+  }
+  if (GoesRound(direction, record)) return;
+  switch (direction.to->Add(RouteMessage(record, &options_.policies))) {
+    case MessageQueue::Added::kReplacedOlder:
+      ++counters.replaced;
+      return;
+    case MessageQueue::Added::kDropped:
+      ++counters.dropped;
+      LogWarningSometimes(
+          "dropped " + record.name,
+          record.name + ": a message to " + direction.to->url() + " was dropped: " +
+              (direction.to->connected() ? "it is too slow" : "it has been away for too long"));
+      return;
+    case MessageQueue::Added::kQueued:
+      ++counters.forwarded;
+      counters.forwarded_bytes += static_cast<int64_t>(record.data().size());
+  }
+}
+
+bool Bridge::GoesRound(const Direction& direction, const TcpqRecord& record) {
+  const bool both_ways = directions_[0].counters.contains(record.name) &&
+                         directions_[1].counters.contains(record.name);
+  if (!both_ways) return false;
+  const std::optional<MessageHead> head = PeekHead(record.data());
+  return !head || head->source == options_.name ||
+         !sides_.LivesOn(direction.side, head->source, MonotonicSeconds());
+}
+
+void Bridge::PublishStatus() {
+  process_status_t message = MakeStatus("bridge", start_utime_);
+  message.seq = status_seq_++;
+  message.source = options_.name;
+  message.message = StatusSentence();
+  message.state =
+      StateName(message.message.empty() ? ProcessState::kRunning : ProcessState::kWaiting);
+  for (const Direction& direction : directions_) {
+    const std::string prefix = std::string(direction.name) + ".";
+    for (const auto& [channel, counters] : direction.counters) {
+      AddCounter(&message, prefix + channel + ".forwarded", counters.forwarded);
+      AddCounter(&message, prefix + channel + ".forwarded_bytes", counters.forwarded_bytes);
+      if (counters.dropped > 0)
+        AddCounter(&message, prefix + channel + ".dropped", counters.dropped);
+      if (counters.replaced > 0)
+        AddCounter(&message, prefix + channel + ".replaced", counters.replaced);
+      if (counters.rejected > 0)
+        AddCounter(&message, prefix + channel + ".rejected", counters.rejected);
+    }
+    AddCounter(&message, prefix + "queued_bytes",
+               static_cast<int64_t>(direction.to->queued_bytes()));
+  }
+  AddCounter(&message, "local.reconnects", local_->reconnects());
+  AddCounter(&message, "remote.reconnects", remote_->reconnects());
+  const RoutedMessage routed =
+      RouteMessage(TcpqPublish(kStatusChannel.name, Pack(message)), &options_.policies);
+  for (BridgeEnd* end : {local_.get(), remote_.get()}) {
+    end->Add(routed);
+    end->Flush();
+  }
+}
+
+std::string Bridge::StatusSentence() const {
+  std::string text;
+  for (const BridgeEnd* end : {local_.get(), remote_.get()}) {
+    if (end->connected()) continue;
+    text += (text.empty() ? "" : "; ") + ("no connection to " + end->url());
+    if (!end->trouble().empty()) text += " (" + end->trouble() + ")";
+  }
+  return text;
+}
+
+}  // namespace vismap
