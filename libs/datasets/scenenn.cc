@@ -1,6 +1,7 @@
 // SceneNN as its players extract it: image/imageNNNNN.png, depth/depthNNNNN.png (16-bit, mm), both
 // counted from 1, trajectory.log (image k has the pose of index k - 1), intrinsic/asus.ini in the
-// sequence or beside it, and optionally timestamp.txt (lines "k utime").
+// sequence or beside it, and optionally timestamp.txt (lines "k utime"). Our own exports may state
+// depth_unit_m in the ini when depth is not in mm.
 #include <map>
 
 #include "datasets/formats.h"
@@ -13,6 +14,7 @@ namespace fs = std::filesystem;
 struct Ini {
   PinholeCamera camera;
   double rate = 30;  ///< frames a second
+  double depth_unit_m = 0.001;
 };
 
 bool LooksLikeSceneNn(const fs::path& folder) {
@@ -49,6 +51,11 @@ Result<Ini> ReadIni(const fs::path& path) {
   if (!(ini.rate > 0 && ini.rate < 1e4)) {
     return Fail(path.string() + ": depth_fps is " + std::to_string(ini.rate) +
                 "; expected frames a second");
+  }
+  if (values.contains("depth_unit_m")) ini.depth_unit_m = values["depth_unit_m"];
+  if (!(ini.depth_unit_m > 0 && ini.depth_unit_m <= 1)) {
+    return Fail(path.string() + ": depth_unit_m is " + std::to_string(ini.depth_unit_m) +
+                "; expected metres in (0, 1]");
   }
   return ini;
 }
@@ -123,7 +130,7 @@ Result<SequenceFiles> ListSceneNn(const fs::path& folder) {
   }
   return SequenceFiles{.camera = ini->camera,
                        .color_camera = {},
-                       .depth_unit_m = 0.001,
+                       .depth_unit_m = ini->depth_unit_m,
                        .frames = std::move(*frames)};
 }
 

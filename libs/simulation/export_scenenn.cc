@@ -2,13 +2,10 @@
 
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
-#include "base/file.h"
-#include "codecs/mask_codec.h"
+#include "datasets/scenenn_writer.h"
 #include "simulation/tessellate.h"
 
 namespace vismap {
@@ -26,14 +23,6 @@ std::string Format(const char* format, Values... values) {
   return text;
 }
 
-std::vector<uint8_t> Png16(const Image<uint16_t>& image) {
-  std::vector<uint8_t> bytes;
-  cv::imencode(
-      ".png", cv::Mat(image.height(), image.width(), CV_16UC1, const_cast<uint16_t*>(image.data())),
-      bytes);
-  return bytes;
-}
-
 std::vector<uint8_t> PngColor(const Image<Rgb8>& image) {
   cv::Mat bgr(image.height(), image.width(), CV_8UC3);
   for (size_t i = 0; i < image.size(); ++i) {
@@ -46,60 +35,6 @@ std::vector<uint8_t> PngColor(const Image<Rgb8>& image) {
   std::vector<uint8_t> bytes;
   cv::imencode(".png", bgr, bytes);
   return bytes;
-}
-
-/// Writes files below a folder and remembers the first failure.
-class Writer {
- public:
-  explicit Writer(fs::path folder) : folder_(std::move(folder)) {}
-
-  template <typename Content>
-  void Write(const fs::path& name, const Content& content) {
-    if (!status_) return;
-    std::error_code error;
-    fs::create_directories((folder_ / name).parent_path(), error);
-    status_ = WriteFileAtomically(folder_ / name, content);
-  }
-  void WriteBytes(const fs::path& name, const std::vector<uint8_t>& bytes) {
-    Write(name, std::span<const uint8_t>(bytes));
-  }
-  void WriteText(const fs::path& name, const std::string& text) {
-    Write(name, std::string_view(text));
-  }
-  const Result<void>& status() const { return status_; }
-
- private:
-  fs::path folder_;
-  Result<void> status_;
-};
-
-std::string IniText(const PinholeCamera& camera, double rate) {
-  return Format(
-      "depth_width %d\ndepth_height %d\ndepth_fps %.17g\nfx %.17g\nfy %.17g\ncx %.17g\ncy %.17g\n",
-      camera.width, camera.height, rate, camera.fx, camera.fy, camera.cx, camera.cy);
-}
-
-std::string PoseText(int64_t index, const Pose& pose) {
-  const long long i = index;
-  std::string text = Format("%lld %lld %lld\n", i, i, i + 1);
-  for (int row = 0; row < 4; ++row) {
-    text += Format("%.17g %.17g %.17g %.17g\n", pose.matrix()(row, 0), pose.matrix()(row, 1),
-                   pose.matrix()(row, 2), pose.matrix()(row, 3));
-  }
-  return text;
-}
-
-void AppendDetections(const DetectionSet& set, nlohmann::json* results) {
-  for (const Detection& detection : set.detections) {
-    const Mask& mask = detection.mask;
-    results->push_back({{"image_id", set.frame_number},
-                        {"category_id", Raw(detection.class_id)},
-                        {"score", detection.score},
-                        {"bbox", {mask.u0, mask.v0, mask.inside.width(), mask.inside.height()}},
-                        {"segmentation",
-                         {{"size", {mask.image_height, mask.image_width}},
-                          {"counts", RunsToString(EncodeMask(mask))}}}});
-  }
 }
 
 /// The names that SceneNN's annotations use for what COCO calls differently.
@@ -184,28 +119,19 @@ void AddView(const FrameHeader& header, Rendering&& image, Views* views) {
 }
 
 /// Images, trajectory, times and detections; returns what the cameras saw.
-Views WriteFrames(const SyntheticOptions& options, const Scene& scene, const std::string& id,
-                  Writer* writer) {
+Views WriteFrames(const SyntheticOptions& options, const Scene& scene, SceneNnWriter* writer) {
   const auto dataset = MakeSyntheticDataset(options, {});
   const auto detections = MakeSyntheticDetections(options);
   Views views;
-  std::string trajectory, times;
-  nlohmann::json results = nlohmann::json::array();
   for (size_t i = 0; i < dataset->size() && writer->status(); ++i) {
     const FrameHeader header = dataset->Header(i);
     const int number = static_cast<int>(header.frame_number);
     Rendering image = Render(scene, header.camera, header.T_W_C);
-    writer->WriteBytes(id + Format("/image/image%05d.png", number), PngColor(image.color));
-    writer->WriteBytes(id + Format("/depth/depth%05d.png", number), Png16(dataset->Read(i)->depth));
-    writer->WriteBytes(id + Format("/mask/mask_image%05d.png", number), Png16(image.object_ids));
-    trajectory += PoseText(number - 1, header.T_W_C);
-    times += Format("%d %lld\n", number, static_cast<long long>(header.utime));
-    AppendDetections(*detections->ForFrame(header), &results);
+    writer->AddFrame(header, dataset->Read(i)->depth, {".png", PngColor(image.color)});
+    writer->Write(Format("mask/mask_image%05d.png", number), EncodePng16(image.object_ids));
+    writer->AddDetections(*detections->ForFrame(header));
     AddView(header, std::move(image), &views);
   }
-  writer->WriteText(id + "/trajectory.log", trajectory);
-  writer->WriteText(id + "/timestamp.txt", times);
-  writer->WriteText(id + "/detections.json", results.dump());
   return views;
 }
 
@@ -214,8 +140,8 @@ Views WriteFrames(const SyntheticOptions& options, const Scene& scene, const std
 Result<void> ExportSceneNn(const SyntheticOptions& options, const fs::path& root,
                            const std::string& id) {
   const Scene scene = MakeScene(options);
-  Writer writer(root);
-  const Views views = WriteFrames(options, scene, id, &writer);
+  SceneNnWriter writer(root / id);
+  const Views views = WriteFrames(options, scene, &writer);
   if (!writer.status()) return writer.status();
   const auto seen = [&](const Eigen::Vector3d& p_W, const Eigen::Vector3d&) {
     for (size_t i = 0; i < views.depths.size(); ++i) {
@@ -224,10 +150,10 @@ Result<void> ExportSceneNn(const SyntheticOptions& options, const fs::path& root
     return false;
   };
   const LabelledMesh mesh = Tessellate(scene, kMeshSpacing, seen);
-  writer.WriteText("intrinsic/asus.ini", IniText(views.camera, options.rate));
-  writer.WriteText(id + "/" + id + ".xml", XmlText(scene, views.frames_of_object, mesh));
-  writer.WriteText(id + "/" + id + ".ply", PlyBytes(scene, mesh));
-  return writer.status();
+  writer.Write("../intrinsic/asus.ini", SceneNnIni(views.camera, options.rate));
+  writer.Write(id + ".xml", XmlText(scene, views.frames_of_object, mesh));
+  writer.Write(id + ".ply", PlyBytes(scene, mesh));
+  return writer.Finish();
 }
 
 }  // namespace vismap

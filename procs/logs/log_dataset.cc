@@ -63,10 +63,6 @@ FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptio
     TakeCommitted(run, &selection);
   }
   for (const std::string& reason : run.unusable_frames) selection.skipped.push_back({-1, reason});
-  if (run.damaged > 0) {
-    selection.remarks.push_back("the file is damaged in " + std::to_string(run.damaged) +
-                                " places; vismap-log verify tells more");
-  }
   selection.frames = Thin(std::move(selection.frames), options);
   return selection;
 }

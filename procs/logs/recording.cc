@@ -70,6 +70,10 @@ Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options
   }
   Recording recording;
   recording.remarks = selection.remarks;
+  if (run->damaged > 0) {
+    recording.remarks.push_back(parsed->file + " is damaged in " + std::to_string(run->damaged) +
+                                " places; vismap-log verify tells more");
+  }
   recording.dataset =
       std::make_unique<LogDataset>(std::move(*reader), std::move(selection),
                                    run->detections.empty() ? std::nullopt : std::optional(path));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/class_names.h"
+#include "map_tool/compare_runs.h"
 #include "map_tool/map_diff.h"
 #include "map_tool/server_client.h"
 #include "render/overview.h"
@@ -183,6 +184,18 @@ Outcome RunDiff(const MapToolArguments& arguments, ProcessContext&) {
   if (!differences.empty()) return ExitWith(ExitCode::kFailed, "the maps differ");
   std::printf("equal: map hash %s\n", a->map_hash.c_str());
   return {};
+}
+
+Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
+  const Result<RunRecord> a = ReadRunRecord(arguments.map), b = ReadRunRecord(arguments.other_map);
+  if (!a) return ExitWith(ExitCode::kUnreadable, a.error().message);
+  if (!b) return ExitWith(ExitCode::kUnreadable, b.error().message);
+  for (const std::string& fact : CompareFacts(*a, *b)) std::printf("%s\n", fact.c_str());
+  const std::string difference = FirstDifference(*a, *b);
+  std::printf("%s\n", difference.empty() ? "equal: every frame had the same inputs and did the same"
+                                         : difference.c_str());
+  if (difference.empty()) return {};
+  return ExitWith(ExitCode::kFailed, "the runs differ");
 }
 
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context) {

@@ -25,6 +25,8 @@ Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunExport(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunRender(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDiff(const MapToolArguments& arguments, ProcessContext& context);
+/// `map` and `other_map` are logs here.
+Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context);

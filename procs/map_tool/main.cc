@@ -69,6 +69,13 @@ void AddCommands(CLI::App& app, Command* command) {
       RunDigests)
       ->add_flag("--json", arguments.json, "As JSON");
 
+  CLI::App* runs = Add(app, command, "compare-runs",
+                       "The first frame at which two recorded runs part, and how; exit code 1 when "
+                       "they do",
+                       RunCompareRuns);
+  runs->add_option("LOG", arguments.map, "Log of a run, with its MAP_COMMITs")->required();
+  runs->add_option("OTHER", arguments.other_map, "Log to compare with")->required();
+
   Add(app, command, "save", "Makes the running server save its map", RunSave)
       ->add_option("PATH", arguments.out,
                    "File on the server's computer; default: as the server is configured");

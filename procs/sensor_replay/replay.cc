@@ -24,6 +24,8 @@ std::string Join(const std::vector<std::string>& words) {
   return text;
 }
 
+constexpr int64_t kLongestRound = int64_t{1} << 60;  // [us], against overflow
+
 /// The frames of a sequence, once or again and again; in later rounds utimes are shifted so that
 /// they go on.
 class Frames {
@@ -35,7 +37,7 @@ class Frames {
       first = std::min(first, dataset.Header(i).utime);
       last = std::max(last, dataset.Header(i).utime);
     }
-    const int64_t span = last - first;
+    const int64_t span = std::min(last - first, kLongestRound);
     round_us_ = size > 1 ? span + span / static_cast<int64_t>(size - 1) : 33333;
   }
 

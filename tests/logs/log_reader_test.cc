@@ -5,8 +5,8 @@
 #include <lcm/eventlog.h>
 
 #include "base/file.h"
-#include "log_builder.h"
 #include "logs/recorded_run.h"
+#include "support/log_builder.h"
 #include "support/mutations.h"
 
 namespace vismap {

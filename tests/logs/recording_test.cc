@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "base/file.h"
-#include "log_builder.h"
 #include "logs/log_reader.h"
+#include "support/log_builder.h"
 #include "support/mutations.h"
 
 namespace vismap {

@@ -1,0 +1,47 @@
+#include "log_tool/cut.h"
+
+#include <cmath>
+
+#include "logs/log_writer.h"
+
+namespace vismap {
+namespace {
+
+bool Keeps(const CutOptions& options, const LogEvent& event, int64_t start) {
+  // In whole microseconds, and without overflow whatever the times are.
+  const double elapsed = static_cast<double>(event.timestamp) - static_cast<double>(start);
+  return elapsed >= std::round(options.from * 1e6) &&
+         (!options.to || elapsed < std::round(*options.to * 1e6)) &&
+         (options.channels.empty() || options.channels.contains(event.channel));
+}
+
+}  // namespace
+
+Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
+                         const std::filesystem::path& out) {
+  Result<LogWriter> writer = LogWriter::Create(out);
+  if (!writer) return tl::unexpected(writer.error());
+  CutResult result;
+  std::optional<int64_t> start;
+  const auto take = [&](const LogEvent& event) -> Result<void> {
+    if (!start) start = event.timestamp;
+    if (!Keeps(options, event, *start)) {
+      ++result.left_out;
+      return {};
+    }
+    const Result<std::vector<uint8_t>> bytes = reader.ReadData(event);
+    if (!bytes) return tl::unexpected(bytes.error());
+    writer->Add(event.timestamp, event.channel, *bytes);
+    ++result.kept;
+    return {};
+  };
+  const Result<void> read = ForEachEvent(
+      reader, take, [&](const LogDamage& damage) { result.damaged_bytes += damage.bytes; });
+  if (!read) return tl::unexpected(read.error());
+  if (!start) return Fail(reader.path() + ": not one LCM event in this file");
+  if (const Result<void> finished = writer->Finish(); !finished)
+    return tl::unexpected(finished.error());
+  return result;
+}
+
+}  // namespace vismap

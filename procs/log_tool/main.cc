@@ -1,0 +1,170 @@
+#include "runtime/main.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "log_tool/convert.h"
+#include "log_tool/cut.h"
+#include "log_tool/verify.h"
+#include "logs/recording.h"
+
+namespace {
+
+using namespace vismap;
+
+struct Arguments {
+  std::string input, out, format, detections;
+  bool json = false;
+  CutOptions cut;
+  std::vector<std::string> channels;
+  std::optional<int> camera;
+  DatasetOptions frames;
+  int camera_id = 0;
+  std::function<Outcome(const Arguments&)> run;
+};
+
+Outcome Unreadable(const Error& error) { return ExitWith(ExitCode::kUnreadable, error.message); }
+
+Outcome Verify(const Arguments& arguments) {
+  Result<LogReader> reader = LogReader::Open(arguments.input);
+  if (!reader) return Unreadable(reader.error());
+  const Result<LogReport> report = VerifyLog(*reader);
+  if (!report) return Unreadable(report.error());
+  const auto print = arguments.json ? ReportJson : ReportText;
+  std::printf("%s", print(arguments.input, *report).c_str());
+  const size_t problems = report->Problems().size();
+  if (problems == 0) return {};
+  return ExitWith(ExitCode::kFailed,
+                  arguments.input + ": problems found: " + std::to_string(problems));
+}
+
+Outcome Cut(const Arguments& arguments) {
+  Result<LogReader> reader = LogReader::Open(arguments.input);
+  if (!reader) return Unreadable(reader.error());
+  CutOptions options = arguments.cut;
+  options.channels.insert(arguments.channels.begin(), arguments.channels.end());
+  const Result<CutResult> cut = CutLog(*reader, options, arguments.out);
+  if (!cut) return Unreadable(cut.error());
+  if (cut->damaged_bytes > 0) {
+    LogWarning(arguments.input + ": left out " + std::to_string(cut->damaged_bytes) +
+               " damaged bytes");
+  }
+  std::printf("%lld messages kept, %lld left out: %s\n", static_cast<long long>(cut->kept),
+              static_cast<long long>(cut->left_out), arguments.out.c_str());
+  return {};
+}
+
+// A sequence and the detections to go with it; none when told so or when it has none.
+struct Sequence {
+  Recording recording;
+  std::unique_ptr<DetectionSource> detections;
+};
+
+Result<Sequence> OpenInput(const Arguments& arguments) {
+  DatasetOptions options = arguments.frames;
+  options.camera_id = CameraId{arguments.camera_id};
+  Result<Recording> recording = OpenRecording(arguments.input, arguments.format, options);
+  if (!recording) return tl::unexpected(recording.error());
+  for (const std::string& remark : recording->remarks) LogWarning(remark);
+  Sequence sequence{std::move(*recording), nullptr};
+  const std::string path =
+      arguments.detections.empty()
+          ? sequence.recording.dataset->default_detections_path().value_or("none")
+          : arguments.detections;
+  if (path == "none") return sequence;
+  Result<std::unique_ptr<DetectionSource>> detections = OpenRecordedDetections(path);
+  if (!detections) return tl::unexpected(detections.error());
+  sequence.detections = std::move(*detections);
+  return sequence;
+}
+
+Outcome Tell(const Result<ConvertResult>& result, const std::string& out) {
+  if (!result) return Unreadable(result.error());
+  for (const std::string& lost : result->lost) LogWarning("lost: " + lost);
+  std::printf("%lld frames: %s\n", static_cast<long long>(result->frames), out.c_str());
+  return {};
+}
+
+Outcome ToDataset(const Arguments& arguments) {
+  const Result<Sequence> input = OpenInput(arguments);
+  if (!input) return Unreadable(input.error());
+  std::optional<CameraId> camera;
+  if (arguments.camera) camera = CameraId{*arguments.camera};
+  return Tell(
+      WriteFolder(*input->recording.dataset, input->detections.get(), camera, arguments.out),
+      arguments.out);
+}
+
+Outcome FromDataset(const Arguments& arguments) {
+  const Result<Sequence> input = OpenInput(arguments);
+  if (!input) return Unreadable(input.error());
+  return Tell(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out),
+              arguments.out);
+}
+
+CLI::App* Add(CLI::App& app, Arguments* arguments, const char* name, const char* help,
+              Outcome (*run)(const Arguments&)) {
+  CLI::App* sub = app.add_subcommand(name, help);
+  sub->callback([arguments, run] { arguments->run = run; });
+  return sub;
+}
+
+void AddCommands(CLI::App& app, Arguments* arguments) {
+  app.require_subcommand(1);
+  app.fallthrough();
+
+  const auto takes = [&](CLI::App* sub, const char* name, const char* help) {
+    sub->add_option(name, arguments->input, help)->required();
+  };
+  CLI::App* verify = Add(app, arguments, "verify",
+                         "Counts, rates, gaps, checksums, types, damage; exit code 1 when "
+                         "something is wrong",
+                         Verify);
+  takes(verify, "LOG", "Log of LCM messages");
+  verify->add_flag("--json", arguments->json, "As JSON");
+
+  CLI::App* cut = Add(app, arguments, "cut", "A part of a log, by time or channels", Cut);
+  takes(cut, "LOG", "Log of LCM messages");
+  cut->add_option("--out", arguments->out, "Log to write")->required();
+  cut->add_option("--from", arguments->cut.from, "Seconds after the first message");
+  cut->add_option("--to", arguments->cut.to, "Seconds after the first message, itself left out");
+  cut->add_option("--channels", arguments->channels, "Only these: NAME,NAME")->delimiter(',');
+
+  CLI::App* to =
+      Add(app, arguments, "to-dataset",
+          "A folder of images, poses and detections (SceneNN's layout) from a log", ToDataset);
+  takes(to, "LOG", "Log of LCM messages; run.lcmlog?frames=all takes frames without a commit, too");
+  to->add_option("--out", arguments->out, "Folder to write")->required();
+  to->add_option("--camera", arguments->camera, "The one to take, when there are several");
+
+  CLI::App* from = Add(app, arguments, "from-dataset",
+                       "A log of RGBD_FRAME and DETECTIONS from a recorded sequence", FromDataset);
+  takes(from, "PATH", "Folder of a posed RGB-D sequence, log, or synthetic:room");
+  from->add_option("--out", arguments->out, "Log to write")->required();
+  from->add_option("--format", arguments->format,
+                   "Layout of the folder; found by looking when not given");
+  from->add_option("--detections", arguments->detections,
+                   "COCO results, folder of instance PNGs, log, or none; default: those inside");
+  from->add_option("--camera-id", arguments->camera_id, "Given to every frame")
+      ->check(CLI::NonNegativeNumber);
+  from->add_option("--stride", arguments->frames.stride, "Every n-th frame")
+      ->check(CLI::PositiveNumber);
+  from->add_option("--max-frames", arguments->frames.max_frames, "At most so many; 0 = all")
+      ->check(CLI::NonNegativeNumber);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  ProcessSpec spec;
+  spec.name = "log";
+  spec.summary = "Verifies, cuts and converts logs of LCM messages.";
+  spec.joins_bus = false;
+  spec.add_options = [&](CLI::App& app) { AddCommands(app, &arguments); };
+  spec.run = [&](ProcessContext&) { return arguments.run(arguments); };
+  return RunProcess(argc, argv, spec);
+}

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <set>
+
+#include "datasets/scenenn_writer.h"
+#include "log_tool/convert.h"
+
+namespace vismap {
+namespace {
+
+std::string NameOf(const FrameHeader& header) {
+  return "the frame of camera " + std::to_string(Raw(header.camera_id)) + ", utime " +
+         std::to_string(header.utime);
+}
+
+Result<CameraId> ChooseCamera(const Dataset& dataset, std::optional<CameraId> camera) {
+  std::set<int32_t> cameras;
+  for (size_t i = 0; i < dataset.size(); ++i) cameras.insert(Raw(dataset.Header(i).camera_id));
+  if (!camera && cameras.size() == 1) return CameraId{*cameras.begin()};
+  if (camera && cameras.contains(Raw(*camera))) return *camera;
+  std::string known;
+  for (const int32_t id : cameras) known += (known.empty() ? "" : ", ") + std::to_string(id);
+  return Fail(dataset.name() + " has frames of cameras " + known +
+              "; a folder holds one: choose it with --camera");
+}
+
+// The frames of the camera in the order in which a folder can hold them.
+std::vector<size_t> FramesInTime(const Dataset& dataset, CameraId camera, ConvertResult* result) {
+  std::vector<size_t> frames;
+  for (size_t i = 0; i < dataset.size(); ++i) {
+    if (dataset.Header(i).camera_id == camera) frames.push_back(i);
+  }
+  if (frames.size() < dataset.size()) {
+    result->lost.push_back(std::to_string(dataset.size() - frames.size()) +
+                           " frames of other cameras");
+  }
+  const auto earlier = [&](size_t a, size_t b) {
+    return dataset.Header(a).utime < dataset.Header(b).utime;
+  };
+  if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {
+    std::stable_sort(frames.begin(), frames.end(), earlier);
+    result->lost.push_back(
+        "the order of the frames, which was not that of their times: the map will be another one");
+  }
+  return frames;
+}
+
+/// Frames with the numbers that their files get.
+class Numbering {
+ public:
+  Numbering(const Dataset& dataset, const std::vector<size_t>& frames, ConvertResult* result) {
+    int64_t last = 0;
+    for (const size_t i : frames) {
+      const int64_t number = dataset.Header(i).frame_number;
+      keeps_ = keeps_ && number > last;
+      last = number;
+    }
+    if (!keeps_) result->lost.push_back("the numbers of the frames: they are counted from 1");
+  }
+  int64_t Next(const FrameHeader& header) {
+    ++count_;
+    return keeps_ ? header.frame_number : count_;
+  }
+
+ private:
+  bool keeps_ = true;
+  int64_t count_ = 0;
+};
+
+struct Losses {
+  int64_t not_looked_at = 0, without_class = 0;
+};
+
+Result<void> AddDetections(const FrameHeader& header, int64_t number,
+                           const DetectionSource& detections, SceneNnWriter* writer,
+                           Losses* losses) {
+  if (!detections.LookedAt(header)) {
+    ++losses->not_looked_at;
+    return {};
+  }
+  Result<DetectionSet> set = detections.ForFrame(header);
+  if (!set) return tl::unexpected(set.error());
+  set->frame_number = number;
+  losses->without_class += static_cast<int64_t>(std::erase_if(
+      set->detections, [](const Detection& d) { return d.class_id == ClassId::kUnknown; }));
+  writer->AddDetections(*set);
+  return {};
+}
+
+// All frames of a folder have one camera and one depth unit.
+Result<void> CheckSame(const SensorFrame& frame, const SensorFrame& first) {
+  if (frame.header.camera == first.header.camera && frame.depth_unit_m == first.depth_unit_m)
+    return {};
+  return Fail(NameOf(frame.header) + " has other intrinsics or another depth unit than the first");
+}
+
+double RateOf(const Dataset& dataset, const std::vector<size_t>& frames) {
+  const int64_t span = dataset.Header(frames.back()).utime - dataset.Header(frames.front()).utime;
+  return span > 0 ? static_cast<double>(frames.size() - 1) * 1e6 / static_cast<double>(span) : 30;
+}
+
+}  // namespace
+
+Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource* detections,
+                                  std::optional<CameraId> camera,
+                                  const std::filesystem::path& folder) {
+  const Result<CameraId> chosen = ChooseCamera(dataset, camera);
+  if (!chosen) return tl::unexpected(chosen.error());
+  ConvertResult result;
+  const std::vector<size_t> frames = FramesInTime(dataset, *chosen, &result);
+  Numbering numbering(dataset, frames, &result);
+  SceneNnWriter writer(folder);
+  Losses losses;
+  std::optional<SensorFrame> first;
+  for (const size_t i : frames) {
+    Result<SensorFrame> frame = dataset.Read(i);
+    if (!frame) return tl::unexpected(frame.error());
+    if (!first) first = *frame;
+    if (const Result<void> same = CheckSame(*frame, *first); !same)
+      return tl::unexpected(same.error());
+    if (frame->color_jpeg.empty()) return Fail(NameOf(frame->header) + " has no colour");
+    FrameHeader header = frame->header;
+    header.frame_number = numbering.Next(frame->header);
+    writer.AddFrame(header, frame->depth, {".jpg", std::move(frame->color_jpeg)});
+    if (detections != nullptr) {
+      const auto added =
+          AddDetections(frame->header, header.frame_number, *detections, &writer, &losses);
+      if (!added) return tl::unexpected(added.error());
+    }
+    ++result.frames;
+  }
+  writer.Write("intrinsic/asus.ini",
+               SceneNnIni(first->header.camera, RateOf(dataset, frames), first->depth_unit_m));
+  if (const Result<void> finished = writer.Finish(); !finished)
+    return tl::unexpected(finished.error());
+  if (losses.not_looked_at > 0 && losses.not_looked_at < result.frames) {
+    result.lost.push_back("that no detector looked at " + std::to_string(losses.not_looked_at) +
+                          " frames: the map will be another one");
+  }
+  if (losses.without_class > 0)
+    result.lost.push_back(std::to_string(losses.without_class) + " detections without a class");
+  return result;
+}
+
+}  // namespace vismap

@@ -1,0 +1,43 @@
+#include "log_tool/convert.h"
+#include "logs/log_writer.h"
+#include "wire/channels.h"
+#include "wire/detections.h"
+#include "wire/envelope.h"
+#include "wire/rgbd_frame.h"
+
+namespace vismap {
+namespace {
+
+/// Sends messages into a log instead of onto a bus.
+template <typename Message>
+void Add(Message message, const Channel& channel, int64_t seq, LogWriter* writer) {
+  message.source = "vismap-log";
+  message.seq = seq;
+  writer->Add(message.utime, channel.name, Pack(message));
+}
+
+}  // namespace
+
+Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* detections,
+                               const std::filesystem::path& log) {
+  Result<LogWriter> writer = LogWriter::Create(log);
+  if (!writer) return tl::unexpected(writer.error());
+  ConvertResult result;
+  int64_t detection_messages = 0;
+  for (size_t i = 0; i < dataset.size(); ++i) {
+    const Result<SensorFrame> frame = dataset.Read(i);
+    if (!frame) return tl::unexpected(frame.error());
+    const FrameHeader& header = frame->header;
+    Add(Encode(*frame), kRgbdFrameChannel, result.frames++, &*writer);
+    if (detections == nullptr || !detections->LookedAt(header)) continue;
+    const Result<DetectionSet> set = detections->ForFrame(header);
+    if (!set) return tl::unexpected(set.error());
+    Add(Encode(*set, header.camera.width, header.camera.height), kDetectionsChannel,
+        detection_messages++, &*writer);
+  }
+  if (const Result<void> finished = writer->Finish(); !finished)
+    return tl::unexpected(finished.error());
+  return result;
+}
+
+}  // namespace vismap

@@ -1,0 +1,124 @@
+#include "log_tool/verify.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "logs/channel_types.h"
+#include "logs/log_dataset.h"
+#include "logs/recorded_run.h"
+#include "wire/envelope.h"
+
+namespace vismap {
+namespace {
+
+// Numbers of messages per channel and source.
+constexpr uint64_t kLargestStep = 1'000'000'000;
+using Sequences = std::map<std::pair<std::string, std::string>, int64_t>;
+
+void NoteSequence(const LogEvent& event, const MessageHead& head, Sequences* sequences,
+                  ChannelReport* report) {
+  const auto [entry, first] = sequences->try_emplace({event.channel, head.source}, head.seq);
+  const int64_t last = std::exchange(entry->second, head.seq);
+  if (first) return;
+  // Without overflow, whatever the numbers are. A leap is no gap: no process sends so many.
+  const uint64_t step = static_cast<uint64_t>(head.seq) - static_cast<uint64_t>(last);
+  if (head.seq > last && step <= kLargestStep) {
+    report->lost += static_cast<int64_t>(step) - 1;
+  } else {
+    ++report->repeated;
+  }
+}
+
+void NoteProblem(const LogEvent& event, const std::string& what, ChannelReport* report) {
+  if (report->first_problem.empty())
+    report->first_problem = "at byte " + std::to_string(event.offset) + ": " + what;
+}
+
+void NoteMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences* sequences,
+                 ChannelReport* report) {
+  if (report->messages++ == 0) report->first_time = event.timestamp;
+  report->last_time = event.timestamp;
+  report->bytes += event.data_size;
+  const ChannelType* type = FindChannelType(event.channel);
+  if (type == nullptr) return;
+  const std::optional<MessageHead> head = PeekHead(bytes);
+  const Result<void> checked = type->check(bytes, type->channel);
+  if (head && head->fingerprint == type->fingerprint) NoteSequence(event, *head, sequences, report);
+  if (checked) return;
+  const bool other_type = head && head->fingerprint != type->fingerprint;
+  ++(other_type ? report->other_type : report->undecodable);
+  NoteProblem(event, checked.error().message, report);
+}
+
+// What became of the frames.
+Result<void> FollowFrames(LogReader& reader, LogReport* report) {
+  Result<LogReader> again = LogReader::Open(reader.path());
+  if (!again) return tl::unexpected(again.error());
+  const Result<RecordedRun> run = ReadRun(*again);
+  if (!run) return tl::unexpected(run.error());
+  report->frames_sent = static_cast<int64_t>(run->frames.size());
+  std::set<FrameKey> integrated, skipped;
+  for (const frame_commit_t& commit : run->commits) {
+    if (commit.status == frame_commit_t::STATUS_INTEGRATED) integrated.insert(KeyOf(commit));
+    if (commit.status == frame_commit_t::STATUS_SKIPPED) skipped.insert(KeyOf(commit));
+  }
+  report->frames_integrated = static_cast<int64_t>(integrated.size());
+  report->frames_skipped = static_cast<int64_t>(skipped.size());
+  if (run->commits.empty()) return {};
+  for (const auto& entry : run->index) {
+    if (!integrated.contains(entry.first) && !skipped.contains(entry.first))
+      ++report->frames_without_commit;
+  }
+  report->run_problems = SelectFrames(*run, false, {}).remarks;
+  return {};
+}
+
+}  // namespace
+
+double ChannelReport::rate() const {
+  const double seconds = (static_cast<double>(last_time) - static_cast<double>(first_time)) * 1e-6;
+  return seconds > 0 ? static_cast<double>(messages - 1) / seconds : 0;
+}
+
+Result<LogReport> VerifyLog(LogReader& reader) {
+  LogReport report;
+  report.bytes = reader.size();
+  Sequences sequences;
+  const auto take = [&](const LogEvent& event) -> Result<void> {
+    const Result<std::vector<uint8_t>> bytes = reader.ReadData(event);
+    if (!bytes) return tl::unexpected(bytes.error());
+    ++report.events;
+    NoteMessage(event, *bytes, &sequences, &report.channels[event.channel]);
+    return {};
+  };
+  const Result<void> read =
+      ForEachEvent(reader, take, [&](const LogDamage& damage) { report.damage.push_back(damage); });
+  if (!read) return tl::unexpected(read.error());
+  if (report.events == 0) return Fail(reader.path() + ": not one LCM event in this file");
+  if (const Result<void> followed = FollowFrames(reader, &report); !followed)
+    return tl::unexpected(followed.error());
+  return report;
+}
+
+std::vector<std::string> LogReport::Problems() const {
+  std::vector<std::string> problems;
+  for (const LogDamage& bad : damage) {
+    problems.push_back((bad.truncated ? "the end is cut off: " : "damaged: ") +
+                       std::to_string(bad.bytes) + " bytes from byte " +
+                       std::to_string(bad.offset) + " on are no complete event");
+  }
+  for (const auto& [name, channel] : channels) {
+    const auto say = [&, &of = name](int64_t count, const std::string& what) {
+      if (count > 0) problems.push_back(of + ": " + std::to_string(count) + what);
+    };
+    say(channel.lost, " messages are missing");
+    say(channel.other_type, " messages of another type, the first " + channel.first_problem);
+    say(channel.undecodable, " messages cannot be decoded, the first " + channel.first_problem);
+  }
+  problems.insert(problems.end(), run_problems.begin(), run_problems.end());
+  return problems;
+}
+
+}  // namespace vismap
