@@ -68,6 +68,10 @@ class LaunchTest(unittest.TestCase):
         self.wait_for(lambda: (self.folder / name).exists() and (self.folder / name).read_text().endswith("\n"))
         return (self.folder / name).read_text()
 
+    def wait_for_line(self, word):
+        """The first line from here on of what is said that has the word; none comes: the test fails by its time."""
+        return next(line for line in self.launched.stdout if word in line)
+
     def stops(self):
         return (self.folder / "stops").read_text().split()
 
@@ -98,7 +102,7 @@ class LaunchTest(unittest.TestCase):
         self.launch('cmd "a" { exec = "./worker a ignore"; stop_time_allowed = "3600"; }')
         self.wait_for_file("a.pid")
         self.launched.send_signal(signal.SIGINT)
-        time.sleep(0.3)  # two signals at the same time would be one
+        self.wait_for_line("stopping")
         self.launched.send_signal(signal.SIGINT)
         self.finish(0)
         self.assertTrue(self.gone("a.pid"))
@@ -115,6 +119,20 @@ class LaunchTest(unittest.TestCase):
         self.wait_for_file("again.pid")
         self.launched.send_signal(signal.SIGTERM)
         self.assertIn("a: again soon: exit code 1: oops", self.finish(0))
+
+    def test_shows_what_processes_say_of_themselves(self):
+        self.program("talks", f"""#!{sys.executable}
+import os, socket, time
+manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+manager.connect(os.environ["NOTIFY_SOCKET"].replace("@", chr(0), 1))
+manager.send(b"READY=1")
+manager.send(b"STATUS=waiting: for \\x1b[2JDETECTIONS")
+time.sleep(3600)
+""")
+        self.launch('cmd "a" { exec = "./talks"; }')
+        self.assertIn("a: waiting: for [2JDETECTIONS (pid", self.wait_for_line("waiting"))
+        self.launched.send_signal(signal.SIGTERM)
+        self.finish(0)
 
     def test_failure_for_good_stops_all_and_says_why(self):
         self.launch('cmd "b" { exec = "./worker b"; }\n'
