@@ -71,9 +71,17 @@ class ArgumentsTest(unittest.TestCase):
                                   text=True)
             self.assertEqual(done.returncode, 0, f"{path}: {done.stderr}")
 
+    def test_map_server_takes_the_configs(self):
+        files = [*DEPLOY.rglob("*.txtpb"), *DEPLOY.with_name("launch").glob("*.txtpb")]
+        self.assertGreaterEqual(len(files), 2)
+        for path in files:
+            done = subprocess.run([PROGRAMS / "vismap-map-server", "--config", path, "--print-config"],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_buses_are_hubs_by_number(self):
         files = list(DEPLOY.rglob("vismap.env"))
-        self.assertEqual(len(files), 4)
+        self.assertEqual(len(files), 3)
         for path in files:
             url = environment_file(path)["LCM_DEFAULT_URL"]
             done = subprocess.run([PROGRAMS / "vismap-depth-segmenter", "--lcm-url", url, "--connect-timeout", "0"],
