@@ -36,7 +36,7 @@ class Dataset {
 
   /// Short name for people and files, usually the folder's.
   virtual std::string name() const = 0;
-  /// "scenenn", "7scenes", "tum", "icl", "scannet", "replica", "redwood" or "synthetic".
+  /// "scenenn", "7scenes", "tum", "icl", "scannet", "replica", "redwood", "synthetic" or "lcmlog".
   virtual std::string format() const = 0;
   /// Usable frames.
   virtual size_t size() const = 0;

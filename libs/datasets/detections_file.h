@@ -13,9 +13,10 @@ namespace vismap {
 class DetectionSource {
  public:
   virtual ~DetectionSource() = default;
-  /// The detections of the frame with this header (found by its frame_number; utime and camera_id
-  /// are copied); an empty set when the detector found nothing. Fails when a mask has not the size
-  /// of the frame's camera. May be called from several threads at once.
+  /// The detections of the frame with this header (found by its frame_number, in a log by
+  /// camera_id and utime; utime and camera_id are copied); an empty set when the detector found
+  /// nothing. Fails when a mask has not the size of the frame's camera. May be called from several
+  /// threads at once.
   virtual Result<DetectionSet> ForFrame(const FrameHeader& header) const = 0;
   /// Whether the detector looked at this frame. If not, the frame goes on as one without a
   /// detector, which is not the same as an empty set.
