@@ -109,7 +109,8 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
     ChannelCounters& counters = counters_[route.channel.name];
     ++counters.received;
     counters.received_bytes += static_cast<int64_t>(bytes.size());
-    NoteSequence(route, bytes);
+    // LCM can claim 4 GB for a packet that it misread: nothing of such a size is looked at.
+    if (bytes.size() <= route.channel.max_bytes) NoteSequence(route, bytes);
   }
   if (route.delivery == Delivery::kEvery || bytes.size() > route.channel.max_bytes)
     return Deliver(route, bytes);

@@ -141,6 +141,23 @@ TEST(Bus, WhatAHandlerThrowsComesOutOfSpinAndTheBusGoesOn) {
   EXPECT_EQ(handled, 1);
 }
 
+TEST(Bus, NothingIsReadOfAMessageBeyondItsChannel) {
+  auto bus = MemoryBus();
+  const Channel narrow{"MAP_REQUEST", 1000};
+  int handled = 0;
+  bus->Subscribe<map_request_t>(narrow, [&](const map_request_t&) { ++handled; });
+  map_request_t request = Request(1);
+  request.source = "other";
+  bus->PublishAsIs(narrow, request);
+  request.seq = 500;  // would be a gap
+  request.path = std::string(2000, 'x');
+  bus->PublishAsIs({"MAP_REQUEST", kMegabyte}, request);
+  Drain(bus.get());
+  EXPECT_EQ(handled, 1);
+  EXPECT_EQ(bus->counters().at("MAP_REQUEST").rejected, 1);
+  EXPECT_EQ(bus->counters().at("MAP_REQUEST").lost, 0);
+}
+
 TEST(Bus, HandlersMayPublishAndSubscribe) {
   auto bus = MemoryBus();
   int answers = 0;
