@@ -36,6 +36,7 @@ PROCS = {
     "queueing": ["runtime"],
     "hub": ["queueing", "settings"],
     "bridge": ["queueing", "settings"],
+    "doctor": ["runtime"],
     "settings": ["config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.

@@ -16,12 +16,6 @@
 namespace vismap {
 namespace {
 
-size_t MaxBytesOf(const std::string& name) {
-  const auto found = std::find_if(kAllChannels.begin(), kAllChannels.end(),
-                                  [&](const Channel& channel) { return name == channel.name; });
-  return found == kAllChannels.end() ? kMaxMessageBytes : found->max_bytes;
-}
-
 std::map<std::string, ForwardCounters> NoneYet(const std::vector<std::string>& channels) {
   std::map<std::string, ForwardCounters> counters = {{kStatusChannel.name, {}}};
   for (const std::string& channel : channels) counters[channel];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bridge/bridge.h"
+#include "runtime/self_check.h"
 #include "settings/settings.h"
 
 namespace {
@@ -63,6 +64,8 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   if (local->text == remote->text) {
     return ExitWith(ExitCode::kUsage, "both ends of the bridge are " + local->text);
   }
+  WarnOfBus(*local);
+  WarnOfBus(*remote);
   BridgeOptions options;
   options.local = *local;
   options.remote = *remote;

@@ -9,6 +9,7 @@
 
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/self_check.h"
 
 namespace vismap {
 namespace {
@@ -28,10 +29,7 @@ Result<std::unique_ptr<Bus>> Bus::Open(const BusOptions& options) {
   const Result<LcmUrl> url = ParseLcmUrl(options.url);
   if (!url) return tl::unexpected(url.error());
   std::unique_ptr<Bus> bus(new Bus(options, *url));
-  if (url->provider == "udpm") {
-    const Result<void> buffer = ProbeReceiveBuffer(url->receive_buffer);
-    if (!buffer) LogWarning(buffer.error().message);
-  }
+  WarnOfBus(*url);
   if (const Result<void> joined = bus->JoinWithin(options.connect_timeout); !joined) {
     return tl::unexpected(joined.error());
   }
@@ -46,8 +44,7 @@ Result<void> Bus::JoinWithin(double timeout) {
     if (joined || url_.provider != "tcpq") return joined;
     if (MonotonicSeconds() >= deadline) {
       return Fail("no hub at " + url_.text + " (" + joined.error().message +
-                  "); start one with: vismap-hub --listen " + url_.hub.host + ":" +
-                  std::to_string(url_.hub.port));
+                  "); start one with: " + HubCommand(url_));
     }
     if (!told) LogInfo("waiting for a hub at " + url_.text);
     told = true;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 namespace vismap {
 
@@ -35,5 +36,13 @@ inline constexpr std::array kAllChannels = {
 
 /// No message of any channel is larger.
 inline constexpr size_t kMaxMessageBytes = 192 * kMegabyte;
+
+/// The largest message of a channel [bytes], also of one that is not ours.
+constexpr size_t MaxBytesOf(std::string_view channel) {
+  for (const Channel& known : kAllChannels) {
+    if (channel == known.name) return known.max_bytes;
+  }
+  return kMaxMessageBytes;
+}
 
 }  // namespace vismap

@@ -1,0 +1,108 @@
+#include "doctor/bus_picture.h"
+
+#include <algorithm>
+#include <vismap/detections_t.hpp>
+#include <vismap/frame_commit_t.hpp>
+#include <vismap/map_delta_t.hpp>
+#include <vismap/map_reply_t.hpp>
+#include <vismap/map_request_t.hpp>
+#include <vismap/mesh_delta_t.hpp>
+#include <vismap/object_list_t.hpp>
+#include <vismap/octree_t.hpp>
+#include <vismap/rgbd_frame_t.hpp>
+#include <vismap/segmented_frame_t.hpp>
+
+#include "wire/channels.h"
+#include "wire/envelope.h"
+
+namespace vismap {
+namespace {
+
+constexpr size_t kMaxNames = 1000;  // of channels, sources, processes: anybody may invent them
+
+template <typename Map>
+bool HasRoom(const Map& map, const std::string& name) {
+  return map.size() < kMaxNames || map.contains(name);
+}
+
+}  // namespace
+
+std::optional<int64_t> FingerprintOf(const std::string& channel) {
+  static const std::map<std::string, int64_t> fingerprints = {
+      {kRgbdFrameChannel.name, rgbd_frame_t::getHash()},
+      {kDetectionsChannel.name, detections_t::getHash()},
+      {kSegmentedFrameChannel.name, segmented_frame_t::getHash()},
+      {kMapCommitChannel.name, frame_commit_t::getHash()},
+      {kMapDeltaChannel.name, map_delta_t::getHash()},
+      {kMeshDeltaChannel.name, mesh_delta_t::getHash()},
+      {kObjectsChannel.name, object_list_t::getHash()},
+      {kOctomapChannel.name, octree_t::getHash()},
+      {kMapRequestChannel.name, map_request_t::getHash()},
+      {kMapReplyChannel.name, map_reply_t::getHash()},
+      {kStatusChannel.name, process_status_t::getHash()}};
+  const auto found = fingerprints.find(channel);
+  return found == fingerprints.end() ? std::nullopt : std::optional(found->second);
+}
+
+int64_t CounterOf(const process_status_t& status, const std::string& name) {
+  const auto found = std::find(status.counter_names.begin(), status.counter_names.end(), name);
+  return found == status.counter_names.end()
+             ? 0
+             : status.counter_values[static_cast<size_t>(found - status.counter_names.begin())];
+}
+
+void BusPicture::Note(const std::string& channel, std::span<const uint8_t> data, double now,
+                      int64_t utime) {
+  if (!HasRoom(channels_, channel)) return;
+  ChannelPicture& picture = channels_[channel];
+  ++picture.messages;
+  picture.bytes += static_cast<int64_t>(data.size());
+  picture.last = now;
+  const std::optional<int64_t> expected = FingerprintOf(channel);
+  if (!expected) return;
+  const std::optional<MessageHead> head = PeekHead(data);
+  if (!head || head->fingerprint != *expected || data.size() > MaxBytesOf(channel)) {
+    ++picture.foreign;
+    return;
+  }
+  if (HasRoom(picture.last_seq, head->source)) {
+    const auto [entry, first] = picture.last_seq.try_emplace(head->source, head->seq);
+    if (!first) picture.gaps += std::max<int64_t>(0, head->seq - entry->second - 1);
+    entry->second = head->seq;
+  }
+  if (channel == kStatusChannel.name) NoteStatus(data, now, utime);
+}
+
+void BusPicture::NoteStatus(std::span<const uint8_t> data, double now, int64_t utime) {
+  const Result<process_status_t> status = Unpack<process_status_t>(data, kStatusChannel.max_bytes);
+  if (!status || !HasRoom(processes_, status->source)) return;
+  const auto [entry, first] = processes_.try_emplace(status->source);
+  ProcessPicture& picture = entry->second;
+  const std::string place = status->host + ", pid " + std::to_string(status->pid);
+  if (first) {
+    picture.first = *status;
+  } else if (status->start_utime > picture.last.start_utime) {
+    // Counters begin anew; whoever spoke under the name before has ended, if it stays silent.
+    ++picture.restarts;
+    picture.first = *status;
+  } else if (status->start_utime < picture.last.start_utime) {
+    picture.places.insert(picture.last.host + ", pid " + std::to_string(picture.last.pid));
+    picture.places.insert(place);
+  }
+  picture.last = *status;
+  picture.last_heard = now;
+  picture.clock_difference = static_cast<double>(status->utime - utime) * 1e-6;
+}
+
+int64_t BusPicture::messages(const std::string& channel) const {
+  const auto found = channels_.find(channel);
+  return found == channels_.end() ? 0 : found->second.messages;
+}
+
+bool BusPicture::Has(const std::string& process) const {
+  return std::any_of(processes_.begin(), processes_.end(), [&](const auto& entry) {
+    return entry.second.last.process == process && entry.second.last.state != "stopping";
+  });
+}
+
+}  // namespace vismap

@@ -1,0 +1,98 @@
+#include "runtime/main.h"
+
+#include <poll.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "doctor/findings.h"
+#include "doctor/report.h"
+#include "runtime/clock.h"
+#include "runtime/transport.h"
+
+namespace {
+
+using namespace vismap;
+
+struct Arguments {
+  double seconds = 5;
+  bool json = false, watch = false;
+};
+
+void Listen(Transport* transport, double seconds, const StopSignal& stop, BusPicture* picture) {
+  const Transport::Sink sink = [&](const std::string& channel, std::span<const uint8_t> data) {
+    picture->Note(channel, data, MonotonicSeconds(), WallUtime());
+  };
+  const double end = MonotonicSeconds() + seconds;
+  while (!stop.requested() && transport->connected() && MonotonicSeconds() < end) {
+    pollfd waiting[2] = {{stop.fd(), POLLIN, 0}, {transport->fd(), POLLIN, 0}};
+    poll(waiting, 2, 100);
+    while (MonotonicSeconds() < end && transport->Receive(sink)) {
+    }
+  }
+}
+
+Result<std::unique_ptr<Transport>> Join(const LcmUrl& url, const StopSignal& stop) {
+  auto transport =
+      url.provider == "tcpq" ? OpenTcpqTransport(url.hub, &stop) : OpenLcmTransport(url);
+  if (transport) (*transport)->Subscribe(".*");
+  return transport;
+}
+
+/// Listens once and reports; whether all is well.
+bool Examine(const LcmUrl& url, const Arguments& arguments, const StopSignal& stop) {
+  Listening listening;
+  listening.lcm_url = url.text;
+  listening.checks = CheckBus(url, 2);
+  BusPicture picture;
+  const double start = MonotonicSeconds();
+  if (const auto transport = Join(url, stop)) {
+    Listen(transport->get(), arguments.seconds, stop, &picture);
+  } else if (url.provider != "tcpq") {
+    listening.checks.push_back({"LCM", false, transport.error().message});
+  }
+  listening.now = MonotonicSeconds();
+  listening.seconds = listening.now - start;
+  const std::vector<Finding> findings = Diagnose(listening, picture);
+  const std::string report = arguments.json ? JsonReport(listening, picture, findings)
+                                            : TextReport(listening, picture, findings);
+  std::fputs(report.c_str(), stdout);
+  std::fflush(stdout);
+  return findings.empty();
+}
+
+Outcome Run(const Arguments& arguments, ProcessContext& context) {
+  const Result<LcmUrl> url = ParseLcmUrl(context.options.lcm_url);
+  if (!url) return ExitWith(ExitCode::kUsage, url.error().message);
+  bool healthy = Examine(*url, arguments, context.stop);
+  while (arguments.watch && !context.stop.WaitFor(0.5)) {
+    std::fputs("\n", stdout);
+    healthy = Examine(*url, arguments, context.stop);
+  }
+  if (healthy) return {};
+  return ExitWith(ExitCode::kFailed, "not all is well, see the findings");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  ProcessSpec spec;
+  spec.name = "doctor";
+  spec.summary =
+      "Listens on the bus and says who is on it, what flows, what is wrong and what to do. Exit "
+      "code "
+      "0: healthy, 1: findings.";
+  spec.joins_bus = false;
+  spec.add_options = [&](CLI::App& app) {
+    app.add_option("--seconds", arguments.seconds, "How long to listen")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str();
+    app.add_flag("--json", arguments.json, "Report for programs");
+    app.add_flag("--watch", arguments.watch, "Again and again until stopped");
+  };
+  spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
+  return RunProcess(argc, argv, spec);
+}

@@ -1,0 +1,161 @@
+#include "doctor/report.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace vismap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kLossWords[] = {"dropped",  "lost",       "rejected", "unsent",
+                                      "replaced", "superseded", "cut_off",  "held_back"};
+
+std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string Format(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+// Names come from the bus: nothing of them may move the cursor of a terminal.
+std::string Plain(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  return text;
+}
+
+double PerSecond(int64_t count, const Listening& listening) {
+  return static_cast<double>(count) / std::max(listening.seconds, 1e-9);
+}
+
+std::string ProcessTable(const Listening& listening, const BusPicture& picture) {
+  std::string text = Format("%-24s %-18s %-8s %7s  %-9s %5s %8s  %s\n", "process", "computer",
+                            "version", "pid", "state", "age s", "restarts", "message");
+  for (const auto& [name, process] : picture.processes()) {
+    const process_status_t& status = process.last;
+    text += Format("%-24s %-18s %-8s %7d  %-9s %5.1f %8d  %s\n", Plain(name).c_str(),
+                   Plain(status.host).c_str(), Plain(status.version).c_str(), status.pid,
+                   Plain(status.state).c_str(), listening.now - process.last_heard,
+                   process.restarts, Plain(status.message).c_str());
+  }
+  return text;
+}
+
+std::string ChannelTable(const Listening& listening, const BusPicture& picture) {
+  std::string text = Format("%-24s %10s %10s %6s %6s %8s\n", "channel", "messages/s", "kB/s",
+                            "age s", "gaps", "foreign");
+  for (const auto& [name, channel] : picture.channels()) {
+    text += Format("%-24s %10.1f %10.1f %6.1f %6lld %8lld\n", Plain(name).c_str(),
+                   PerSecond(channel.messages, listening),
+                   PerSecond(channel.bytes, listening) * 1e-3, listening.now - channel.last,
+                   static_cast<long long>(channel.gaps), static_cast<long long>(channel.foreign));
+  }
+  return text;
+}
+
+// Counters that tell of losses since the process was started.
+std::vector<std::pair<std::string, int64_t>> LossesOf(const process_status_t& status) {
+  std::vector<std::pair<std::string, int64_t>> losses;
+  for (const std::string& name : status.counter_names) {
+    const bool loss = std::any_of(std::begin(kLossWords), std::end(kLossWords),
+                                  [&](auto* word) { return name.find(word) != std::string::npos; });
+    const int64_t value = CounterOf(status, name);
+    if (loss && value > 0) losses.emplace_back(name, value);
+  }
+  return losses;
+}
+
+// Clients of hubs that are neither processes of ours nor we ourselves.
+int64_t UnknownClients(const BusPicture& picture) {
+  int64_t clients = 0, known = 1, hubs = 0;
+  for (const auto& [name, process] : picture.processes()) {
+    if (process.last.process == "hub") {
+      ++hubs;
+      clients += CounterOf(process.last, "clients");
+    } else {
+      ++known;
+    }
+  }
+  return hubs == 1 ? std::max<int64_t>(0, clients - known) : 0;
+}
+
+}  // namespace
+
+std::string TextReport(const Listening& listening, const BusPicture& picture,
+                       const std::vector<Finding>& findings) {
+  std::string text = Format("%.3g s on %s\n\n", listening.seconds, listening.lcm_url.c_str());
+  for (const CheckResult& check : listening.checks) {
+    text += (check.ok ? "ok    " : "WRONG ") + check.what + ": " + check.found + "\n";
+  }
+  if (!picture.processes().empty()) text += "\n" + ProcessTable(listening, picture);
+  if (!picture.channels().empty()) text += "\n" + ChannelTable(listening, picture);
+  std::string losses;
+  for (const auto& [name, process] : picture.processes()) {
+    for (const auto& [counter, value] : LossesOf(process.last)) {
+      losses += Plain(name + "  " + counter) + "  " + std::to_string(value) + "\n";
+    }
+  }
+  if (!losses.empty())
+    text += "\nlost, dropped or refused since the start of each process\n" + losses;
+  if (const int64_t unknown = UnknownClients(picture); unknown > 0) {
+    text += "\n" + std::to_string(unknown) +
+            " clients of the hub say nothing on STATUS: programs "
+            "that are not vismap's\n";
+  }
+  text += findings.empty() ? "\nhealthy\n" : "\nfindings\n";
+  for (const Finding& finding : findings) {
+    text += "- " + Plain(finding.what) + (finding.todo.empty() ? "" : "; " + finding.todo) + "\n";
+  }
+  return text;
+}
+
+std::string JsonReport(const Listening& listening, const BusPicture& picture,
+                       const std::vector<Finding>& findings) {
+  Json json = {{"lcm_url", listening.lcm_url},
+               {"seconds", listening.seconds},
+               {"healthy", findings.empty()},
+               {"checks", Json::array()},
+               {"processes", Json::array()},
+               {"channels", Json::array()},
+               {"unknown_clients", UnknownClients(picture)},
+               {"findings", Json::array()}};
+  for (const CheckResult& check : listening.checks) {
+    json["checks"].push_back({{"what", check.what}, {"ok", check.ok}, {"found", check.found}});
+  }
+  for (const auto& [name, process] : picture.processes()) {
+    const process_status_t& status = process.last;
+    Json losses = Json::object();
+    for (const auto& [counter, value] : LossesOf(status)) losses[counter] = value;
+    json["processes"].push_back({{"name", name},
+                                 {"program", status.process},
+                                 {"computer", status.host},
+                                 {"pid", status.pid},
+                                 {"version", status.version},
+                                 {"state", status.state},
+                                 {"message", status.message},
+                                 {"age_s", listening.now - process.last_heard},
+                                 {"clock_difference_s", process.clock_difference},
+                                 {"restarts", process.restarts},
+                                 {"losses", losses}});
+  }
+  for (const auto& [name, channel] : picture.channels()) {
+    json["channels"].push_back({{"name", name},
+                                {"messages_per_s", PerSecond(channel.messages, listening)},
+                                {"bytes_per_s", PerSecond(channel.bytes, listening)},
+                                {"age_s", listening.now - channel.last},
+                                {"gaps", channel.gaps},
+                                {"foreign", channel.foreign}});
+  }
+  for (const Finding& finding : findings) {
+    json["findings"].push_back({{"what", finding.what}, {"todo", finding.todo}});
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace vismap

@@ -1,0 +1,218 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+#include <vismap/detections_t.hpp>
+#include <vismap/rgbd_frame_t.hpp>
+
+#include "doctor/findings.h"
+#include "doctor/report.h"
+#include "runtime/version.h"
+#include "wire/channels.h"
+#include "wire/envelope.h"
+#include "wire/fingerprint.h"
+
+namespace vismap {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int64_t kUtime = 1'700'000'000'000'000;
+
+/// A bus that is listened to for five seconds, from time 0 on.
+struct Scene {
+  BusPicture picture;
+  Listening listening{{{"hub", true, "answers"}}, 5, 5, "tcpq://127.0.0.1:7700"};
+
+  process_status_t Status(const std::string& process, const std::string& state = "running") {
+    process_status_t status{};
+    status.source = status.process = process;
+    status.host = "robot";
+    status.pid = 42;
+    status.state = state;
+    status.version = Version();
+    status.types_fingerprint = TypesFingerprint();
+    status.start_utime = 1;
+    return status;
+  }
+  /// Says it once a second.
+  void Says(process_status_t status) {
+    for (int second = 0; second < 5; ++second) {
+      status.utime =
+          status.utime == 0 || second > 0 ? kUtime + second * 1'000'000 + offset : status.utime;
+      status.seq = second;
+      Heard("STATUS", Pack(status), second);
+    }
+  }
+  template <typename Message>
+  void Flows(const Channel& channel, Message message) {
+    for (int i = 0; i < 50; ++i) {
+      message.seq = i;
+      message.source = "somebody";
+      Heard(channel.name, Pack(message), i / 10);
+    }
+  }
+  void Heard(const std::string& channel, const std::vector<uint8_t>& bytes, int second) {
+    picture.Note(channel, bytes, second, kUtime + second * 1'000'000);
+  }
+  void FullPipeline() {
+    for (const char* name : {"hub", "map-server", "depth-segmenter", "detector"}) {
+      Says(Status(name));
+    }
+    for (const Channel& channel : {kSegmentedFrameChannel, kMapCommitChannel}) {
+      std::vector<uint8_t> bytes = Pack(frame_);
+      envelope::WriteBigEndian(*FingerprintOf(channel.name), bytes.data());
+      Heard(channel.name, bytes, 4);
+    }
+    Flows(kRgbdFrameChannel, rgbd_frame_t{});
+    Flows(kDetectionsChannel, detections_t{});
+  }
+  /// "what; todo" of all findings.
+  std::vector<std::string> Findings() {
+    std::vector<std::string> texts;
+    for (const Finding& finding : Diagnose(listening, picture)) {
+      texts.push_back(finding.what + "; " + finding.todo);
+    }
+    return texts;
+  }
+
+  int64_t offset = 0;
+
+ private:
+  rgbd_frame_t frame_{};
+};
+
+TEST(Doctor, HealthyBusHasNoFindings) {
+  Scene scene;
+  scene.FullPipeline();
+  EXPECT_THAT(scene.Findings(), IsEmpty());
+}
+
+TEST(Doctor, MissingHubIsNamedWithItsCommandAndNothingElse) {
+  Scene scene;
+  scene.listening.checks = {{"hub", false, "none; start one with: vismap-hub"}};
+  EXPECT_THAT(scene.Findings(), ElementsAre(HasSubstr("start one with: vismap-hub")));
+}
+
+TEST(Doctor, EmptyBusIsSaid) {
+  Scene scene;
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre(AllOf(HasSubstr("nobody is on the bus"), HasSubstr("127.0.0.1:7700"))));
+}
+
+TEST(Doctor, MissingDetectorIsNamed) {
+  Scene scene;
+  scene.Says(scene.Status("map-server", "ready"));
+  process_status_t segmenter = scene.Status("depth-segmenter", "waiting");
+  segmenter.message = "waiting for DETECTIONS: none for the oldest frame in 5 s";
+  scene.Says(segmenter);
+  scene.Flows(kRgbdFrameChannel, rgbd_frame_t{});
+  EXPECT_THAT(
+      scene.Findings(),
+      ElementsAre("depth-segmenter waits for DETECTIONS: none in 5 s; start vismap-detector, "
+                  "or run vismap-depth-segmenter with --detections none"));
+}
+
+TEST(Doctor, MissingSensorSegmenterAndServerAreNamed) {
+  Scene no_sensor;
+  no_sensor.Says(no_sensor.Status("map-server", "ready"));
+  EXPECT_THAT(no_sensor.Findings(), ElementsAre(HasSubstr("start vismap-sensor-replay")));
+  Scene no_segmenter;
+  no_segmenter.Says(no_segmenter.Status("map-server", "ready"));
+  no_segmenter.Flows(kRgbdFrameChannel, rgbd_frame_t{});
+  EXPECT_THAT(no_segmenter.Findings(), ElementsAre(HasSubstr("start vismap-depth-segmenter")));
+  Scene no_server;
+  no_server.Says(no_server.Status("depth-segmenter", "ready"));
+  EXPECT_THAT(no_server.Findings(), Contains(HasSubstr("start vismap-map-server")));
+}
+
+TEST(Doctor, OtherTypesAndVersionsAreNamed) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t other = scene.Status("octomap-exporter");
+  other.types_fingerprint = 7;
+  other.version = "9.9.9";
+  scene.Says(other);
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre(AllOf(HasSubstr("octomap-exporter on robot has other message types"),
+                                HasSubstr("9.9.9"), HasSubstr("same version"))));
+  scene.Flows(kMapDeltaChannel, detections_t{});
+  EXPECT_THAT(scene.Findings(), Contains(HasSubstr("MAP_DELTA: 50 of 50 messages are of another")));
+}
+
+TEST(Doctor, ClocksThatDisagreeAreNamed) {
+  Scene scene;
+  scene.FullPipeline();
+  scene.offset = -3'000'000;
+  scene.Says(scene.Status("octomap-exporter"));
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre(AllOf(HasSubstr("clock of robot is 3 s behind"), HasSubstr("chrony"))));
+}
+
+TEST(Doctor, LossesOfTheTimeOfListeningAreNamedAndOlderOnesAreNot) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t bridge = scene.Status("bridge");
+  bridge.counter_names = {"send.RGBD_FRAME.dropped", "remote.reconnects"};
+  bridge.counter_values = {100, 1};
+  bridge.n_counters = 2;
+  scene.Says(bridge);
+  EXPECT_THAT(scene.Findings(), IsEmpty());
+  bridge.counter_values = {107, 1};
+  bridge.seq = 5;
+  bridge.utime = kUtime + 4'000'000;
+  scene.Heard("STATUS", Pack(bridge), 4);
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre(AllOf(HasSubstr("bridge on robot dropped 7 messages"),
+                                HasSubstr("send.RGBD_FRAME.dropped, 107 in all"))));
+}
+
+TEST(Doctor, GapsSilenceAndTwoOfOneNameAreNamed) {
+  Scene scene;
+  scene.FullPipeline();
+  rgbd_frame_t late{};
+  late.source = "somebody";
+  late.seq = 60;
+  scene.Heard("RGBD_FRAME", Pack(late), 4);
+  EXPECT_THAT(scene.Findings(), ElementsAre(HasSubstr("RGBD_FRAME: 10 messages are missing")));
+  Scene two;
+  two.FullPipeline();
+  process_status_t twin = two.Status("detector");
+  for (const int64_t start : {50, 1, 50}) {
+    twin.start_utime = start;
+    twin.pid = static_cast<int32_t>(start);
+    twin.utime = kUtime + 4'000'000;
+    twin.seq = start;
+    two.Heard("STATUS", Pack(twin), 4);
+  }
+  EXPECT_THAT(two.Findings(),
+              Contains(AllOf(HasSubstr("two processes are called detector"), HasSubstr("--name"))));
+  Scene silent;
+  silent.FullPipeline();
+  silent.listening.now = 9;
+  EXPECT_THAT(silent.Findings(),
+              Contains(HasSubstr("map-server on robot has been silent for 5 s")));
+}
+
+TEST(Doctor, NamesFromTheBusCannotMoveTheCursor) {
+  Scene scene;
+  process_status_t hostile = scene.Status("x\033[2Jy");
+  hostile.message = "\r\xff\n";
+  scene.Says(hostile);
+  const auto findings = Diagnose(scene.listening, scene.picture);
+  EXPECT_EQ(TextReport(scene.listening, scene.picture, findings).find('\033'), std::string::npos);
+  const auto json =
+      nlohmann::json::parse(JsonReport(scene.listening, scene.picture, findings), nullptr, false);
+  EXPECT_TRUE(json.is_object());
+  EXPECT_FALSE(json["healthy"].get<bool>());
+}
+
+}  // namespace
+}  // namespace vismap
