@@ -1,6 +1,7 @@
 #include "process/process_harness.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -29,6 +30,24 @@ void Redirect(int fd, const std::filesystem::path& path) {
   close(file);
 }
 
+/// Everything that this thread opens from now on is in that network namespace.
+void EnterNetwork(const std::string& name) {
+  if (name.empty()) return;
+  const int target = open(("/run/netns/" + name).c_str(), O_RDONLY | O_CLOEXEC);
+  if (target < 0 || setns(target, CLONE_NEWNET) != 0) _exit(126);
+  close(target);
+}
+
+/// Opens a bus in a network namespace; the test itself stays where it is.
+Result<std::unique_ptr<Bus>> OpenBusOn(const Host& host, const std::string& url) {
+  Result<std::unique_ptr<Bus>> bus = Fail("not opened");
+  std::thread([&] {
+    EnterNetwork(host.network_namespace);
+    bus = Bus::Open({url, "test", kProcessDeadline, nullptr});
+  }).join();
+  return bus;
+}
+
 template <typename Condition>
 bool WaitUntil(const Condition& condition, double timeout) {
   const double deadline = MonotonicSeconds() + timeout;
@@ -42,7 +61,7 @@ bool WaitUntil(const Condition& condition, double timeout) {
 }  // namespace
 
 ChildProcess::ChildProcess(const std::string& name, const std::vector<std::string>& arguments,
-                           const std::filesystem::path& folder)
+                           const std::filesystem::path& folder, const Host& host)
     : name_(name) {
   static std::atomic<int> count{0};
   const bool ours = name.find('/') == std::string::npos;
@@ -59,6 +78,7 @@ ChildProcess::ChildProcess(const std::string& name, const std::vector<std::strin
   if (pid_ > 0) return;
   Redirect(STDOUT_FILENO, out_);
   Redirect(STDERR_FILENO, err_);
+  EnterNetwork(host.network_namespace);
   execv(program.c_str(), argv.data());
   _exit(127);
 }
@@ -89,10 +109,10 @@ std::optional<int> ChildProcess::WaitForExit(double timeout) {
 std::string ChildProcess::StandardOutput() const { return ReadText(out_); }
 std::string ChildProcess::StandardError() const { return ReadText(err_); }
 
-ProcessBus::ProcessBus(const std::vector<std::string>& hub_arguments)
-    : hub_arguments_(hub_arguments) {
-  StartHub("127.0.0.1:0");
-  auto bus = Bus::Open({url_, "test", kProcessDeadline, nullptr});
+ProcessBus::ProcessBus(const std::vector<std::string>& hub_arguments, const Host& host)
+    : hub_arguments_(hub_arguments), host_(host) {
+  StartHub(host.address + ":0");
+  auto bus = OpenBusOn(host, url_);
   if (!bus) throw std::runtime_error(bus.error().message);
   bus_ = std::move(*bus);
   peers_ = std::make_unique<Peers>(bus_.get());
@@ -101,7 +121,7 @@ ProcessBus::ProcessBus(const std::vector<std::string>& hub_arguments)
 void ProcessBus::StartHub(const std::string& listen) {
   std::vector<std::string> arguments = {"--listen", listen};
   arguments.insert(arguments.end(), hub_arguments_.begin(), hub_arguments_.end());
-  hub_ = std::make_unique<ChildProcess>("hub", arguments, folder());
+  hub_ = std::make_unique<ChildProcess>("hub", arguments, folder(), host_);
   const bool said = WaitUntil(
       [&] { return hub_->StandardOutput().find('\n') != std::string::npos || !hub_->Running(); },
       kProcessDeadline);
@@ -125,7 +145,7 @@ std::unique_ptr<ChildProcess> ProcessBus::Start(const std::string& name,
                                                 const std::vector<std::string>& arguments) {
   std::vector<std::string> all = {"--lcm-url", url_};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  return std::make_unique<ChildProcess>(name, all, folder());
+  return std::make_unique<ChildProcess>(name, all, folder(), host_);
 }
 
 bool ProcessBus::SpinUntil(const std::function<bool()>& condition) {

@@ -20,13 +20,19 @@ namespace vismap {
 /// for events, and this only ends a test that has failed.
 inline constexpr double kProcessDeadline = 120;
 
+/// A computer, as far as processes can tell: a network namespace, and an address in it.
+struct Host {
+  std::string network_namespace;  ///< by name, needs root; empty = that of the test
+  std::string address = "127.0.0.1";
+};
+
 /// One of our programs, running. What it writes goes to files. Killed at the end if it still runs.
 class ChildProcess {
  public:
   /// Starts vismap-NAME of this build, or the program of another path. `folder` = where its output
   /// goes.
   ChildProcess(const std::string& name, const std::vector<std::string>& arguments,
-               const std::filesystem::path& folder);
+               const std::filesystem::path& folder, const Host& host = {});
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -52,7 +58,7 @@ class ChildProcess {
 class ProcessBus {
  public:
   /// `hub_arguments` are added to those of the hub.
-  explicit ProcessBus(const std::vector<std::string>& hub_arguments = {});
+  explicit ProcessBus(const std::vector<std::string>& hub_arguments = {}, const Host& host = {});
 
   /// Starts a program with --lcm-url and the arguments.
   std::unique_ptr<ChildProcess> Start(const std::string& name,
@@ -77,6 +83,7 @@ class ProcessBus {
 
   TempFolder folder_;
   std::vector<std::string> hub_arguments_;
+  Host host_;
   std::unique_ptr<ChildProcess> hub_;
   std::string url_;
   std::unique_ptr<Bus> bus_;

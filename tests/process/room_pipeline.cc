@@ -91,11 +91,11 @@ void ExpectExporterIsLevel(ProcessBus* processes) {
   EXPECT_EQ(digest, expected);
 }
 
-std::string OfflineRoomHash(const std::string& threads) {
+std::string OfflineRoomHash(const std::string& threads, const std::string& dataset) {
   const TempFolder folder;
   ChildProcess offline(
       "offline-mapper",
-      {"--dataset", RoomPipeline::kRoom, "--threads", threads, "--out", (folder / "out").string()},
+      {"--dataset", dataset, "--threads", threads, "--out", (folder / "out").string()},
       folder.path());
   EXPECT_EQ(offline.WaitForExit(), 0) << offline.StandardError();
   std::ifstream report(folder / "out" / "report.json");

@@ -59,7 +59,8 @@ std::string ServerStatistic(ProcessBus* processes, const std::string& name);
 /// Waits until the exporter has the server's revision; expects the same occupancy then.
 void ExpectExporterIsLevel(ProcessBus* processes);
 
-/// The map hash that the offline mapper gets from kRoom.
-std::string OfflineRoomHash(const std::string& threads = "2");
+/// The map hash that the offline mapper gets from a sequence.
+std::string OfflineRoomHash(const std::string& threads = "2",
+                            const std::string& dataset = RoomPipeline::kRoom);
 
 }  // namespace vismap
