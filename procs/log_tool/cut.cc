@@ -39,6 +39,8 @@ Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
       reader, take, [&](const LogDamage& damage) { result.damaged_bytes += damage.bytes; });
   if (!read) return tl::unexpected(read.error());
   if (!start) return Fail(reader.path() + ": not one LCM event in this file");
+  if (result.kept == 0)
+    return Fail(reader.path() + ": nothing in it is of these times and channels");
   if (const Result<void> finished = writer->Finish(); !finished)
     return tl::unexpected(finished.error());
   return result;

@@ -23,7 +23,7 @@ struct CutResult {
 };
 
 /// Copies events with their times, byte for byte; they are numbered anew. `out` may be the log
-/// itself. Fails when the log cannot be read or `out` cannot be written.
+/// itself. Fails when the log cannot be read, nothing is kept, or `out` cannot be written.
 Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
                          const std::filesystem::path& out);
 

@@ -33,7 +33,7 @@ bool IsChannelName(std::span<const uint8_t> name) {
 }  // namespace
 
 Result<LogReader> LogReader::Open(const std::filesystem::path& path) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block us
   if (fd < 0) return Fail(path.string() + ": cannot open the log: " + std::strerror(errno));
   LogReader reader(path.string(), fd, 0);
   struct stat info {};

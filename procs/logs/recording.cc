@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
 
@@ -40,6 +41,9 @@ bool HasLogName(std::string_view file) {
 }
 
 bool BeginsAsLog(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    return false;  // what is read from a pipe is gone
   std::array<char, 4> bytes{};
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(bytes.data(), bytes.size())) return false;

@@ -88,6 +88,16 @@ TEST(CutLog, DamageStaysBehind) {
   EXPECT_EQ(Events(bad).size(), 19u);
 }
 
+TEST(CutLog, RefusesToKeepNothing) {
+  LogBuilder builder;
+  Result<LogReader> reader = LogReader::Open(TenFrames(&builder));
+  CutOptions options;
+  options.channels = {"DETECTION"};
+  EXPECT_THAT(CutLog(*reader, options, builder.folder() / "cut").error().message,
+              HasSubstr("nothing in it is of these"));
+  EXPECT_FALSE(std::filesystem::exists(builder.folder() / "cut"));
+}
+
 TEST(CutLog, NamesWhatItCannotWrite) {
   LogBuilder builder;
   Result<LogReader> reader = LogReader::Open(TenFrames(&builder));

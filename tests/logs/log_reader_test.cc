@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/eventlog.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
 #include "logs/recorded_run.h"
@@ -173,6 +174,8 @@ TEST(LogReader, NamesWhatItCannotOpen) {
   EXPECT_THAT(LogReader::Open(folder / "missing.lcmlog").error().message,
               HasSubstr("missing.lcmlog"));
   EXPECT_THAT(LogReader::Open(folder.path()).error().message, HasSubstr("expected a log file"));
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(LogReader::Open(folder / "pipe").error().message, HasSubstr("expected a log file"));
 }
 
 // The claim is that nothing crashes, and that no byte of the file is forgotten.

@@ -215,6 +215,18 @@ TEST(Logs, LcmLogplayerReplaysIntoRunningProcesses) {
   EXPECT_EQ(pipeline.Hash(), OfflineHash(log, folder));
 }
 
+TEST(Logs, AFolderOfTheSameFramesGivesTheSameMap) {
+  const TempFolder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  Say("log", {"from-dataset", kRoom, "--out", path("a.lcmlog")}, folder);
+  Say("log", {"to-dataset", path("a.lcmlog"), "--out", path("sequence")}, folder);
+  Say("log", {"from-dataset", path("sequence"), "--out", path("b.lcmlog")}, folder);
+  Say("log", {"verify", path("b.lcmlog")}, folder);
+  const std::string hash = OfflineHash(path("a.lcmlog"), folder);
+  EXPECT_EQ(OfflineHash(path("sequence"), folder), hash);
+  EXPECT_EQ(OfflineHash(path("b.lcmlog"), folder), hash);
+}
+
 TEST(Logs, CorruptOnesGiveErrors) {
   const TempFolder folder;
   const std::string log = (folder / "bad.lcmlog").string();
