@@ -1,17 +1,8 @@
 #include "doctor/bus_picture.h"
 
 #include <algorithm>
-#include <vismap/detections_t.hpp>
-#include <vismap/frame_commit_t.hpp>
-#include <vismap/map_delta_t.hpp>
-#include <vismap/map_reply_t.hpp>
-#include <vismap/map_request_t.hpp>
-#include <vismap/mesh_delta_t.hpp>
-#include <vismap/object_list_t.hpp>
-#include <vismap/octree_t.hpp>
-#include <vismap/rgbd_frame_t.hpp>
-#include <vismap/segmented_frame_t.hpp>
 
+#include "wire/channel_types.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
 
@@ -27,23 +18,6 @@ bool HasRoom(const Map& map, const std::string& name) {
 
 }  // namespace
 
-std::optional<int64_t> FingerprintOf(const std::string& channel) {
-  static const std::map<std::string, int64_t> fingerprints = {
-      {kRgbdFrameChannel.name, rgbd_frame_t::getHash()},
-      {kDetectionsChannel.name, detections_t::getHash()},
-      {kSegmentedFrameChannel.name, segmented_frame_t::getHash()},
-      {kMapCommitChannel.name, frame_commit_t::getHash()},
-      {kMapDeltaChannel.name, map_delta_t::getHash()},
-      {kMeshDeltaChannel.name, mesh_delta_t::getHash()},
-      {kObjectsChannel.name, object_list_t::getHash()},
-      {kOctomapChannel.name, octree_t::getHash()},
-      {kMapRequestChannel.name, map_request_t::getHash()},
-      {kMapReplyChannel.name, map_reply_t::getHash()},
-      {kStatusChannel.name, process_status_t::getHash()}};
-  const auto found = fingerprints.find(channel);
-  return found == fingerprints.end() ? std::nullopt : std::optional(found->second);
-}
-
 int64_t CounterOf(const process_status_t& status, const std::string& name) {
   const auto found = std::find(status.counter_names.begin(), status.counter_names.end(), name);
   return found == status.counter_names.end()
@@ -58,10 +32,10 @@ void BusPicture::Note(const std::string& channel, std::span<const uint8_t> data,
   ++picture.messages;
   picture.bytes += static_cast<int64_t>(data.size());
   picture.last = now;
-  const std::optional<int64_t> expected = FingerprintOf(channel);
-  if (!expected) return;
+  const ChannelType* type = FindChannelType(channel);
+  if (type == nullptr) return;
   const std::optional<MessageHead> head = PeekHead(data);
-  if (!head || head->fingerprint != *expected || data.size() > MaxBytesOf(channel)) {
+  if (!head || head->fingerprint != type->fingerprint || data.size() > type->channel.max_bytes) {
     ++picture.foreign;
     return;
   }

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -52,8 +51,5 @@ class BusPicture {
 
 /// Value of a counter of a status; 0 when it has none of that name.
 int64_t CounterOf(const process_status_t& status, const std::string& name);
-
-/// The fingerprint of the type that a channel of ours carries; none for other channels.
-std::optional<int64_t> FingerprintOf(const std::string& channel);
 
 }  // namespace vismap

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "log_tool/verify.h"
-#include "logs/channel_types.h"
+#include "wire/channel_types.h"
 
 namespace vismap {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <utility>
 
-#include "logs/channel_types.h"
 #include "logs/log_dataset.h"
 #include "logs/recorded_run.h"
+#include "wire/channel_types.h"
 #include "wire/envelope.h"
 
 namespace vismap {

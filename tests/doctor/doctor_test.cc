@@ -11,6 +11,7 @@
 #include "doctor/findings.h"
 #include "doctor/report.h"
 #include "runtime/version.h"
+#include "wire/channel_types.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
 #include "wire/fingerprint.h"
@@ -68,7 +69,7 @@ struct Scene {
     }
     for (const Channel& channel : {kSegmentedFrameChannel, kMapCommitChannel}) {
       std::vector<uint8_t> bytes = Pack(frame_);
-      envelope::WriteBigEndian(*FingerprintOf(channel.name), bytes.data());
+      envelope::WriteBigEndian(FindChannelType(channel.name)->fingerprint, bytes.data());
       Heard(channel.name, bytes, 4);
     }
     Flows(kRgbdFrameChannel, rgbd_frame_t{});

@@ -1,4 +1,4 @@
-#include "logs/channel_types.h"
+#include "wire/channel_types.h"
 
 #include <algorithm>
 #include <array>
@@ -31,7 +31,7 @@ ChannelType TypeOf(const Channel& channel) {
 
 }  // namespace
 
-const ChannelType* FindChannelType(const std::string& channel) {
+std::span<const ChannelType> ChannelTypes() {
   static const std::array<ChannelType, 11> kTypes = {
       TypeOf<rgbd_frame_t>(kRgbdFrameChannel),
       TypeOf<detections_t>(kDetectionsChannel),
@@ -44,10 +44,15 @@ const ChannelType* FindChannelType(const std::string& channel) {
       TypeOf<map_request_t>(kMapRequestChannel),
       TypeOf<map_reply_t>(kMapReplyChannel),
       TypeOf<process_status_t>(kStatusChannel)};
-  const auto found = std::find_if(kTypes.begin(), kTypes.end(), [&](const ChannelType& type) {
+  return kTypes;
+}
+
+const ChannelType* FindChannelType(const std::string& channel) {
+  const std::span<const ChannelType> types = ChannelTypes();
+  const auto found = std::find_if(types.begin(), types.end(), [&](const ChannelType& type) {
     return channel == type.channel.name;
   });
-  return found == kTypes.end() ? nullptr : &*found;
+  return found == types.end() ? nullptr : &*found;
 }
 
 }  // namespace vismap

@@ -18,6 +18,9 @@ struct ChannelType {
   Result<void> (*check)(std::span<const uint8_t> bytes, const Channel& channel);
 };
 
+/// All of ours, in the order of kAllChannels.
+std::span<const ChannelType> ChannelTypes();
+
 /// None for a channel that is not ours.
 const ChannelType* FindChannelType(const std::string& channel);
 
