@@ -67,7 +67,7 @@ Result<SegmentImage> Parse(std::span<const uint8_t> content, int width, int heig
 }  // namespace
 
 std::vector<uint8_t> EncodeSegmentImage(const SegmentImage& image) {
-  const std::vector<SegmentIndex>& index = image.index.pixels();
+  const auto& index = image.index.pixels();
   Require(image.segment_count >= 0 && static_cast<size_t>(image.segment_count) <= index.size(),
           "a segment image has at most as many segments as pixels");
   std::vector<uint8_t> content;

@@ -42,7 +42,7 @@ class InstancePngs : public DetectionSource {
     const Result<Image<uint16_t>> ids =
         ReadPng16(file->second, header.camera.width, header.camera.height);
     if (!ids) return Fail(ids.error().message);
-    std::vector<uint16_t> present(ids->pixels());
+    auto present = ids->pixels();
     std::sort(present.begin(), present.end());
     present.erase(std::unique(present.begin(), present.end()), present.end());
     for (const uint16_t id : present) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/buffer_pool.h"
 #include "base/require.h"
 
 namespace vismap {
@@ -20,10 +21,22 @@ struct Rgb8 {
 template <typename T>
 class Image {
  public:
+  using Pixels = std::vector<T, PooledAllocator<T>>;
+
   Image() = default;
   Image(int width, int height, const T& fill = T{}) : width_(width), height_(height) {
     Require(width >= 0 && height >= 0, "image sizes are not negative");
     pixels_.assign(static_cast<size_t>(width) * static_cast<size_t>(height), fill);
+  }
+
+  /// An image whose pixels have no particular value yet, for kernels that set them all.
+  static Image Unset(int width, int height) {
+    Require(width >= 0 && height >= 0, "image sizes are not negative");
+    Image image;
+    image.width_ = width;
+    image.height_ = height;
+    image.pixels_.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
+    return image;
   }
 
   int width() const { return width_; }
@@ -38,8 +51,8 @@ class Image {
   const T* row(int v) const { return pixels_.data() + Offset(v, 0); }
   T* data() { return pixels_.data(); }
   const T* data() const { return pixels_.data(); }
-  std::vector<T>& pixels() { return pixels_; }
-  const std::vector<T>& pixels() const { return pixels_; }
+  Pixels& pixels() { return pixels_; }
+  const Pixels& pixels() const { return pixels_; }
 
   friend bool operator==(const Image&, const Image&) = default;
 
@@ -50,7 +63,7 @@ class Image {
 
   int width_ = 0;
   int height_ = 0;
-  std::vector<T> pixels_;
+  Pixels pixels_;
 };
 
 }  // namespace vismap

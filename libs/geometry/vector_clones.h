@@ -5,7 +5,8 @@
 /// fuses or reorders floating-point operations. Off under sanitizers, which break its resolvers.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define VISMAP_VECTOR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#define VISMAP_VECTOR_CLONES \
+  __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define VISMAP_VECTOR_CLONES
 #endif

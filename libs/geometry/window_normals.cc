@@ -41,6 +41,8 @@ void EstimateWindowNormals(const SurfaceOptions& options, SurfaceMap* surface) {
   ParallelFor(static_cast<size_t>(points.z.height()), 4, [&](size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < width; ++u) {
+      surface->normals_C.x(v, u) = surface->normals_C.y(v, u) = surface->normals_C.z(v, u) =
+          surface->normal_sigma(v, u) = std::numeric_limits<float>::quiet_NaN();
       if (!points.valid(v, u)) continue;
       const auto covariance = WindowCovariance(points, v, u, options);
       if (!covariance) continue;

@@ -1,7 +1,6 @@
 #include "mapping/fuse_block.h"
 
-#include <algorithm>
-#include <cmath>
+#include <bit>
 
 #include "volume/label_votes.h"
 
@@ -10,7 +9,7 @@ namespace {
 
 // Sets the bits of `seen` in the free-space record; true when that changed anything. A full record
 // becomes all_free.
-bool MarkFree(const std::array<uint64_t, kBlockVoxels / 64>& seen, Block& block) {
+bool MarkFree(const VoxelBits& seen, Block& block) {
   if (block.all_free) return false;
   if (!block.free) block.free = std::make_unique<FreeVoxels>();
   bool changed = false, full = true;
@@ -54,18 +53,13 @@ uint8_t Blend(uint8_t old_value, uint8_t new_value, float share) {
   return static_cast<uint8_t>(blended + 0.5F);
 }
 
-// Flags are 0 or 1.
-bool Any(const VoxelArray<float>& flags) {
-  float sum = 0;
-  for (const float flag : flags) sum += flag;
-  return sum > 0;
-}
-
-std::array<uint64_t, kBlockVoxels / 64> Bits(const VoxelArray<float>& flags) {
-  std::array<uint64_t, kBlockVoxels / 64> bits{};
-  for (size_t i = 0; i < kBlockVoxels; ++i)
-    bits[i / 64] |= static_cast<uint64_t>(flags[i] > 0) << (i % 64);
-  return bits;
+// Calls visit(voxel) for every bit set, ascending.
+template <typename Visit>
+void ForEach(const VoxelBits& bits, const Visit& visit) {
+  for (size_t word = 0; word < bits.size(); ++word) {
+    for (uint64_t rest = bits[word]; rest != 0; rest &= rest - 1)
+      visit(word * 64 + static_cast<size_t>(std::countr_zero(rest)));
+  }
 }
 
 }  // namespace
@@ -81,40 +75,24 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, std::vector<Segmen
              static_cast<float>(options.max_range),
              static_cast<float>(options.free_space_range),
              -static_cast<float>(grid.voxel_size),
+             static_cast<float>(options.vote_distance_voxels * grid.voxel_size),
+             static_cast<float>(2 * grid.voxel_size),  // all that a mesh vertex can lie between
              options.free_space};
   max_weight_ = static_cast<float>(options.max_weight) * kWeightScale;
-  vote_distance_ = static_cast<float>(options.vote_distance_voxels * grid.voxel_size);
-  color_distance_ =
-      static_cast<float>(2 * grid.voxel_size);  // all that a mesh vertex can lie between
-}
-
-void FrameProjection::LookUpDepth(const ProjectedVoxels& voxels, VoxelArray<float>& depth,
-                                  VoxelArray<int32_t>& pixel) const {
-  const Image<float>& image = frame_.frame.depth;
-  const auto width = static_cast<float>(image.width()), height = static_cast<float>(image.height());
-  for (size_t i = 0; i < kBlockVoxels; ++i) {
-    depth[i] = 0;
-    pixel[i] = 0;
-    const float u = voxels.u[i], v = voxels.v[i];
-    if (!(voxels.z[i] > 0 && u >= 0 && v >= 0 && u < width && v < height)) continue;
-    pixel[i] = static_cast<int32_t>(v) * image.width() + static_cast<int32_t>(u);
-    const float measured = image.data()[pixel[i]];
-    depth[i] = measured > 0 ? measured : 0.0F;  // NaN becomes 0
-  }
 }
 
 void FrameProjection::BlendColors(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                                   const VoxelArray<float>& shares, SurfaceVoxels& voxels) const {
   if (frame_.frame.color.empty()) return;
-  for (size_t i = 0; i < kBlockVoxels; ++i) {
-    if (samples.near[i] == 0 || std::abs(samples.distance[i]) > color_distance_) continue;
-    const Rgb8 seen = frame_.frame.color.data()[pixel[i]];
+  const Rgb8* image = frame_.frame.color.data();
+  ForEach(VoxelsWith(samples.flags, kTakesColor), [&](size_t i) {
+    const Rgb8 seen = image[pixel[i]];
     Rgb8& color = voxels.color[i];
     // A voxel that was only seen from farther off has no colour yet.
     const float share = color == Rgb8{} ? 1.0F : shares[i];
     color = {Blend(color.r, seen.r, share), Blend(color.g, seen.g, share),
              Blend(color.b, seen.b, share)};
-  }
+  });
 }
 
 int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
@@ -122,18 +100,17 @@ int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int3
   int64_t evicted = 0;
   SegmentLabel last = SegmentLabel::kNone;
   uint8_t entry = 0;
-  for (size_t i = 0; i < kBlockVoxels; ++i) {
-    if (samples.near[i] == 0 || std::abs(samples.distance[i]) > vote_distance_) continue;
+  ForEach(VoxelsWith(samples.flags, kTakesVote), [&](size_t i) {
     const SegmentIndex segment = frame_.image.index.data()[pixel[i]];
-    if (segment == SegmentIndex::kNone) continue;
+    if (segment == SegmentIndex::kNone) return;
     const SegmentLabel label = labels_[static_cast<size_t>(Raw(segment))];
-    if (label == SegmentLabel::kNone) continue;
+    if (label == SegmentLabel::kNone) return;
     if (label != last) {
       entry = PaletteEntry(voxels, label);
       last = label;
     }
     if (!AddVoteForEntry(voxels, static_cast<int>(i), entry)) ++evicted;
-  }
+  });
   return evicted;
 }
 
@@ -141,8 +118,8 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const VoxelSamples& sample
                                                       const VoxelArray<int32_t>& pixel,
                                                       SurfaceVoxels& voxels) const {
   Outcome outcome;
-  outcome.voxels_updated =
-      std::count_if(samples.weight.begin(), samples.weight.end(), [](float w) { return w > 0; });
+  for (const uint64_t word : VoxelsWith(samples.flags, kNearSurface | kSeenFree))
+    outcome.voxels_updated += std::popcount(word);
   if (outcome.voxels_updated == 0) return outcome;
   alignas(64) VoxelArray<float> shares;
   FuseDistances(samples, limits_.truncation, max_weight_, voxels, shares);
@@ -155,8 +132,7 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const VoxelSamples& sample
 FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
                                                Block& block) const {
   if (view == BlockView::kWhollyFree && !block.surface) {
-    static constexpr std::array<uint64_t, kBlockVoxels / 64> kAll{~0ull, ~0ull, ~0ull, ~0ull,
-                                                                  ~0ull, ~0ull, ~0ull, ~0ull};
+    static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
     return {MarkFree(kAll, block), 0, 0};
   }
   const Eigen::Vector3d first_W =
@@ -167,19 +143,20 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
   ProjectedVoxels voxels;
   ProjectVoxels(lattice, frame_.frame.header.camera, voxels);
   alignas(64) VoxelArray<float> depth;
-  alignas(64) VoxelArray<int32_t> pixel;
-  LookUpDepth(voxels, depth, pixel);
+  LookUpDepth(voxels, frame_.frame.depth.data(), depth);
   VoxelSamples samples;
   JudgeVoxels(voxels, depth, limits_, samples);
-  if (!block.surface && !Any(samples.near)) {
-    return {Any(samples.free) && MarkFree(Bits(samples.free), block), 0, 0};
+  const uint8_t said = UnionOf(samples.flags);
+  if (said == 0) return {};
+  if (!block.surface && !(said & kNearSurface)) {
+    return {MarkFree(VoxelsWith(samples.flags, kSeenFree), block), 0, 0};
   }
   if (!block.surface) {
     block.surface = Densify(block);
     block.free.reset();
     block.all_free = false;
   }
-  return FuseSurface(samples, pixel, *block.surface);
+  return FuseSurface(samples, voxels.pixel, *block.surface);
 }
 
 }  // namespace vismap

@@ -30,8 +30,6 @@ class FrameProjection {
   Outcome Fuse(BlockIndex index, BlockView view, Block& block) const;
 
  private:
-  void LookUpDepth(const ProjectedVoxels& voxels, VoxelArray<float>& depth,
-                   VoxelArray<int32_t>& pixel) const;
   Outcome FuseSurface(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                       SurfaceVoxels& voxels) const;
   void BlendColors(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
@@ -45,9 +43,7 @@ class FrameProjection {
   Eigen::Vector3d t_C_W_;
   double voxel_size_;
   MeasurementLimits limits_;
-  float max_weight_;      // in steps
-  float vote_distance_;   // [m]
-  float color_distance_;  // [m]
+  float max_weight_;  // in steps
 };
 
 }  // namespace vismap

@@ -45,13 +45,10 @@ struct WorkItem {
 // table change.
 void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBlock>& visible,
                 VoxelMap& voxels, MapDelta& delta) {
-  std::vector<WorkItem> work;
-  work.reserve(visible.size());
-  for (const VisibleBlock& target : visible) {
-    Block* block = voxels.FindMutable(target.index);
-    // Seen empty once more: nothing that a block without surface could still learn.
-    if (target.view != BlockView::kMixed && block != nullptr && block->all_free) continue;
-    work.push_back({target, block, {}, {}});
+  std::vector<WorkItem> work(visible.size());
+  for (size_t i = 0; i < visible.size(); ++i) {
+    work[i].target = visible[i];
+    work[i].block = voxels.FindMutable(visible[i].index);
   }
   ParallelFor(work.size(), 32, [&](size_t i) {
     WorkItem& item = work[i];
@@ -127,7 +124,14 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
                                      options.min_range,        options.max_range,
                                      options.free_space_range, options.free_space};
   const FrameProjection projection(frame, std::move(labels), options, map->voxels.options());
-  FuseBlocks(projection, FindVisibleBlocks(header, pyramid, visibility), map->voxels, delta);
+  const auto may_change = [&](const VisibleBlock& target) {
+    if (target.view == BlockView::kMixed) return true;
+    // Seen empty once more: nothing that a block without surface could still learn.
+    const Block* block = map->voxels.Find(target.index);
+    return block == nullptr || !block->all_free;
+  };
+  FuseBlocks(projection, FindVisibleBlocks(header, pyramid, visibility, may_change), map->voxels,
+             delta);
   MergeLabels(association, options.merge_frames, map->labels, delta);
 
   map->last_utime = std::max(map->last_utime, header.utime);

@@ -12,12 +12,14 @@ constexpr int kTopLevel = 4;  // the descent starts at cubes of 16 blocks
 
 class Descent {
  public:
-  Descent(const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options)
+  Descent(const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,
+          const std::function<bool(const VisibleBlock&)>& wanted)
       : camera_(header.camera),
         T_C_W_(header.T_W_C.inverse()),
         extent_(T_C_W_.linear().cwiseAbs().rowwise().sum() / 2),
         pyramid_(pyramid),
         options_(options),
+        wanted_(wanted),
         range_(options.free_space ? std::max(options.max_range, options.free_space_range)
                                   : options.max_range) {}
 
@@ -28,7 +30,7 @@ class Descent {
     const BlockView view = Look(low, level);
     if (view == BlockView::kNothing) return;
     if (level == 0) {
-      visible.push_back({low, view});
+      Emit({low, view}, visible);
       return;
     }
     const int half = 1 << (level - 1);
@@ -44,12 +46,16 @@ class Descent {
   }
 
  private:
-  static void EmitFree(BlockIndex low, int level, std::vector<VisibleBlock>& visible) {
+  void Emit(const VisibleBlock& block, std::vector<VisibleBlock>& visible) const {
+    if (wanted_(block)) visible.push_back(block);
+  }
+
+  void EmitFree(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
     const int side = 1 << level;
     for (int x = 0; x < side; ++x) {
       for (int y = 0; y < side; ++y) {
         for (int z = 0; z < side; ++z)
-          visible.push_back({{low.x + x, low.y + y, low.z + z}, BlockView::kWhollyFree});
+          Emit({{low.x + x, low.y + y, low.z + z}, BlockView::kWhollyFree}, visible);
       }
     }
   }
@@ -103,6 +109,7 @@ class Descent {
   const Eigen::Vector3d extent_;  // half extent along the camera's axes of a cube with edge 1
   const DepthPyramid& pyramid_;
   const VisibilityOptions& options_;
+  const std::function<bool(const VisibleBlock&)>& wanted_;
   const double range_;
 };
 
@@ -130,9 +137,10 @@ std::vector<BlockIndex> TopCubes(const FrameHeader& header, double range, double
 
 }  // namespace
 
-std::vector<VisibleBlock> FindVisibleBlocks(const FrameHeader& header, const DepthPyramid& pyramid,
-                                            const VisibilityOptions& options) {
-  const Descent descent(header, pyramid, options);
+std::vector<VisibleBlock> FindVisibleBlocks(
+    const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,
+    const std::function<bool(const VisibleBlock&)>& wanted) {
+  const Descent descent(header, pyramid, options, wanted);
   const std::vector<BlockIndex> cubes =
       TopCubes(header, descent.range() + options.truncation, options.block_size);
   std::vector<std::vector<VisibleBlock>> parts(cubes.size());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "geometry/frame.h"
@@ -34,9 +35,13 @@ struct VisibleBlock {
 };
 
 /// The blocks that the frame may change, ascending: those that a surface may pass near and those
-/// with seen-empty space. Blocks hidden behind surfaces and outside the view are left out. Found by
-/// descending an octree over the view.
-std::vector<VisibleBlock> FindVisibleBlocks(const FrameHeader& header, const DepthPyramid& pyramid,
-                                            const VisibilityOptions& options);
+/// with seen-empty space. Blocks hidden behind surfaces and outside the view are left out, and
+/// those that `wanted` refuses, which is asked by several threads at once. Found by descending an
+/// octree over the view.
+std::vector<VisibleBlock> FindVisibleBlocks(
+    const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,
+    const std::function<bool(const VisibleBlock&)>& wanted = [](const VisibleBlock&) {
+      return true;
+    });
 
 }  // namespace vismap

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "geometry/vector_clones.h"
 
@@ -21,11 +22,14 @@ struct Ramps {
 };
 constexpr Ramps kRamps;
 
-// Plain arrays and scalars only: what these loops see decides whether they vectorise.
-VISMAP_VECTOR_CLONES void Project(const float* first, const float* step, const float* intrinsics,
-                                  float* __restrict z_out, float* __restrict u_out,
-                                  float* __restrict v_out, float* __restrict stretch_out) {
-  const float fx = intrinsics[0], fy = intrinsics[1], cx = intrinsics[2], cy = intrinsics[3];
+// Plain arrays and scalars only: what these loops see decides whether they vectorise. Conditions
+// are floats, 0 or 1, for the same reason.
+VISMAP_VECTOR_CLONES void Project(const float* first, const float* step, const float* camera,
+                                  float* __restrict z_out, int32_t* __restrict pixel_out,
+                                  float* __restrict inside_out, float* __restrict stretch_out) {
+  const float fx = camera[0], fy = camera[1], cx = camera[2], cy = camera[3];
+  const float width = camera[4], height = camera[5];
+  const auto row = static_cast<int32_t>(width);
   const float x0 = first[0], y0 = first[1], z0 = first[2];
   const float xi = step[0], yi = step[1], zi = step[2];
   const float xj = step[3], yj = step[4], zj = step[5];
@@ -36,22 +40,35 @@ VISMAP_VECTOR_CLONES void Project(const float* first, const float* step, const f
     const float y = y0 + yj * j + yk * k + yi * i;
     const float z = z0 + zj * j + zk * k + zi * i;
     const float a = x / z, b = y / z;
+    const float u = fx * a + cx, v = fy * b + cy;
+    const float before = z > 0 ? 1.0F : 0.0F;
+    const float right = u >= 0 ? before : 0.0F, left = u < width ? right : 0.0F;
+    const float below = v >= 0 ? left : 0.0F, inside = v < height ? below : 0.0F;
+    const float whole_u = inside > 0 ? u : 0.0F, whole_v = inside > 0 ? v : 0.0F;
     z_out[voxel] = z;
-    u_out[voxel] = fx * a + cx;
-    v_out[voxel] = fy * b + cy;
+    pixel_out[voxel] = static_cast<int32_t>(whole_v) * row + static_cast<int32_t>(whole_u);
+    inside_out[voxel] = inside;
     stretch_out[voxel] = std::sqrt(a * a + b * b + 1.0F);
   }
 }
 
-// Conditions are floats, 0 or 1, since that is what vectorises.
+VISMAP_VECTOR_CLONES void Gather(const int32_t* pixel, const float* inside, const float* image,
+                                 float* __restrict depth_out) {
+  for (int voxel = 0; voxel < kBlockVoxels; ++voxel) {
+    const float measured = image[pixel[voxel]];
+    const float known = measured > 0 ? measured : 0.0F;  // NaN becomes 0
+    depth_out[voxel] = inside[voxel] > 0 ? known : 0.0F;
+  }
+}
+
 VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const float* depth_in,
                                 const MeasurementLimits& limits, float* __restrict distance_out,
-                                float* __restrict weight_out, float* __restrict near_out,
-                                float* __restrict free_out) {
+                                float* __restrict weight_out, uint8_t* __restrict flags_out) {
   const float truncation = limits.truncation, min_range = limits.min_range,
               max_range = limits.max_range;
   const float free_range = limits.free_space ? limits.free_space_range : -1.0F;
   const float drop_off = limits.drop_off_start, drop_scale = 1.0F / (truncation + drop_off);
+  const float vote = limits.vote_distance, color = limits.color_distance;
   for (int i = 0; i < kBlockVoxels; ++i) {
     const float depth = depth_in[i], z = z_in[i];
     const float distance = (depth - z) * stretch[i];
@@ -71,10 +88,14 @@ VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const f
     const float exact = inverse * inverse * fading * kWeightScale;
     const float weight = exact > 1.0F ? exact : 1.0F;
     const float clamped = distance < truncation ? distance : truncation;
+    const float gap = std::abs(distance);
+    const float votes = gap <= vote ? is_near : 0.0F;
+    const float colors = gap <= color ? is_near : 0.0F;
     weight_out[i] = said > 0.0F ? weight : 0.0F;
     distance_out[i] = said > 0.0F ? clamped : 0.0F;
-    near_out[i] = is_near;
-    free_out[i] = is_free;
+    flags_out[i] = static_cast<uint8_t>(static_cast<int32_t>(
+        is_near * static_cast<float>(kNearSurface) + is_free * static_cast<float>(kSeenFree) +
+        votes * static_cast<float>(kTakesVote) + colors * static_cast<float>(kTakesColor)));
   }
 }
 
@@ -99,17 +120,51 @@ VISMAP_VECTOR_CLONES void Fuse(const float* distance_in, const float* weight_in,
 
 void ProjectVoxels(const VoxelLattice& lattice, const PinholeCamera& camera, ProjectedVoxels& out) {
   // Half a pixel is added here, so that truncation rounds.
-  const float intrinsics[4] = {static_cast<float>(camera.fx), static_cast<float>(camera.fy),
-                               static_cast<float>(camera.cx) + 0.5F,
-                               static_cast<float>(camera.cy) + 0.5F};
-  Project(lattice.first_C.data(), lattice.step_C.data(), intrinsics, out.z.data(), out.u.data(),
-          out.v.data(), out.stretch.data());
+  const float intrinsics[6] = {
+      static_cast<float>(camera.fx),        static_cast<float>(camera.fy),
+      static_cast<float>(camera.cx) + 0.5F, static_cast<float>(camera.cy) + 0.5F,
+      static_cast<float>(camera.width),     static_cast<float>(camera.height)};
+  Project(lattice.first_C.data(), lattice.step_C.data(), intrinsics, out.z.data(), out.pixel.data(),
+          out.inside.data(), out.stretch.data());
+}
+
+void LookUpDepth(const ProjectedVoxels& voxels, const float* image, VoxelArray<float>& depth) {
+  Gather(voxels.pixel.data(), voxels.inside.data(), image, depth.data());
 }
 
 void JudgeVoxels(const ProjectedVoxels& voxels, const VoxelArray<float>& depth,
                  const MeasurementLimits& limits, VoxelSamples& out) {
   Judge(voxels.z.data(), voxels.stretch.data(), depth.data(), limits, out.distance.data(),
-        out.weight.data(), out.near.data(), out.free.data());
+        out.weight.data(), out.flags.data());
+}
+
+namespace {
+uint64_t EightFlags(const VoxelArray<uint8_t>& flags, size_t first) {
+  uint64_t eight;
+  std::memcpy(&eight, flags.data() + first, sizeof(eight));
+  return eight;
+}
+}  // namespace
+
+VoxelBits VoxelsWith(const VoxelArray<uint8_t>& flags, uint8_t mask) {
+  VoxelBits bits{};
+  for (size_t i = 0; i < kBlockVoxels; i += 8) {
+    uint64_t hit = EightFlags(flags, i) & (mask * 0x0101010101010101u);
+    if (hit == 0) continue;
+    // Every byte to 0 or 1 (flags stay below 128), then the eight of them side by side.
+    hit = ((hit + 0x7F7F7F7F7F7F7F7Fu) >> 7) & 0x0101010101010101u;
+    bits[i / 64] |= ((hit * 0x0102040810204080u) >> 56) << (i % 64);
+  }
+  return bits;
+}
+
+uint8_t UnionOf(const VoxelArray<uint8_t>& flags) {
+  uint64_t all = 0;
+  for (size_t i = 0; i < kBlockVoxels; i += 8) all |= EightFlags(flags, i);
+  all |= all >> 32;
+  all |= all >> 16;
+  all |= all >> 8;
+  return static_cast<uint8_t>(all);
 }
 
 void FuseDistances(const VoxelSamples& samples, float truncation, float max_weight,

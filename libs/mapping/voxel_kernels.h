@@ -24,18 +24,30 @@ struct VoxelLattice {
 
 /// Where voxel centres fall in the image.
 struct ProjectedVoxels {
-  alignas(64) VoxelArray<float> z;  ///< depth [m]
-  alignas(64) VoxelArray<float> u,
-      v;  ///< pixel + 0.5: truncating gives the nearest pixel; any value when z <= 0
+  alignas(64) VoxelArray<float> z;        ///< depth [m]
+  alignas(64) VoxelArray<int32_t> pixel;  ///< offset in the image; 0 where `inside` is 0
+  alignas(64) VoxelArray<float> inside;   ///< 1 = before the camera and in the image
   alignas(64) VoxelArray<float> stretch;  ///< length of the ray per metre of depth
 };
 void ProjectVoxels(const VoxelLattice& lattice, const PinholeCamera& camera, ProjectedVoxels& out);
 
+/// The measured depth at each voxel's pixel [m]; 0 = none. `image` has the camera's size, NaN = no
+/// return.
+void LookUpDepth(const ProjectedVoxels& voxels, const float* image, VoxelArray<float>& depth);
+
 /// Limits of what a measurement says [m].
 struct MeasurementLimits {
   float truncation, min_range, max_range, free_space_range, drop_off_start;
+  float vote_distance;   ///< labels are voted for this near the surface
+  float color_distance;  ///< colours are kept this near the surface
   bool free_space;
 };
+
+/// What a frame says of a voxel; bits of VoxelSamples::flags.
+inline constexpr uint8_t kNearSurface = 1;  ///< within the truncation of a surface
+inline constexpr uint8_t kSeenFree = 2;     ///< before it, empty
+inline constexpr uint8_t kTakesVote = 4;    ///< kNearSurface, and within the vote distance
+inline constexpr uint8_t kTakesColor = 8;   ///< kNearSurface, and within the colour distance
 
 /// What a frame says of the voxels.
 struct VoxelSamples {
@@ -43,12 +55,18 @@ struct VoxelSamples {
                                            ///< where weight is 0
   alignas(64)
       VoxelArray<float> weight;  ///< in steps of 1 / kWeightScale; 0 = the frame says nothing
-  alignas(64) VoxelArray<float> near,
-      free;  ///< 1 = within the truncation of a surface; 1 = before it, empty
+  alignas(64) VoxelArray<uint8_t> flags;
 };
 /// `depth` = measured depth at each voxel's pixel [m]; 0 = none.
 void JudgeVoxels(const ProjectedVoxels& voxels, const VoxelArray<float>& depth,
                  const MeasurementLimits& limits, VoxelSamples& out);
+
+/// One bit per voxel: 64 of them a word, bit = linear index.
+using VoxelBits = std::array<uint64_t, kBlockVoxels / 64>;
+/// The voxels that have any of the bits of `mask` set in their flags.
+VoxelBits VoxelsWith(const VoxelArray<uint8_t>& flags, uint8_t mask);
+/// All bits that some voxel has set.
+uint8_t UnionOf(const VoxelArray<uint8_t>& flags);
 
 /// Weighted running mean of distances and weights, and the count of observations. `shares` = how
 /// much of each new mean is this frame's, [0, 1].

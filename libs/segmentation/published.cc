@@ -74,23 +74,17 @@ bool Convex(const SurfaceMap& surface, const SegmentationOptions& options, int v
   return least > static_cast<float>(options.concave_cosine);
 }
 
-/// Treats every pair of neighbours with depth as joined: the published regions know only edges.
-SurfaceMap JoinedByDepth(const SurfaceMap& surface) {
-  SurfaceMap all;
-  all.radius = surface.radius;
-  all.joined = Image<uint8_t>(surface.radius.width(), surface.radius.height());
-  for (int v = 0; v < all.joined.height(); ++v) {
-    for (int u = 0; u < all.joined.width(); ++u) {
-      if (surface.radius(v, u) == 0) continue;
-      if (surface.radius.Contains(v, u + 1) && surface.radius(v, u + 1)) {
-        all.joined(v, u) |= kJoinedRight;
-      }
-      if (surface.radius.Contains(v + 1, u) && surface.radius(v + 1, u)) {
-        all.joined(v, u) |= kJoinedDown;
-      }
+/// Treats every pair of neighbours with depth as linked: the published regions know only edges.
+Image<uint8_t> LinksByDepth(const Image<uint8_t>& depth) {
+  Image<uint8_t> joined(depth.width(), depth.height());
+  for (int v = 0; v < depth.height(); ++v) {
+    for (int u = 0; u < depth.width(); ++u) {
+      if (depth(v, u) == 0) continue;
+      if (depth.Contains(v, u + 1) && depth(v, u + 1)) joined(v, u) |= kJoinedRight;
+      if (depth.Contains(v + 1, u) && depth(v + 1, u)) joined(v, u) |= kJoinedDown;
     }
   }
-  return all;
+  return LinkImage(joined);
 }
 
 /// Gives every pixel without region to that of the nearest point in the window; ties to the lower
@@ -131,9 +125,9 @@ SegmentImage SegmentAsPublished(const SurfaceMap& surface, int min_pixels,
   })));
   const Image<uint8_t> edge =
       ForEachPixel(width, height, [&](int v, int u) { return !convex(v, u) || steps(v, u) != 0; });
-  RegionImage regions = ConnectedRegions(JoinedByDepth(surface), edge);
-  DropSmallRegions(min_pixels, &regions);
-  return NumberRegions(GiveBack(surface, regions, options));
+  const Regions regions =
+      ConnectedRegions(surface.radius, LinksByDepth(surface.radius), edge, min_pixels);
+  return NumberRegions(GiveBack(surface, regions.image, options));
 }
 
 }  // namespace vismap

@@ -2,182 +2,194 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <map>
+#include <functional>
 #include <utility>
+#include <vector>
+
+#include "base/parallel.h"
 
 namespace vismap {
 namespace {
 
+constexpr size_t kRowGrain = 16;
+
+size_t At(int32_t i) { return static_cast<size_t>(i); }
+
 /// Disjoint sets of region numbers; the smallest number of a set stands for it.
 class DisjointSets {
  public:
-  int32_t Add() {
-    parent_.push_back(static_cast<int32_t>(parent_.size()));
-    return parent_.back();
+  explicit DisjointSets(size_t count) : parent_(count) {
+    for (size_t i = 0; i < count; ++i) parent_[i] = static_cast<int32_t>(i);
   }
   int32_t Find(int32_t i) {
     while (parent_[At(i)] != i) i = parent_[At(i)] = parent_[At(parent_[At(i)])];
     return i;
   }
-  int32_t Unite(int32_t a, int32_t b) {
-    a = Find(a);
-    b = Find(b);
-    const auto [low, high] = std::minmax(a, b);
+  void Unite(int32_t a, int32_t b) {
+    const auto [low, high] = std::minmax({Find(a), Find(b)});
     parent_[At(high)] = low;
-    return low;
   }
 
  private:
-  static size_t At(int32_t i) { return static_cast<size_t>(i); }
   std::vector<int32_t> parent_;
 };
 
-/// 4-connected regions over joined pixels where `keep(v, u)`.
-template <typename Keep>
-RegionImage Connect(const SurfaceMap& surface, const Keep& keep) {
-  const int width = surface.joined.width(), height = surface.joined.height();
-  RegionImage regions(width, height);
-  DisjointSets sets;
-  sets.Add();  // 0 = none
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      if (!keep(v, u)) continue;
-      const bool west = u > 0 && (surface.joined(v, u - 1) & kJoinedRight);
-      const bool north = v > 0 && (surface.joined(v - 1, u) & kJoinedDown);
-      const int32_t a = west ? regions(v, u - 1) : 0, b = north ? regions(v - 1, u) : 0;
-      regions(v, u) = a && b ? (a == b ? a : sets.Unite(a, b)) : a ? a : b ? b : sets.Add();
+bool AnyLinkDown(const uint8_t* links, int32_t begin, int32_t end) {
+  return std::any_of(links + begin, links + end, [](uint8_t bits) { return bits & kLinkDown; });
+}
+
+/// Gives linked runs one number, from `first` on by their first pixel, and those of fewer than
+/// `min_pixels` the number 0. Returns the highest number.
+int32_t ConnectRuns(const Image<uint8_t>& links, int min_pixels, int32_t first, RunTable* table) {
+  std::vector<Run>& runs = table->runs();
+  for (size_t i = 0; i < runs.size(); ++i) runs[i].region = static_cast<int32_t>(i);
+  DisjointSets sets(runs.size());
+  for (int v = 1; v < table->height(); ++v) {
+    const uint8_t* row = links.row(v - 1);
+    ForOverlaps(table->row(v - 1), table->row(v),
+                [&](const Run& upper, const Run& lower, int32_t begin, int32_t end) {
+                  if (AnyLinkDown(row, begin, end)) sets.Unite(upper.region, lower.region);
+                });
+  }
+  std::vector<int32_t> pixels(runs.size());
+  for (Run& run : runs) {
+    run.region = sets.Find(run.region);
+    pixels[At(run.region)] += run.length();
+  }
+  // The runs of a set come after the one that stands for it, which has its first pixel.
+  std::vector<int32_t> number(runs.size());
+  int32_t next = first;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].region == static_cast<int32_t>(i) && pixels[i] >= min_pixels) number[i] = next++;
+  }
+  for (Run& run : runs) run.region = number[At(run.region)];
+  return next - 1;
+}
+
+/// Writes the runs that have a number into the image.
+void Paint(const RunTable& table, bool clear, RegionImage* regions) {
+  ParallelFor(At(table.height()), kRowGrain, [&](size_t row) {
+    const int v = static_cast<int>(row);
+    int32_t* pixels = regions->row(v);
+    if (clear) std::fill_n(pixels, regions->width(), 0);
+    for (const Run& run : table.row(v)) {
+      if (run.region != 0) std::fill(pixels + run.begin, pixels + run.end, run.region);
     }
+  });
+}
+
+/// The pixels from which regions can grow, in row order.
+std::vector<int32_t> Front(const Image<uint8_t>& depth, const Image<uint8_t>& links,
+                           const RegionImage& regions) {
+  const int width = regions.width(), height = regions.height();
+  constexpr int kBandRows = 32;
+  std::vector<std::vector<int32_t>> bands(At((height + kBandRows - 1) / kBandRows));
+  ParallelFor(bands.size(), 1, [&](size_t band) {
+    std::vector<uint8_t> front(At(width));
+    const int first = static_cast<int>(band) * kBandRows;
+    for (int v = first; v < std::min(height, first + kBandRows); ++v) {
+      // Outside the image nothing is linked, so that any row may stand for it.
+      const int above = std::max(v - 1, 0), below = std::min(v + 1, height - 1);
+      MarkFront({links.row(v), depth.row(v), depth.row(above), depth.row(below), regions.row(v),
+                 regions.row(above), regions.row(below)},
+                width, front.data());
+      for (int u = 0; u < width; ++u) {
+        if (front[At(u)]) bands[band].push_back(v * width + u);
+      }
+    }
+  });
+  std::vector<int32_t> all;
+  for (const auto& band : bands) all.insert(all.end(), band.begin(), band.end());
+  return all;
+}
+
+/// Queues of pixels, one per edge strength. Every pixel waits at most once, so that a queue is a
+/// chain through one image.
+class PixelQueues {
+ public:
+  PixelQueues(int width, int height) : next_(Image<int32_t>::Unset(width, height)) {
+    first_.fill(kNone);
+    last_.fill(kNone);
   }
-  for (int32_t& region : regions.pixels()) region = sets.Find(region);
-  return regions;
-}
-
-std::vector<int32_t> CountPixels(const RegionImage& regions) {
-  std::vector<int32_t> counts(1);
-  for (const int32_t region : regions.pixels()) {
-    const auto i = static_cast<size_t>(region);
-    if (i >= counts.size()) counts.resize(i + 1);
-    ++counts[i];
+  void Push(size_t queue, int32_t pixel) {
+    next_.data()[pixel] = kNone;
+    if (first_[queue] == kNone) {
+      first_[queue] = pixel;
+    } else {
+      next_.data()[last_[queue]] = pixel;
+    }
+    last_[queue] = pixel;
   }
-  return counts;
-}
+  int32_t First(size_t queue) const { return first_[queue]; }
+  int32_t Next(int32_t pixel) const { return next_.data()[pixel]; }
 
-/// Calls visit(offset of neighbour) for the neighbours that a pixel is joined with.
-template <typename Visit>
-void ForJoined(const SurfaceMap& surface, int32_t offset, const Visit& visit) {
-  const int32_t width = surface.joined.width();
-  const uint8_t* joined = surface.joined.data();
-  const int32_t u = offset % width;
-  if (joined[offset] & kJoinedRight) visit(offset + 1);
-  if (joined[offset] & kJoinedDown) visit(offset + width);
-  if (u > 0 && (joined[offset - 1] & kJoinedRight)) visit(offset - 1);
-  if (offset >= width && (joined[offset - width] & kJoinedDown)) visit(offset - width);
-}
+  static constexpr int32_t kNone = -1;
 
-/// What JoinSmallRegions knows of a region.
-struct RegionSummary {
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  int border = 0;                    ///< joined pixel pairs with other regions
-  std::map<int32_t, int> neighbors;  ///< pairs per other region; only of small regions
+ private:
+  Image<int32_t> next_;
+  std::array<int32_t, 256> first_, last_;
 };
-
-std::vector<RegionSummary> Summarize(const SurfaceMap& surface, const RegionImage& regions,
-                                     const std::vector<int32_t>& counts, int min_pixels) {
-  std::vector<RegionSummary> summaries(counts.size());
-  const auto small = [&](size_t region) { return region && counts[region] < min_pixels; };
-  for (int32_t i = 0; i < static_cast<int32_t>(regions.size()); ++i) {
-    const int32_t region = regions.data()[i];
-    RegionSummary& summary = summaries[static_cast<size_t>(region)];
-    if (surface.normals_C.z.data()[i] < 2) {  // not NaN
-      summary.normal +=
-          Eigen::Vector3d(surface.normals_C.x.data()[i], surface.normals_C.y.data()[i],
-                          surface.normals_C.z.data()[i]);
-    }
-    if (!small(static_cast<size_t>(region))) continue;
-    ForJoined(surface, i, [&](int32_t other) {
-      const int32_t neighbor = regions.data()[other];
-      if (neighbor == region || neighbor == 0) return;
-      ++summary.border;
-      ++summary.neighbors[neighbor];
-    });
-  }
-  return summaries;
-}
-
-/// The large region that `region` is a speck of; 0 = none.
-int32_t HostOf(const std::vector<RegionSummary>& summaries, const std::vector<int32_t>& counts,
-               size_t region, int min_pixels, double max_angle) {
-  const RegionSummary& summary = summaries[region];
-  int32_t host = 0;
-  int most = summary.border / 2;
-  for (const auto& [neighbor, pairs] : summary.neighbors) {
-    if (pairs <= most || counts[static_cast<size_t>(neighbor)] < min_pixels) continue;
-    host = neighbor;
-    most = pairs;
-  }
-  const Eigen::Vector3d& normal = summaries[static_cast<size_t>(host)].normal;
-  const double limit = std::cos(max_angle) * normal.norm() * summary.normal.norm();
-  return host && normal.dot(summary.normal) >= limit ? host : 0;
-}
 
 }  // namespace
 
-RegionImage ConnectedRegions(const SurfaceMap& surface, const Image<uint8_t>& strength) {
-  return Connect(surface,
-                 [&](int v, int u) { return surface.radius(v, u) && strength(v, u) == 0; });
+Image<uint8_t> LinkImage(const Image<uint8_t>& joined) {
+  const int width = joined.width(), height = joined.height();
+  Image<uint8_t> links = Image<uint8_t>::Unset(width, height);
+  const std::vector<uint8_t> none(At(width));
+  ParallelFor(At(height), kRowGrain, [&](size_t row) {
+    const int v = static_cast<int>(row);
+    LinkPixels(joined.row(v), v > 0 ? joined.row(v - 1) : none.data(), width, links.row(v));
+  });
+  return links;
 }
 
-void FloodRegions(const SurfaceMap& surface, const Image<uint8_t>& strength, RegionImage* regions) {
-  // One queue per strength. A pixel waits in the queue of the strongest edge on its way, so that
-  // all that is reached over weaker edges comes first; within a queue, first come, first served.
-  std::array<std::vector<int32_t>, 256> queues;
+Regions ConnectedRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
+                         const Image<uint8_t>& strength, int min_pixels) {
+  const int width = links.width(), height = links.height();
+  RunTable table(width, height, [&](int v, RunFlags flags) {
+    MarkFlat(depth.row(v), strength.row(v), links.row(v), width, flags);
+  });
+  Regions regions{RegionImage::Unset(width, height), ConnectRuns(links, min_pixels, 1, &table)};
+  Paint(table, true, &regions.image);
+  return regions;
+}
+
+void FloodRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
+                  const Image<uint8_t>& strength, RegionImage* regions) {
+  // A pixel waits in the queue of the strongest edge on its way, so that all that is reached over
+  // weaker edges comes first; within a queue, first come, first served.
+  const int32_t width = links.width();
+  PixelQueues queues(width, links.height());
   int32_t* region = regions->data();
-  const auto spread = [&](int32_t from, int level) {
-    ForJoined(surface, from, [&](int32_t to) {
-      if (region[to]) return;
-      region[to] = region[from];
-      queues[static_cast<size_t>(std::max<int>(level, strength.data()[to]))].push_back(to);
-    });
+  const auto take = [&](int32_t from, int32_t to, uint8_t level) {
+    if (region[to] != 0) return;
+    region[to] = region[from];
+    queues.Push(std::max(level, strength.data()[to]), to);
   };
-  const std::vector<int32_t> seeds = regions->pixels();
-  for (int32_t i = 0; i < static_cast<int32_t>(seeds.size()); ++i) {
-    if (seeds[static_cast<size_t>(i)]) spread(i, 0);
-  }
-  for (int level = 0; level < 256; ++level) {
-    auto& queue = queues[static_cast<size_t>(level)];
-    for (size_t next = 0; next < queue.size(); ++next) spread(queue[next], level);  // queue grows
-  }
-}
-
-void AddMissedRegions(const SurfaceMap& surface, int min_pixels, RegionImage* regions) {
-  RegionImage missed =
-      Connect(surface, [&](int v, int u) { return surface.radius(v, u) && (*regions)(v, u) == 0; });
-  DropSmallRegions(min_pixels, &missed);
-  const int32_t used = *std::max_element(regions->pixels().begin(), regions->pixels().end());
-  for (size_t i = 0; i < missed.size(); ++i) {
-    if (missed.data()[i]) regions->data()[i] = used + missed.data()[i];
+  const auto spread = [&](int32_t from, uint8_t level) {
+    const uint8_t bits = links.data()[from];
+    if (bits & kLinkRight) take(from, from + 1, level);
+    if (bits & kLinkDown) take(from, from + width, level);
+    if (bits & kLinkLeft) take(from, from - 1, level);
+    if (bits & kLinkUp) take(from, from - width, level);
+  };
+  for (const int32_t pixel : Front(depth, links, *regions)) spread(pixel, 0);
+  for (size_t level = 0; level < 256; ++level) {
+    for (int32_t pixel = queues.First(level); pixel != PixelQueues::kNone;
+         pixel = queues.Next(pixel)) {
+      spread(pixel, static_cast<uint8_t>(level));
+    }
   }
 }
 
-void JoinSmallRegions(const SurfaceMap& surface, int min_pixels, double max_angle,
-                      RegionImage* regions) {
-  const std::vector<int32_t> counts = CountPixels(*regions);
-  const auto summaries = Summarize(surface, *regions, counts, min_pixels);
-  std::vector<int32_t> becomes(counts.size());
-  for (size_t region = 1; region < counts.size(); ++region) {
-    const bool small = counts[region] > 0 && counts[region] < min_pixels;
-    const int32_t host = small ? HostOf(summaries, counts, region, min_pixels, max_angle) : 0;
-    becomes[region] = host ? host : static_cast<int32_t>(region);
-  }
-  for (int32_t& region : regions->pixels()) region = becomes[static_cast<size_t>(region)];
-}
-
-void DropSmallRegions(int min_pixels, RegionImage* regions) {
-  const std::vector<int32_t> counts = CountPixels(*regions);
-  for (int32_t& region : regions->pixels()) {
-    if (counts[static_cast<size_t>(region)] < min_pixels) region = 0;
-  }
+void AddMissedRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links, int min_pixels,
+                      Regions* regions) {
+  const int width = links.width(), height = links.height();
+  RunTable missed(width, height, [&](int v, RunFlags flags) {
+    MarkMissed(depth.row(v), regions->image.row(v), links.row(v), width, flags);
+  });
+  regions->count = ConnectRuns(links, min_pixels, regions->count + 1, &missed);
+  Paint(missed, false, &regions->image);
 }
 
 SegmentImage NumberRegions(const RegionImage& regions) {
@@ -185,10 +197,10 @@ SegmentImage NumberRegions(const RegionImage& regions) {
                      0};
   const auto& pixels = regions.pixels();
   const int32_t top = pixels.empty() ? 0 : *std::max_element(pixels.begin(), pixels.end());
-  std::vector<int32_t> index(static_cast<size_t>(top) + 1, -1);
+  std::vector<int32_t> index(At(top) + 1, -1);
   for (size_t i = 0; i < pixels.size(); ++i) {
     if (pixels[i] == 0) continue;
-    int32_t& number = index[static_cast<size_t>(pixels[i])];
+    int32_t& number = index[At(pixels[i])];
     if (number < 0) number = image.segment_count++;
     image.index.data()[i] = static_cast<SegmentIndex>(number);
   }

@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "base/parallel.h"
 #include "base/require.h"
-#include "segmentation/coplanar.h"
 #include "segmentation/published.h"
+#include "segmentation/region_graph.h"
 #include "segmentation/regions.h"
 
 namespace vismap {
 namespace {
 
 constexpr size_t kRowGrain = 8;
-constexpr uint8_t kRim = 1;  ///< edge strength of a pixel beside a depth jump: given back first
 
 /// Concave folds between pairs of pixels, graded. Pixels are given by their offset in the image.
 class FoldTest {
@@ -31,7 +32,11 @@ class FoldTest {
         sharp_angle_(static_cast<float>(options.sharp_angle_deg * std::numbers::pi / 180)),
         sigmas_(static_cast<float>(options.concave_sigmas)) {}
 
-  /// 0 = no concave fold between the two pixels; otherwise 2..255, growing with its angle.
+  /// For MarkFolds: pixels that it does not mark have no fold.
+  int min_square() const { return PackedSquare(min_angle_); }
+
+  /// 0 = no concave fold between the two pixels; otherwise 2..255, growing with its angle (1 is
+  /// left to pixels beside a depth jump, which are given back first).
   uint8_t Strength(int a, int b) const {
     const float dx = nx_[b] - nx_[a], dy = ny_[b] - ny_[a], dz = nz_[b] - nz_[a];
     const float square = dx * dx + dy * dy + dz * dz;
@@ -49,33 +54,42 @@ class FoldTest {
   float min_angle_, sharp_angle_, sigmas_;
 };
 
-bool BesideJump(const SurfaceMap& surface, int v, int u) {
-  const int width = surface.joined.width(), height = surface.joined.height();
-  const uint8_t here = surface.joined(v, u);
-  if (u + 1 < width && !(here & kJoinedRight) && surface.radius(v, u + 1)) return true;
-  if (v + 1 < height && !(here & kJoinedDown) && surface.radius(v + 1, u)) return true;
-  if (u > 0 && !(surface.joined(v, u - 1) & kJoinedRight) && surface.radius(v, u - 1)) return true;
-  return v > 0 && !(surface.joined(v - 1, u) & kJoinedDown) && surface.radius(v - 1, u);
-}
-
 /// Edge strength of every pixel: 0 inside surfaces.
-Image<uint8_t> EdgeStrength(const SurfaceMap& surface, const SegmentationOptions& options) {
-  const int width = surface.joined.width(), height = surface.joined.height();
-  Image<uint8_t> strength(width, height);
+Image<uint8_t> EdgeStrength(const SurfaceMap& surface, const Image<uint8_t>& links,
+                            const SegmentationOptions& options) {
+  const int width = links.width(), height = links.height();
+  const auto rows = static_cast<size_t>(height);
+  Image<uint32_t> packed = Image<uint32_t>::Unset(width, height);
+  ParallelFor(rows, kRowGrain, [&](size_t row) {
+    const int v = static_cast<int>(row);
+    PackNormals(surface.normals_C.x.row(v), surface.normals_C.y.row(v), surface.normals_C.z.row(v),
+                width, packed.row(v));
+  });
+  Image<uint8_t> strength = Image<uint8_t>::Unset(width, height);
+  const std::vector<uint8_t> none(static_cast<size_t>(width));
   const PixelReach& reach = surface.reach;
   const FoldTest fold(surface, options);
-  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
+  ParallelFor(rows, kRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
-    const int start = v * width;
-    const uint8_t *left = reach.left.row(v), *right = reach.right.row(v);
-    const uint8_t *up = reach.up.row(v), *down = reach.down.row(v);
+    uint8_t* out = strength.row(v);
+    MarkRim(links.row(v), v > 0 ? surface.radius.row(v - 1) : none.data(), surface.radius.row(v),
+            v + 1 < height ? surface.radius.row(v + 1) : none.data(), width, out);  // kRim = 1
+    // Few pixels have normals around them that differ: only those are looked at closely.
+    std::vector<uint8_t> marks(static_cast<size_t>(width));
+    MarkFolds({packed.row(v), surface.radius.row(v), reach.left.row(v), reach.right.row(v),
+               reach.up.row(v), reach.down.row(v), width},
+              fold.min_square(), width, marks.data());
     for (int u = 0; u < width; ++u) {
-      if (surface.radius(v, u) == 0) continue;
-      const int here = start + u;
-      const uint8_t across = fold.Strength(here - left[u], here + right[u]);
-      const uint8_t along = fold.Strength(here - width * up[u], here + width * down[u]);
-      const uint8_t rim = BesideJump(surface, v, u) ? kRim : uint8_t{0};
-      strength(v, u) = std::max({across, along, rim});
+      const uint8_t mark = marks[static_cast<size_t>(u)];
+      if (mark == 0) continue;
+      const int here = v * width + u;
+      if (mark & kFoldAcross) {
+        out[u] = std::max(out[u], fold.Strength(here - reach.left(v, u), here + reach.right(v, u)));
+      }
+      if (mark & kFoldAlong) {
+        out[u] = std::max(
+            out[u], fold.Strength(here - width * reach.up(v, u), here + width * reach.down(v, u)));
+      }
     }
   });
   return strength;
@@ -96,17 +110,22 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   if (options.method == SegmentationMethod::kPublished) {
     return SegmentAsPublished(surface, min_pixels, options);
   }
-  const Image<uint8_t> strength = EdgeStrength(surface, options);
-  Image<int32_t> regions = ConnectedRegions(surface, strength);
-  DropSmallRegions(ScaledPixels(options.min_seed_pixels, camera), &regions);
-  FloodRegions(surface, strength, &regions);
-  AddMissedRegions(surface, min_pixels, &regions);
+  const Image<uint8_t> links = LinkImage(surface.joined);
+  const Image<uint8_t> strength = EdgeStrength(surface, links, options);
+  Regions regions = ConnectedRegions(surface.radius, links, strength,
+                                     ScaledPixels(options.min_seed_pixels, camera));
+  FloodRegions(surface.radius, links, strength, &regions.image);
+  AddMissedRegions(surface.radius, links, min_pixels, &regions);
+  const RegionGraph graph = MakeRegionGraph(surface, camera, links, regions);
+  std::vector<int32_t> hosts;
   if (options.coplanar_sigmas > 0) {
-    JoinCoplanarRegions(surface, camera, options.coplanar_sigmas, &regions);
+    hosts = JoinCoplanarRegions(graph, options.coplanar_sigmas);
+  } else {
+    hosts.resize(graph.pixels.size());
+    std::iota(hosts.begin(), hosts.end(), 0);
   }
-  JoinSmallRegions(surface, min_pixels, options.join_angle_deg * std::numbers::pi / 180, &regions);
-  DropSmallRegions(min_pixels, &regions);
-  return NumberRegions(regions);
+  JoinSmallRegions(graph, min_pixels, options.join_angle_deg * std::numbers::pi / 180, &hosts);
+  return PaintSegments(graph, hosts, camera.width);
 }
 
 }  // namespace vismap

@@ -55,7 +55,7 @@ struct NibbleWriter {
 Bytes EncodeRvl(const Depth& depth) {
   NibbleWriter out;
   int last = 0;
-  const std::vector<uint16_t>& pixels = depth.pixels();
+  const auto& pixels = depth.pixels();
   for (size_t i = 0; i < pixels.size();) {
     size_t zeros = i;
     while (zeros < pixels.size() && pixels[zeros] == 0) ++zeros;

@@ -1,0 +1,102 @@
+#include "association/label_matching.h"
+
+#include <algorithm>
+
+namespace vismap {
+namespace {
+
+/// The overlaps while labels are being taken: each count of points sits at one choice of its voxels
+/// and moves on when that is taken, so that nothing is ever counted again.
+class ShiftingOverlaps {
+ public:
+  explicit ShiftingOverlaps(const FrameCounts& counts) : counts_(counts.choices) {
+    for (const ChoiceCount& count : counts_) {
+      for (const SegmentLabel label : count.choices) {
+        if (label != SegmentLabel::kNone) overlaps_.push_back({count.segment, label, 0});
+      }
+    }
+    std::sort(overlaps_.begin(), overlaps_.end(), Before);
+    overlaps_.erase(std::unique(overlaps_.begin(), overlaps_.end(), SamePlace), overlaps_.end());
+    choice_.assign(counts_.size(), 0);
+    for (size_t i = 0; i < counts_.size(); ++i) Put(i);
+  }
+
+  /// The largest overlap above `min_points` whose segment and label are both free; nullptr = none.
+  const Overlap* Largest(int64_t min_points, const LabelMatching& matching,
+                         const std::vector<bool>& labelled) const {
+    const Overlap* best = nullptr;
+    int64_t most = min_points;
+    for (const Overlap& overlap : overlaps_) {
+      if (overlap.points <= most || labelled[static_cast<size_t>(overlap.segment)] ||
+          matching.segment_of.contains(overlap.label)) {
+        continue;
+      }
+      most = overlap.points;
+      best = &overlap;
+    }
+    return best;
+  }
+
+  /// `label` now belongs to `segment`: the points of all others vote for what comes next.
+  void Take(SegmentLabel label, int32_t segment, const LabelMatching& matching) {
+    for (size_t i = 0; i < counts_.size(); ++i) {
+      if (counts_[i].segment == segment || Choice(i) != label) continue;
+      Find(counts_[i].segment, label)->points -= counts_[i].points;
+      while (Choice(i) != SegmentLabel::kNone && TakenByAnother(i, matching)) ++choice_[i];
+      Put(i);
+    }
+  }
+
+  std::vector<Overlap> NotEmpty() const {
+    std::vector<Overlap> left;
+    std::copy_if(overlaps_.begin(), overlaps_.end(), std::back_inserter(left),
+                 [](const Overlap& overlap) { return overlap.points > 0; });
+    return left;
+  }
+
+ private:
+  static bool Before(const Overlap& a, const Overlap& b) {
+    return a.segment != b.segment ? a.segment < b.segment : a.label < b.label;
+  }
+  static bool SamePlace(const Overlap& a, const Overlap& b) {
+    return a.segment == b.segment && a.label == b.label;
+  }
+  SegmentLabel Choice(size_t i) const {
+    return choice_[i] < kVoteSlots ? counts_[i].choices[choice_[i]] : SegmentLabel::kNone;
+  }
+  bool TakenByAnother(size_t i, const LabelMatching& matching) const {
+    const auto owner = matching.segment_of.find(Choice(i));
+    return owner != matching.segment_of.end() && owner->second != counts_[i].segment;
+  }
+  std::vector<Overlap>::iterator Find(int32_t segment, SegmentLabel label) {
+    return std::lower_bound(overlaps_.begin(), overlaps_.end(), Overlap{segment, label, 0}, Before);
+  }
+  void Put(size_t i) {
+    if (Choice(i) != SegmentLabel::kNone)
+      Find(counts_[i].segment, Choice(i))->points += counts_[i].points;
+  }
+
+  const std::vector<ChoiceCount>& counts_;
+  std::vector<size_t> choice_;     // which of its choices each count votes for
+  std::vector<Overlap> overlaps_;  // every pair that may ever have points, ascending
+};
+
+}  // namespace
+
+LabelMatching MatchLabels(const FrameCounts& counts, int64_t min_points) {
+  LabelMatching matching;
+  std::vector<bool> labelled(counts.points.size(), false);
+  ShiftingOverlaps overlaps(counts);
+  for (;;) {
+    const Overlap* best = overlaps.Largest(min_points, matching, labelled);
+    if (best == nullptr) break;
+    const auto [segment, label, points] = *best;
+    matching.segment_of[label] = segment;
+    labelled[static_cast<size_t>(segment)] = true;
+    overlaps.Take(label, segment, matching);
+  }
+  matching.overlaps = overlaps.NotEmpty();
+  return matching;
+}
+
+}  // namespace vismap

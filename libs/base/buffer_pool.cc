@@ -1,0 +1,80 @@
+#include "base/buffer_pool.h"
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+namespace vismap {
+namespace {
+
+constexpr std::align_val_t kAlignment{64};
+constexpr size_t kPage = 4096;
+constexpr size_t kSmallestPooled = 16 * kPage;  // what malloc keeps by itself is left to it
+constexpr size_t kMaxPooled = size_t{256} << 20;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kPools = false;  // a pool would hide the use of buffers that were given back
+#else
+constexpr bool kPools = true;
+#endif
+
+// Sizes are rounded up to pages, so that images of one size share a list.
+size_t Rounded(size_t bytes) { return (bytes + kPage - 1) / kPage * kPage; }
+bool IsPooled(size_t bytes) { return kPools && bytes >= kSmallestPooled; }
+
+class Pool {
+ public:
+  void* Take(size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    const auto found = free_.find(bytes);
+    if (found == free_.end() || found->second.empty()) return nullptr;
+    void* buffer = found->second.back();
+    found->second.pop_back();
+    held_ -= bytes;
+    return buffer;
+  }
+  bool Keep(void* buffer, size_t bytes) noexcept {
+    const std::lock_guard lock(mutex_);
+    if (held_ + bytes > kMaxPooled) return false;
+    try {
+      free_[bytes].push_back(buffer);
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+    held_ += bytes;
+    return true;
+  }
+  size_t held() {
+    const std::lock_guard lock(mutex_);
+    return held_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<size_t, std::vector<void*>> free_;  // by size
+  size_t held_ = 0;
+};
+
+// Never destroyed: images of static lifetime may be given back after everything else has gone.
+Pool& ThePool() {
+  static Pool& pool = *new Pool;
+  return pool;
+}
+
+}  // namespace
+
+void* TakeBuffer(size_t bytes) {
+  if (!IsPooled(bytes)) return ::operator new(bytes, kAlignment);
+  const size_t rounded = Rounded(bytes);
+  void* buffer = ThePool().Take(rounded);
+  return buffer != nullptr ? buffer : ::operator new(rounded, kAlignment);
+}
+
+void ReturnBuffer(void* buffer, size_t bytes) noexcept {
+  if (IsPooled(bytes) && ThePool().Keep(buffer, Rounded(bytes))) return;
+  ::operator delete(buffer, kAlignment);
+}
+
+size_t PooledBytes() { return ThePool().held(); }
+
+}  // namespace vismap
