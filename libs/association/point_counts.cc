@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "volume/surface_reader.h"
 
 namespace vismap {
 namespace {
@@ -66,9 +67,11 @@ class PointLookup {
 
   void CountRows(int v_begin, int v_end, FrameCounts* counts) const {
     std::vector<Sample> samples;
+    SurfaceReader reader;
     for (int v = v_begin; v < v_end; v += options_.pixel_stride) {
       samples.clear();
-      Locate(v, &samples);
+      reader.Trim();
+      Locate(v, &reader, &samples);
       Evaluate(samples, counts);
     }
     SortAndSum(&counts->choices);
@@ -76,7 +79,7 @@ class PointLookup {
 
  private:
   /// Finds the voxels, and asks for their memory, so that it is there when they are read.
-  void Locate(int v, std::vector<Sample>* samples) const {
+  void Locate(int v, SurfaceReader* reader, std::vector<Sample>* samples) const {
     const PinholeCamera& camera = frame_.frame.header.camera;
     const SegmentIndex* segments = frame_.image.index.row(v);
     const float* depth = frame_.frame.depth.row(v);
@@ -95,7 +98,7 @@ class PointLookup {
       if (const BlockIndex index = BlockOf(voxel); index != cached) {
         cached = index;
         const Block* block = map_.voxels.Find(index);
-        voxels = block != nullptr ? block->surface.get() : nullptr;
+        voxels = block != nullptr ? reader->Read(*block) : nullptr;
       }
       const int offset = OffsetInBlock(voxel);
       if (voxels != nullptr) {

@@ -78,6 +78,7 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("free_space_range_m", options.free_space_range);
   bind.Value("free_space", options.free_space);
   bind.Value("max_weight", options.max_weight);
+  bind.Value("max_unpacked_blocks", options.max_unpacked_blocks);
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
 }

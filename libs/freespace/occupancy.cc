@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/require.h"
+#include "volume/surface_reader.h"
 
 namespace vismap {
 namespace {
@@ -93,7 +94,9 @@ OccupancyPlanes BlockOccupancy::Planes() const {
 
 BlockOccupancy ClassifyBlock(const Block& block, const VoxelGridOptions& grid,
                              const OccupancyOptions& options) {
-  if (block.surface) return BlockOccupancy(ClassifySurface(*block.surface, grid, options));
+  SurfaceReader reader;
+  if (const SurfaceVoxels* voxels = reader.Read(block))
+    return BlockOccupancy(ClassifySurface(*voxels, grid, options));
   if (block.all_free) return BlockOccupancy(CellState::kFree);
   if (!block.free) return BlockOccupancy(CellState::kUnknown);
   OccupancyPlanes planes;

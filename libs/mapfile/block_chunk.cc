@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/require.h"
+#include "volume/surface_reader.h"
 
 namespace vismap::mapfile {
 namespace {
@@ -15,7 +16,7 @@ constexpr size_t kChunkBytes = size_t{1} << 19;
 constexpr int32_t kMaxIndex = 1 << 27;  // so that voxel indices fit 31 bits
 
 BlockKind KindOf(const Block& block) {
-  Require((block.surface != nullptr) + (block.free != nullptr) + block.all_free <= 1,
+  Require(static_cast<bool>(block.surface) + (block.free != nullptr) + block.all_free <= 1,
           "a block is one of surface, free and all free");
   if (block.surface) return BlockKind::kSurface;
   if (block.free) return BlockKind::kFree;
@@ -145,8 +146,9 @@ Result<void> TakeKinds(Reader* reader, std::vector<IndexedBlock>* blocks,
     if (kind > BlockKind::kAllFree) return Fail("unknown kind of block");
     block.all_free = kind == BlockKind::kAllFree;
     if (kind == BlockKind::kSurface) {
-      block.surface = std::make_unique<SurfaceVoxels>();
-      surfaces->push_back(block.surface.get());
+      auto voxels = std::make_unique<SurfaceVoxels>();
+      surfaces->push_back(voxels.get());
+      block.surface = std::move(voxels);
     } else if (kind == BlockKind::kFree) {
       block.free = std::make_unique<FreeVoxels>();
       frees->push_back(block.free.get());
@@ -177,22 +179,22 @@ std::vector<uint8_t> EncodeBlocks(const VoxelMap& map, std::span<const BlockInde
   Writer writer;
   writer.Reserve(kChunkBytes + 2 * sizeof(SurfaceVoxels));
   std::vector<const Block*> blocks;
-  for (const BlockIndex& index : indices) blocks.push_back(map.Find(index));
+  std::vector<const SurfaceVoxels*> surfaces;
+  SurfaceReader reader;
+  for (const BlockIndex& index : indices) {
+    blocks.push_back(map.Find(index));
+    if (const SurfaceVoxels* voxels = reader.Read(*blocks.back())) surfaces.push_back(voxels);
+  }
   for (const BlockIndex& index : indices) writer.Put(index);
   for (const Block* block : blocks) writer.Put(KindOf(*block));
-  for (const Block* block : blocks) {
-    if (block->surface) writer.Put(Split(block->surface->weight));
-  }
+  for (const SurfaceVoxels* voxels : surfaces) writer.Put(Split(voxels->weight));
   ForEachField([&](auto member) {
-    for (const Block* block : blocks) {
-      if (block->surface) writer.Put((*block->surface).*member);
-    }
+    for (const SurfaceVoxels* voxels : surfaces) writer.Put(voxels->*member);
   });
-  for (const Block* block : blocks) {
-    if (!block->surface) continue;
-    Require(block->surface->palette.size() <= 255, "a palette has at most 255 labels");
-    writer.Put(static_cast<uint8_t>(block->surface->palette.size()));
-    for (const SegmentLabel label : block->surface->palette) writer.Put(label);
+  for (const SurfaceVoxels* voxels : surfaces) {
+    Require(voxels->palette.size() <= 255, "a palette has at most 255 labels");
+    writer.Put(static_cast<uint8_t>(voxels->palette.size()));
+    for (const SegmentLabel label : voxels->palette) writer.Put(label);
   }
   for (const Block* block : blocks) {
     if (block->free) writer.Put(*block->free);

@@ -151,6 +151,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
   if (!block.surface && !(said & kNearSurface)) {
     return {MarkFree(VoxelsWith(samples.flags, kSeenFree), block), 0, 0};
   }
+  block.surface.Unpack();
   if (!block.surface) {
     block.surface = Densify(block);
     block.free.reset();

@@ -10,6 +10,9 @@
 namespace vismap {
 namespace {
 
+// Frames that a block must have been out of view before it may be packed.
+constexpr uint32_t kPackAfter = 5;
+
 // Phi, Psi and F of the paper (Sec. III-D), weighted by how sure the detector was and how well its
 // mask fits.
 void CountEvidence(const SegmentedFrame& frame, const FrameAssociation& association,
@@ -44,7 +47,7 @@ struct WorkItem {
 // Blocks are looked up before and inserted after the parallel part, so that no thread ever sees the
 // table change.
 void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBlock>& visible,
-                VoxelMap& voxels, MapDelta& delta) {
+                uint32_t revision, VoxelMap& voxels, MapDelta& delta) {
   std::vector<WorkItem> work(visible.size());
   for (size_t i = 0; i < visible.size(); ++i) {
     work[i].target = visible[i];
@@ -55,9 +58,17 @@ void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBloc
     Block& block = item.block != nullptr ? *item.block : item.fresh;
     item.outcome = projection.Fuse(item.target.index, item.target.view, block);
   });
+  for (const WorkItem& item : work) {  // before insertions move blocks about
+    if (item.block != nullptr && item.outcome.changed && item.block->surface)
+      voxels.NoteUse(item.target.index, *item.block, revision);
+  }
   for (WorkItem& item : work) {
     if (!item.outcome.changed) continue;
-    if (item.block == nullptr) voxels.FindOrCreate(item.target.index) = std::move(item.fresh);
+    if (item.block == nullptr) {
+      Block& block = voxels.FindOrCreate(item.target.index);
+      block = std::move(item.fresh);
+      if (block.surface) voxels.NoteUse(item.target.index, block, revision);
+    }
     delta.changed_blocks.push_back(item.target.index);
     delta.voxels_updated += item.outcome.voxels_updated;
     delta.votes_evicted += item.outcome.votes_evicted;
@@ -100,6 +111,7 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   check(options.max_weight >= 1 && options.max_weight <= 511,
         "integration: max_weight must be 1..511");
   check(options.vote_distance_voxels > 0, "integration: vote_distance_voxels must be positive");
+  check(options.max_unpacked_blocks >= 0, "integration: max_unpacked_blocks must be 0 or more");
   check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
   return problems;
 }
@@ -130,8 +142,11 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
     const Block* block = map->voxels.Find(target.index);
     return block == nullptr || !block->all_free;
   };
-  FuseBlocks(projection, FindVisibleBlocks(header, pyramid, visibility, may_change), map->voxels,
-             delta);
+  const auto revision = static_cast<uint32_t>(map->revision + 1);
+  FuseBlocks(projection, FindVisibleBlocks(header, pyramid, visibility, may_change), revision,
+             map->voxels, delta);
+  if (revision > kPackAfter)
+    map->voxels.PackUnused(revision - kPackAfter, static_cast<size_t>(options.max_unpacked_blocks));
   MergeLabels(association, options.merge_frames, map->labels, delta);
 
   map->last_utime = std::max(map->last_utime, header.utime);

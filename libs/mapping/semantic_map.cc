@@ -7,6 +7,7 @@
 
 #include "base/digest.h"
 #include "base/parallel.h"
+#include "volume/surface_reader.h"
 
 namespace vismap {
 namespace {
@@ -40,7 +41,8 @@ uint64_t BlockChecksum(BlockIndex index, const Block& block) {
   AppendBytes(&index, sizeof(index), bytes);
   if (block.surface) {
     bytes.push_back('S');
-    AppendSurface(*block.surface, bytes);
+    SurfaceReader reader;
+    AppendSurface(*reader.Read(block), bytes);
   } else if (block.free) {
     bytes.push_back('F');
     AppendBytes(block.free->once.data(), sizeof(block.free->once), bytes);

@@ -71,7 +71,8 @@ void CopySurfaceRow(const SurfaceVoxels& voxels, int offset, int length, int wei
 
 }  // namespace
 
-CellGrid::CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& options)
+CellGrid::CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& options,
+                   SurfaceReader* reader)
     : block_(block) {
   const auto find = [&](const Neighbour& n) {
     const Block* found = map.Find({block.x + n.x, block.y + n.y, block.z + n.z});
@@ -81,18 +82,21 @@ CellGrid::CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& 
   int with_surface = 0;
   for (const Neighbour& n : kUpper) with_surface += find(n);
   if (with_surface == 0) return;
-  for (const Neighbour& n : kUpper) CopyNeighbour(n.x, n.y, n.z, options);
+  for (const Neighbour& n : kUpper) CopyNeighbour(n.x, n.y, n.z, options, reader);
   FillRows();
   if (!HasSurface()) return;
   for (const Neighbour& n : kLower) {
     find(n);
-    CopyNeighbour(n.x, n.y, n.z, options);
+    CopyNeighbour(n.x, n.y, n.z, options, reader);
   }
 }
 
-void CellGrid::CopyNeighbour(int bx, int by, int bz, const MeshingOptions& options) {
-  const Block* block = blocks_[NeighbourSlot(bx, by, bz)];
+void CellGrid::CopyNeighbour(int bx, int by, int bz, const MeshingOptions& options,
+                             SurfaceReader* reader) {
+  const size_t slot = NeighbourSlot(bx, by, bz);
+  const Block* block = blocks_[slot];
   if (block == nullptr) return;
+  const SurfaceVoxels* voxels = voxels_[slot] = reader->Read(*block);
   const Range xs = Overlap(bx), ys = Overlap(by), zs = Overlap(bz);
   const int weight_gate = WeightGate(options.min_weight);
   const int length = xs.end - xs.begin;
@@ -100,8 +104,8 @@ void CellGrid::CopyNeighbour(int bx, int by, int bz, const MeshingOptions& optio
     for (int y = ys.begin; y < ys.end; ++y) {
       const size_t target = Offset(xs.begin, y, z);
       const int offset = LinearIndex(xs.begin & 7, y & 7, z & 7);
-      if (block->surface) {
-        CopySurfaceRow(*block->surface, offset, length, weight_gate, options.min_observations,
+      if (voxels != nullptr) {
+        CopySurfaceRow(*voxels, offset, length, weight_gate, options.min_observations,
                        &distance_[target], &observed_[target]);
       } else {
         std::fill_n(&distance_[target], length, std::numeric_limits<int16_t>::max());
@@ -133,9 +137,10 @@ void CellGrid::FillRows() {
 }
 
 CellGrid::Place CellGrid::At(int x, int y, int z) const {
-  const Block* block = blocks_[NeighbourSlot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z))];
-  if (block == nullptr || !block->surface) return {};
-  return {block->surface.get(), LinearIndex(x & 7, y & 7, z & 7)};
+  const SurfaceVoxels* voxels =
+      voxels_[NeighbourSlot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z))];
+  if (voxels == nullptr) return {};
+  return {voxels, LinearIndex(x & 7, y & 7, z & 7)};
 }
 
 }  // namespace vismap

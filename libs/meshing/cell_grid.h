@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "meshing/marching_cubes.h"
+#include "volume/surface_reader.h"
 
 namespace vismap {
 
@@ -18,8 +19,10 @@ class CellGrid {
   static constexpr int kCorners = kBlockSide + 1;
 
   /// Copies the corners first, and the rim only if a surface runs between them: most blocks have
-  /// none. Without a surface only HasSurface() may be asked.
-  CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& options);
+  /// none. Without a surface only HasSurface() may be asked. Good for as long as what `reader`
+  /// read.
+  CellGrid(const VoxelMap& map, BlockIndex block, const MeshingOptions& options,
+           SurfaceReader* reader);
 
   /// One bit per x = 0..8 of a row of corners: seen at all, and behind the surface.
   uint32_t ObservedRow(int y, int z) const { return observed_row_[RowOf(y, z)]; }
@@ -45,11 +48,12 @@ class CellGrid {
     return static_cast<size_t>((x - kLow) + kSide * ((y - kLow) + kSide * (z - kLow)));
   }
   static size_t RowOf(int y, int z) { return static_cast<size_t>(y + kCorners * z); }
-  void CopyNeighbour(int bx, int by, int bz, const MeshingOptions& options);
+  void CopyNeighbour(int bx, int by, int bz, const MeshingOptions& options, SurfaceReader* reader);
   void FillRows();
 
   BlockIndex block_;
   std::array<const Block*, 27> blocks_{};
+  std::array<const SurfaceVoxels*, 27> voxels_{};  // of those that were read
   std::array<int16_t, kSide * kSide * kSide> distance_;
   std::array<uint8_t, kSide * kSide * kSide> observed_{};
   std::array<uint32_t, kCorners * kCorners> observed_row_;

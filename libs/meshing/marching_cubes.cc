@@ -57,8 +57,9 @@ struct LocalMesh {
 // Marching cubes over the 8x8x8 cells of a block.
 class BlockMesher {
  public:
-  BlockMesher(const SemanticMap& map, BlockIndex block, const MeshingOptions& options)
-      : grid_(map.voxels, block, options), map_(map) {
+  BlockMesher(const SemanticMap& map, BlockIndex block, const MeshingOptions& options,
+              SurfaceReader* reader)
+      : grid_(map.voxels, block, options, reader), map_(map) {
     if (!grid_.HasSurface()) return;
     jump_ = static_cast<int>(std::lround(std::clamp(options.jump_fraction, 0.0, 2.0) * 32767));
     vertex_of_slot_.fill(-1);
@@ -157,9 +158,17 @@ std::vector<BlockIndex> CandidateBlocks(const VoxelMap& map) {
 
 std::vector<LocalMesh> MeshEach(const SemanticMap& map, const std::vector<BlockIndex>& blocks,
                                 const MeshingOptions& options) {
+  constexpr size_t kGroup = 16;  // one reader for so many: neighbours share what it has unpacked
+  constexpr size_t kCopiesKept = 128;
   std::vector<LocalMesh> meshes(blocks.size());
-  ParallelFor(blocks.size(), 16,
-              [&](size_t i) { meshes[i] = BlockMesher(map, blocks[i], options).Take(); });
+  ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
+    SurfaceReader reader;
+    const size_t end = std::min(blocks.size(), (group + 1) * kGroup);
+    for (size_t i = group * kGroup; i < end; ++i) {
+      meshes[i] = BlockMesher(map, blocks[i], options, &reader).Take();
+      reader.Trim(kCopiesKept);
+    }
+  });
   return meshes;
 }
 

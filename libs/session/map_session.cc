@@ -4,6 +4,7 @@
 
 #include "base/digest.h"
 #include "base/require.h"
+#include "volume/surface_reader.h"
 
 namespace vismap {
 
@@ -53,12 +54,15 @@ std::string DigestFrame(const SemanticMap& map, const FrameAssociation& associat
     digest.Add(dead);
     digest.Add(survivor);
   }
+  SurfaceReader reader;
   for (const BlockIndex& index : delta.changed_blocks) {
     digest.AddBytes(&index, sizeof(index));
     const Block* block = map.voxels.Find(index);
-    if (block == nullptr || !block->surface) continue;
-    digest.AddBytes(block->surface->distance.data(), sizeof(block->surface->distance));
-    digest.AddBytes(block->surface->weight.data(), sizeof(block->surface->weight));
+    const SurfaceVoxels* voxels = block != nullptr ? reader.Read(*block) : nullptr;
+    if (voxels == nullptr) continue;
+    digest.AddBytes(voxels->distance.data(), sizeof(voxels->distance));
+    digest.AddBytes(voxels->weight.data(), sizeof(voxels->weight));
+    reader.Trim();
   }
   return digest.Hex();
 }

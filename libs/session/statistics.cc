@@ -16,12 +16,14 @@ std::string StatisticsJson(const SemanticMap& map, const MapMetadata& metadata) 
   json["last_utime"] = map.last_utime;
   json["blocks"] = map.voxels.size();
   json["blocks_surface"] = memory.surface_blocks;
+  json["blocks_packed"] = memory.packed_blocks;
   json["blocks_partly_free"] = memory.free_blocks;
   json["blocks_free"] = memory.all_free_blocks;
   json["bytes"] = memory.total_bytes();
   json["bytes_tsdf"] = memory.tsdf_bytes;
   json["bytes_color"] = memory.color_bytes;
   json["bytes_labels"] = memory.label_bytes;
+  json["bytes_packed"] = memory.packed_bytes;
   json["bytes_free_space"] = memory.free_bytes;
   json["bytes_table"] = memory.table_bytes;
   json["segments"] = map.labels.Alive().size();

@@ -91,12 +91,48 @@ struct FreeVoxels {
   friend bool operator==(const FreeVoxels&, const FreeVoxels&) = default;
 };
 
+/// The voxels of a block near a surface: as they are, or, while no camera looks at them, packed
+/// into a fifth of the memory. Says the same either way; what reads must go through a SurfaceReader
+/// (volume/surface_reader.h), what changes must Unpack first.
+class SurfaceHolder {
+ public:
+  SurfaceHolder() = default;
+  SurfaceHolder& operator=(std::unique_ptr<SurfaceVoxels> voxels) {
+    voxels_ = std::move(voxels);
+    packed_.reset();
+    return *this;
+  }
+
+  /// There are voxels, packed or not.
+  explicit operator bool() const { return voxels_ != nullptr || packed_ != nullptr; }
+  bool packed() const { return packed_ != nullptr; }
+  /// The voxels; nullptr when packed, or when there are none.
+  const SurfaceVoxels* get() const { return voxels_.get(); }
+  /// Only while not packed.
+  SurfaceVoxels& operator*() const { return *voxels_; }
+  SurfaceVoxels* operator->() const { return voxels_.get(); }
+
+  /// Does nothing when packed, or when there are no voxels.
+  void Pack();
+  /// Does nothing unless packed.
+  void Unpack();
+  /// A copy of packed voxels. Throws unless packed.
+  void CopyTo(SurfaceVoxels* voxels) const;
+  /// Bytes that the packed voxels take; 0 unless packed.
+  size_t packed_bytes() const;
+
+ private:
+  std::unique_ptr<SurfaceVoxels> voxels_;
+  std::unique_ptr<uint8_t[]> packed_;  // its size in the first two bytes, see surface_holder.cc
+};
+
 /// One block of the map. Exactly one of three: near a surface (`surface` set); partly seen empty
 /// (`free` set); seen empty everywhere, at least twice (`all_free`). A block that the map does not
 /// hold is unseen.
 struct Block {
-  std::unique_ptr<SurfaceVoxels> surface;
+  SurfaceHolder surface;
   std::unique_ptr<FreeVoxels> free;
+  uint32_t last_used = 0;  ///< revision of the map that last looked at the surface, for packing
   bool all_free = false;
 };
 

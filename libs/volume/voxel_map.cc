@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
+#include "volume/surface_reader.h"
+
 namespace vismap {
 
 const Block* VoxelMap::Find(BlockIndex index) const {
@@ -15,6 +18,31 @@ Block& VoxelMap::FindOrCreate(BlockIndex index) { return blocks_.try_emplace(ind
 Block* VoxelMap::FindMutable(BlockIndex index) {
   const auto found = blocks_.find(index);
   return found == blocks_.end() ? nullptr : &found.value();
+}
+
+void VoxelMap::NoteUse(BlockIndex index, Block& block, uint32_t now) {
+  if (block.last_used == 0) unpacked_.push_back(index);
+  block.last_used = now;
+}
+
+void VoxelMap::PackUnused(uint32_t before, size_t most) {
+  constexpr size_t kLookedAt = 2048;  // at most, so that no frame has to wait for many
+  std::vector<Block*> to_pack;
+  for (size_t looked = 0; looked < kLookedAt && unpacked_.size() > most; ++looked) {
+    if (next_to_pack_ >= unpacked_.size()) next_to_pack_ = 0;
+    Block* block = FindMutable(unpacked_[next_to_pack_]);
+    if (block != nullptr && block->last_used >= before) {
+      ++next_to_pack_;
+      continue;
+    }
+    if (block != nullptr) {
+      block->last_used = 0;
+      to_pack.push_back(block);
+    }
+    unpacked_[next_to_pack_] = unpacked_.back();
+    unpacked_.pop_back();
+  }
+  ParallelFor(to_pack.size(), 8, [&](size_t i) { to_pack[i]->surface.Pack(); });
 }
 
 std::vector<BlockIndex> VoxelMap::SortedIndices() const {
@@ -31,7 +59,8 @@ std::optional<VoxelReading> VoxelMap::Read(const Block& block, int offset) const
                         observations};
   };
   if (block.surface) {
-    const SurfaceVoxels& voxels = *block.surface;
+    SurfaceReader reader;
+    const SurfaceVoxels& voxels = *reader.Read(block);
     const auto i = static_cast<size_t>(offset);
     if (voxels.weight[i] == 0) return std::nullopt;
     return VoxelReading{
@@ -62,6 +91,11 @@ VoxelMapMemory MeasureMemory(const VoxelMap& map) {
     memory.table_bytes += sizeof(index) + sizeof(block);
     if (block.surface) {
       ++memory.surface_blocks;
+      if (block.surface.packed()) {
+        ++memory.packed_blocks;
+        memory.packed_bytes += block.surface.packed_bytes();
+        continue;
+      }
       const SurfaceVoxels& voxels = *block.surface;
       memory.tsdf_bytes +=
           sizeof(voxels.distance) + sizeof(voxels.weight) + sizeof(voxels.observations);

@@ -45,7 +45,16 @@ class VoxelMap {
   Block& FindOrCreate(BlockIndex index);
   Block* FindMutable(BlockIndex index);
   void Erase(BlockIndex index) { blocks_.erase(index); }
-  void Clear() { blocks_.clear(); }
+  void Clear() {
+    blocks_.clear();
+    unpacked_.clear();
+  }
+
+  /// Notes that the surface of a block was looked at by revision `now`, which is at least 1.
+  void NoteUse(BlockIndex index, Block& block, uint32_t now);
+  /// Packs blocks that nobody looked at since `before`, some at a time, while more than `most` are
+  /// unpacked. What the map says stays the same.
+  void PackUnused(uint32_t before, size_t most);
 
   size_t size() const { return blocks_.size(); }
   const Table& table() const {
@@ -67,14 +76,19 @@ class VoxelMap {
  private:
   VoxelGridOptions options_;
   Table blocks_;
+  std::vector<BlockIndex> unpacked_;  // those with last_used > 0; no order that means anything
+  size_t next_to_pack_ = 0;           // place in it where PackUnused goes on
 };
 
 /// Bytes held per layer, as `info` and report.json show them.
 struct VoxelMapMemory {
   size_t surface_blocks = 0, free_blocks = 0, all_free_blocks = 0;
-  size_t tsdf_bytes = 0, color_bytes = 0, label_bytes = 0, free_bytes = 0, table_bytes = 0;
+  size_t packed_blocks = 0;                                 ///< of the surface blocks
+  size_t tsdf_bytes = 0, color_bytes = 0, label_bytes = 0;  ///< of those that are not packed
+  size_t packed_bytes = 0;                                  ///< all layers of the packed ones
+  size_t free_bytes = 0, table_bytes = 0;
   size_t total_bytes() const {
-    return tsdf_bytes + color_bytes + label_bytes + free_bytes + table_bytes;
+    return tsdf_bytes + color_bytes + label_bytes + packed_bytes + free_bytes + table_bytes;
   }
 };
 VoxelMapMemory MeasureMemory(const VoxelMap& map);

@@ -139,7 +139,7 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
   NoteIntegrated({header.camera_id, header.utime});
   const StageTimer timer(status_, "publishing");
   occupancy_.PublishChanges(map(), delta.changed_blocks);
-  mesh_.NoteChanges(delta.changed_blocks);
+  mesh_.NoteChanges(map(), delta.changed_blocks);
   return commit;
 }
 

@@ -27,10 +27,13 @@ void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
   revision_ = -1;
   dirty_ = map.voxels.SortedIndices();
   shown_ = ReadShown(map.labels);
+  places_.Clear();
+  places_.Note(map.voxels, dirty_);
   log_.Clear();
 }
 
-void MeshPublisher::NoteChanges(std::span<const BlockIndex> changed) {
+void MeshPublisher::NoteChanges(const SemanticMap& map, std::span<const BlockIndex> changed) {
+  places_.Note(map.voxels, changed);
   dirty_.insert(dirty_.end(), changed.begin(), changed.end());
 }
 
@@ -49,21 +52,12 @@ std::vector<MeshPublisher::Shown> MeshPublisher::ReadShown(const LabelTable& lab
 
 void MeshPublisher::AddBlocksShownOtherwise(const SemanticMap& map) {
   std::vector<Shown> now = ReadShown(map.labels);
-  std::vector<bool> differs(now.size() + 1, false);
-  bool any = false;
   for (size_t i = 0; i < shown_.size(); ++i) {  // labels that are new came with changed blocks
-    differs[i + 1] = now[i] != shown_[i];
-    any = any || differs[i + 1];
+    if (now[i] == shown_[i]) continue;
+    const auto places = places_.Of(static_cast<SegmentLabel>(i + 1));
+    dirty_.insert(dirty_.end(), places.begin(), places.end());
   }
   shown_ = std::move(now);
-  if (!any) return;
-  for (const auto& [index, block] : map.voxels.table()) {
-    if (!block.surface) continue;
-    const std::vector<SegmentLabel>& palette = block.surface->palette;
-    if (std::any_of(palette.begin(), palette.end(),
-                    [&](SegmentLabel label) { return differs[Raw(label)]; }))
-      dirty_.push_back(index);
-  }
 }
 
 void MeshPublisher::PublishChanges(const SemanticMap& map) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "map_server/change_log.h"
+#include "map_server/label_places.h"
 #include "meshing/marching_cubes.h"
 #include "runtime/bus.h"
 #include "wire/update_sequence.h"
@@ -20,7 +21,7 @@ class MeshPublisher {
   /// From now on of this map; all of it counts as changed. Publishes nothing.
   void Start(const SemanticMap& map, const std::string& map_id);
   /// A frame changed these blocks.
-  void NoteChanges(std::span<const BlockIndex> changed);
+  void NoteChanges(const SemanticMap& map, std::span<const BlockIndex> changed);
   bool has_changes() const { return !dirty_.empty(); }
 
   /// What changed since the last time.
@@ -53,6 +54,7 @@ class MeshPublisher {
   int64_t revision_ = -1;          // of the last update
   std::vector<BlockIndex> dirty_;  // changed since, unsorted
   std::vector<Shown> shown_;       // by label - 1, at the last update
+  LabelPlaces places_;
   ChangeLog log_;
   double last_published_ = 0;  // MonotonicSeconds
 };

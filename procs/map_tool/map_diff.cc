@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "volume/surface_reader.h"
+
 namespace vismap {
 namespace {
 
@@ -14,14 +16,15 @@ std::string Text(BlockIndex index) {
 
 // What of two blocks differs; empty = nothing.
 std::string DiffBlocks(const Block& a, const Block& b) {
-  if ((a.surface != nullptr) != (b.surface != nullptr)) return "surface in one only";
-  if (a.surface == nullptr) {
+  if (static_cast<bool>(a.surface) != static_cast<bool>(b.surface)) return "surface in one only";
+  if (!a.surface) {
     const bool equal = a.all_free == b.all_free && (a.free != nullptr) == (b.free != nullptr) &&
                        (a.free == nullptr || *a.free == *b.free);
     return equal ? "" : "free space";
   }
-  const SurfaceVoxels& x = *a.surface;
-  const SurfaceVoxels& y = *b.surface;
+  SurfaceReader reader;
+  const SurfaceVoxels& x = *reader.Read(a);
+  const SurfaceVoxels& y = *reader.Read(b);
   if (x.distance != y.distance) return "distances";
   if (x.weight != y.weight) return "weights";
   if (x.observations != y.observations) return "observations";

@@ -128,6 +128,10 @@ class MeshStream : public testing::Test {
     while (bus_->Spin(0)) {
     }
   }
+  void NoteGrowth() {
+    const std::vector<BlockIndex> changed = growing_.Grow();
+    publisher_.NoteChanges(growing_.map(), changed);
+  }
   std::string Truth() { return MeshPublisher::DigestOf(growing_.map(), {}); }
 
   std::unique_ptr<Bus> bus_ = MemoryBus();
@@ -140,7 +144,7 @@ class MeshStream : public testing::Test {
 
 TEST_F(MeshStream, UpdatesBlockByBlockGiveTheMeshOfTheWholeMap) {
   for (int frame = 0; frame < 12; ++frame) {
-    publisher_.NoteChanges(growing_.Grow());
+    NoteGrowth();
     publisher_.PublishChanges(growing_.map());
     Deliver();
     ASSERT_EQ(follower_.Digest(), Truth()) << frame;
@@ -150,7 +154,7 @@ TEST_F(MeshStream, UpdatesBlockByBlockGiveTheMeshOfTheWholeMap) {
 }
 
 TEST_F(MeshStream, MergedLabelsAndNewInstancesReachBlocksThatDidNotChange) {
-  for (int frame = 0; frame < 4; ++frame) publisher_.NoteChanges(growing_.Grow());
+  for (int frame = 0; frame < 4; ++frame) NoteGrowth();
   publisher_.PublishChanges(growing_.map());
   Deliver();
   const std::string before = follower_.Digest();
@@ -179,7 +183,7 @@ TEST_F(MeshStream, MergedLabelsAndNewInstancesReachBlocksThatDidNotChange) {
 TEST_F(MeshStream, AFollowerThatLosesAThirdOfAllMessagesEndsWithTheMap) {
   lost_percent_ = 33;
   for (int frame = 0; frame < 12; ++frame) {
-    publisher_.NoteChanges(growing_.Grow());
+    NoteGrowth();
     publisher_.PublishChanges(growing_.map());
     if (frame % 4 == 3) publisher_.PublishSince(growing_.map(), follower_.position());
     Deliver();
@@ -193,7 +197,7 @@ TEST_F(MeshStream, AFollowerThatLosesAThirdOfAllMessagesEndsWithTheMap) {
 }
 
 TEST_F(MeshStream, ASelfContradictingMessageChangesNothing) {
-  publisher_.NoteChanges(growing_.Grow());
+  NoteGrowth();
   publisher_.PublishChanges(growing_.map());
   Deliver();
   const std::string before = follower_.Digest();

@@ -133,6 +133,25 @@ TEST(IntegrateFrame, GivesTheSameMapForAnyNumberOfThreads) {
   EXPECT_EQ(hashes[0], hashes[2]);
 }
 
+TEST(IntegrateFrame, PackingBlocksOutOfViewChangesNothing) {
+  std::string hashes[2];
+  size_t packed[2];
+  for (int run = 0; run < 2; ++run) {
+    SemanticMap map({0.02, 4});
+    IntegrationOptions options;
+    options.max_unpacked_blocks = run == 0 ? 1000000 : 0;
+    for (int i = 0; i < 40; ++i) {  // away, and back
+      const double x = 0.2 * std::min(i, 40 - i);
+      Fuse(LookAtWall(1.5, {x, 0, 0}), map, options);
+    }
+    hashes[run] = HashMap(map);
+    packed[run] = MeasureMemory(map.voxels).packed_blocks;
+  }
+  EXPECT_EQ(packed[0], 0u);
+  EXPECT_GT(packed[1], 100u);
+  EXPECT_EQ(hashes[0], hashes[1]);
+}
+
 TEST(IntegrateFrame, ReportsExactlyTheBlocksThatChanged) {
   SemanticMap map({0.02, 4});
   for (int i = 0; i < 3; ++i) Fuse(LookAtWall(1.5), map);

@@ -1,0 +1,43 @@
+#include "map_server/label_places.h"
+
+#include "base/ids.h"
+
+namespace vismap {
+namespace {
+// A palette grows at its end until it is full; only then labels are dropped from it.
+constexpr size_t kFull = 255;
+}  // namespace
+
+void LabelPlaces::Clear() {
+  noted_.clear();
+  places_.clear();
+}
+
+void LabelPlaces::Note(const VoxelMap& voxels, std::span<const BlockIndex> changed) {
+  SurfaceReader reader;
+  for (const BlockIndex& index : changed) {
+    const Block* block = voxels.Find(index);
+    if (block == nullptr) continue;
+    if (const SurfaceVoxels* surface = reader.Read(*block)) NoteBlock(index, surface->palette);
+    reader.Trim();
+  }
+}
+
+void LabelPlaces::NoteBlock(BlockIndex index, const std::vector<SegmentLabel>& palette) {
+  uint8_t& noted = noted_[index];
+  const bool anew = palette.size() == kFull || palette.size() < noted;
+  for (size_t i = anew ? 0 : noted; i < palette.size(); ++i) {
+    const size_t label = Raw(palette[i]);
+    if (places_.size() <= label) places_.resize(label + 1);
+    places_[label].push_back(index);
+  }
+  noted = static_cast<uint8_t>(palette.size());
+}
+
+std::span<const BlockIndex> LabelPlaces::Of(SegmentLabel label) const {
+  const size_t at = Raw(label);
+  return at < places_.size() ? std::span<const BlockIndex>(places_[at])
+                             : std::span<const BlockIndex>();
+}
+
+}  // namespace vismap
