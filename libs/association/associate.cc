@@ -29,11 +29,14 @@ void FindPairs(const FrameCounts& counts, const LabelMatching& matching, const M
     }
   }
   association.together.assign(together.begin(), together.end());
-  for (const auto& [pair, evidence] : map.labels.pairs()) {
-    const auto& segment_of = matching.segment_of;
-    if (!segment_of.contains(pair.first) || !segment_of.contains(pair.second)) continue;
-    if (together.contains(pair)) continue;
-    association.apart.push_back(pair);
+  // Only pairs of this frame's labels: the map may know many more.
+  const auto& pairs = map.labels.pairs();
+  for (const auto& [label, segment] : matching.segment_of) {
+    for (auto known = pairs.lower_bound({label, SegmentLabel::kNone});
+         known != pairs.end() && known->first.first == label; ++known) {
+      if (matching.segment_of.contains(known->first.second) && !together.contains(known->first))
+        association.apart.push_back(known->first);
+    }
   }
 }
 

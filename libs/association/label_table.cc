@@ -98,16 +98,22 @@ SegmentLabel LabelTable::Merge(SegmentLabel a, SegmentLabel b) {
     to.instance_evidence[instance] += amount;
   for (const auto& [class_id, amount] : from.class_evidence) to.class_evidence[class_id] += amount;
 
-  std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence> pairs;
-  for (const auto& [key, evidence] : pairs_) {
-    const SegmentLabel x = key.first == dead ? survivor : key.first;
-    const SegmentLabel y = key.second == dead ? survivor : key.second;
-    if (x == y) continue;
-    PairEvidence& sum = pairs[std::minmax(x, y)];
+  std::vector<std::pair<SegmentLabel, PairEvidence>> inherited;  // partner of the dead one
+  for (auto pair = pairs_.begin(); pair != pairs_.end();) {
+    const auto [x, y] = pair->first;
+    if (x != dead && y != dead) {
+      ++pair;
+      continue;
+    }
+    inherited.emplace_back(x == dead ? y : x, pair->second);
+    pair = pairs_.erase(pair);
+  }
+  for (const auto& [partner, evidence] : inherited) {
+    if (partner == survivor) continue;
+    PairEvidence& sum = pairs_[std::minmax(survivor, partner)];
     sum.together += evidence.together;
     sum.apart += evidence.apart;
   }
-  pairs_ = std::move(pairs);
   return survivor;
 }
 

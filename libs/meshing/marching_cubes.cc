@@ -141,12 +141,14 @@ void SortUnique(std::vector<BlockIndex>* blocks) {
   blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
 }
 
-// Blocks that may have surface cells, ascending: those with surface voxels and, since a cell
-// reaches one voxel up, their lower neighbours.
-std::vector<BlockIndex> CandidateBlocks(const VoxelMap& map) {
+// Blocks that may have surface cells, ascending: those of `blocks` with surface voxels and, since a
+// cell reaches one voxel up, their lower neighbours.
+std::vector<BlockIndex> CandidateBlocks(const VoxelMap& map,
+                                        const std::vector<BlockIndex>& blocks) {
   std::vector<BlockIndex> candidates;
-  for (const auto& [index, block] : map.table()) {
-    if (!block.surface) continue;
+  for (const BlockIndex& index : blocks) {
+    const Block* block = map.Find(index);
+    if (block == nullptr || !block->surface) continue;
     for (int i = 0; i < 8; ++i) {
       const BlockIndex below{index.x - (i & 1), index.y - (i >> 1 & 1), index.z - (i >> 2)};
       if (i == 0 || map.Find(below) != nullptr) candidates.push_back(below);
@@ -154,6 +156,14 @@ std::vector<BlockIndex> CandidateBlocks(const VoxelMap& map) {
   }
   SortUnique(&candidates);
   return candidates;
+}
+
+std::vector<BlockIndex> BlocksWithSurface(const VoxelMap& map) {
+  std::vector<BlockIndex> blocks;
+  for (const auto& [index, block] : map.table()) {
+    if (block.surface) blocks.push_back(index);
+  }
+  return blocks;
 }
 
 std::vector<LocalMesh> MeshEach(const SemanticMap& map, const std::vector<BlockIndex>& blocks,
@@ -255,7 +265,12 @@ std::vector<BlockIndex> AffectedBlocks(const VoxelMap& map, std::span<const Bloc
 }  // namespace
 
 Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
-  const std::vector<BlockIndex> blocks = CandidateBlocks(map.voxels);
+  return ExtractMeshOf(map, BlocksWithSurface(map.voxels), options);
+}
+
+Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> part,
+                   const MeshingOptions& options) {
+  const std::vector<BlockIndex> blocks = CandidateBlocks(map.voxels, part);
   const std::vector<LocalMesh> parts = MeshEach(map, blocks, options);
   Stitcher stitcher;
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);

@@ -43,6 +43,11 @@ struct MeshDelta {
 /// of an instance is the one with most evidence over its labels, weighted by their vertices.
 Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options = {});
 
+/// The same of a part of the map: of the cells of `blocks`, and of those below that reach into
+/// them.
+Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> blocks,
+                   const MeshingOptions& options = {});
+
 /// The same, block by block, for viewers that follow the map: of all blocks whose surface depends
 /// on the `changed` ones: these, and their neighbours that are near a surface.
 /// Blocks do not share vertices, small components stay, and the class of an instance weighs its

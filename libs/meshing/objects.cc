@@ -3,41 +3,17 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "meshing/label_surfaces.h"
 #include "meshing/mesh_parts.h"
 #include "meshing/read_out.h"
 
 namespace vismap {
 namespace {
 
-// The surface of each label, indexed by label.
-struct LabelSurfaces {
-  std::vector<std::vector<Eigen::Vector3f>> points_W;
-  std::vector<double> area;
-};
-
-LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
-  LabelSurfaces surfaces;
-  surfaces.points_W.resize(labels);
-  surfaces.area.resize(labels, 0);
-  for (const MeshVertex& vertex : mesh.vertices) {
-    const size_t label = Raw(vertex.segment);
-    if (label < labels) surfaces.points_W[label].push_back(vertex.position_W);
-  }
-  // A triangle between labels belongs to each of them by a third per corner.
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const double third = TriangleArea(mesh, i) / 3;
-    for (const uint32_t corner : mesh.triangles[i]) {
-      const size_t label = Raw(mesh.vertices[corner].segment);
-      if (label < labels) surfaces.area[label] += third;
-    }
-  }
-  return surfaces;
-}
-
 std::vector<Eigen::Vector3f> PointsOf(const ObjectSummary& object, const LabelSurfaces& surfaces) {
   std::vector<Eigen::Vector3f> points;
   for (const SegmentLabel label : object.segments) {
-    const auto& more = surfaces.points_W[Raw(label)];
+    const auto& more = surfaces[Raw(label)].points_W;
     points.insert(points.end(), more.begin(), more.end());
   }
   return points;
@@ -55,7 +31,7 @@ double Score(const ObjectSummary& object, const LabelTable& table, const LabelRe
              const LabelSurfaces& surfaces) {
   double confidence = 0, points = 0, confirmations = 0;
   for (const SegmentLabel label : object.segments) {
-    const auto size = static_cast<double>(surfaces.points_W[Raw(label)].size());
+    const auto size = static_cast<double>(surfaces[Raw(label)].vertices);
     confidence += size * static_cast<double>(read_out.labels[Raw(label)].confidence);
     points += size;
     const auto& evidence = table.Record(label).instance_evidence;
@@ -92,20 +68,10 @@ bool IsStructure(const ObjectSummary& object, std::span<const Eigen::Vector3f> p
   return inliers >= options.structure_share && inliers * object.area >= options.structure_area;
 }
 
-// Everything that is read from the surface.
-void Measure(const LabelSurfaces& surfaces, const ObjectOptions& options, ObjectSummary* object) {
-  const std::vector<Eigen::Vector3f> points = PointsOf(*object, surfaces);
-  object->points = static_cast<int64_t>(points.size());
-  for (const SegmentLabel label : object->segments) object->area += surfaces.area[Raw(label)];
-  object->box = FitUprightBox(MainParts(points, options.part_gap, options.min_part_share),
-                              options.up_W, options.box_outliers);
-  object->is_structure = object->discovered() && IsStructure(*object, points, options);
-}
-
 int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces& surfaces) {
   int64_t count = 0;
   for (const SegmentLabel label : labels) {
-    count += static_cast<int64_t>(surfaces.points_W[Raw(label)].size());
+    count += surfaces[Raw(label)].vertices;
   }
   return count;
 }
@@ -129,17 +95,56 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
 
 }  // namespace
 
-std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
-                                            const ObjectOptions& options) {
-  const LabelTable& table = map.labels;
-  const LabelReadOut read_out = ReadLabels(table, VerticesPerLabel(mesh));
-  const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(table.next_label()));
+LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
+  LabelSurfaces surfaces(labels);
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const size_t label = Raw(vertex.segment);
+    if (label >= labels) continue;
+    surfaces[label].points_W.push_back(vertex.position_W);
+    ++surfaces[label].vertices;
+  }
+  // A triangle between labels belongs to each of them by a third per corner.
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const double third = TriangleArea(mesh, i) / 3;
+    for (const uint32_t corner : mesh.triangles[i]) {
+      const size_t label = Raw(mesh.vertices[corner].segment);
+      if (label < labels) surfaces[label].area += third;
+    }
+  }
+  return surfaces;
+}
+
+std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
+                                       const ObjectOptions& options) {
+  std::vector<double> sizes;
+  for (const LabelSurface& surface : surfaces)
+    sizes.push_back(static_cast<double>(surface.vertices));
+  const LabelReadOut read_out = ReadLabels(table, sizes);
   std::vector<ObjectSummary> objects = ListObjects(table, read_out, surfaces, options);
-  ParallelFor(objects.size(), 1, [&](size_t i) { Measure(surfaces, options, &objects[i]); });
   for (ObjectSummary& object : objects) {
-    for (const SegmentLabel label : object.segments) AddHistory(table.Record(label), &object);
+    for (const SegmentLabel label : object.segments) {
+      AddHistory(table.Record(label), &object);
+      object.area += surfaces[Raw(label)].area;
+    }
+    object.points = CountPoints(object.segments, surfaces);
     if (!object.discovered()) object.score = Score(object, table, read_out, surfaces);
   }
+  return objects;
+}
+
+void MeasureObject(const LabelSurfaces& surfaces, const ObjectOptions& options,
+                   ObjectSummary* object) {
+  const std::vector<Eigen::Vector3f> points = PointsOf(*object, surfaces);
+  object->box = FitUprightBox(MainParts(points, options.part_gap, options.min_part_share),
+                              options.up_W, options.box_outliers);
+  object->is_structure = object->discovered() && IsStructure(*object, points, options);
+}
+
+std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
+                                            const ObjectOptions& options) {
+  const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
+  std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
+  ParallelFor(objects.size(), 1, [&](size_t i) { MeasureObject(surfaces, options, &objects[i]); });
   return objects;
 }
 

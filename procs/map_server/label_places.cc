@@ -34,6 +34,21 @@ void LabelPlaces::NoteBlock(BlockIndex index, const std::vector<SegmentLabel>& p
   noted = static_cast<uint8_t>(palette.size());
 }
 
+void LabelPlaces::Merge(SegmentLabel dead, SegmentLabel survivor) {
+  if (places_.size() <= Raw(dead)) return;
+  if (places_.size() <= Raw(survivor)) places_.resize(Raw(survivor) + 1);
+  const std::vector<BlockIndex>& from = places_[Raw(dead)];
+  places_[Raw(survivor)].insert(places_[Raw(survivor)].end(), from.begin(), from.end());
+}
+
+void LabelPlaces::MergeAll(const LabelTable& labels) {
+  const auto& records = labels.records();
+  for (size_t i = records.size(); i > 0; --i) {  // survivors have lower labels: chains come down
+    const SegmentLabel survivor = records[i - 1].merged_into;
+    if (survivor != SegmentLabel::kNone) Merge(static_cast<SegmentLabel>(i), survivor);
+  }
+}
+
 std::span<const BlockIndex> LabelPlaces::Of(SegmentLabel label) const {
   const size_t at = Raw(label);
   return at < places_.size() ? std::span<const BlockIndex>(places_[at])

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "association/label_table.h"
 #include "volume/surface_reader.h"
 #include "volume/voxel_map.h"
 
@@ -18,7 +19,11 @@ class LabelPlaces {
   void Clear();
   /// These blocks changed: takes note of labels that are new there.
   void Note(const VoxelMap& voxels, std::span<const BlockIndex> changed);
-  /// Blocks where the label has votes, or had once.
+  /// `dead` has been merged into `survivor`, which now is where both are.
+  void Merge(SegmentLabel dead, SegmentLabel survivor);
+  /// The same for all labels that a table knows as merged.
+  void MergeAll(const LabelTable& labels);
+  /// Blocks where the label, or one merged into it, has votes, or had once; some of them twice.
   std::span<const BlockIndex> Of(SegmentLabel label) const;
 
  private:

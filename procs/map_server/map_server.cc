@@ -51,6 +51,10 @@ void MapServer::StartMap(MapSession session) {
   session_ = std::make_unique<MapSession>(std::move(session));
   occupancy_.Start(map(), map_id());
   mesh_.Start(map(), map_id());
+  tracker_.Clear();
+  MapDelta everything;
+  everything.changed_blocks = map().voxels.SortedIndices();
+  tracker_.NoteChanges(map(), everything);
   order_.Clear();
   skipped_.clear();
 }
@@ -139,7 +143,8 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
   NoteIntegrated({header.camera_id, header.utime});
   const StageTimer timer(status_, "publishing");
   occupancy_.PublishChanges(map(), delta.changed_blocks);
-  mesh_.NoteChanges(map(), delta.changed_blocks);
+  mesh_.NoteChanges(map(), delta);
+  tracker_.NoteChanges(map(), delta);
   return commit;
 }
 
@@ -179,7 +184,7 @@ void MapServer::PublishNowAndThen() {
   if (mesh_.has_changes())
     publish(config_.map_server.mesh_period, &mesh_due_, [&] { PublishMesh(); });
   if (objects_revision_ != map().revision) {
-    publish(config_.map_server.objects_period, &objects_due_, [&] { PublishObjects(); });
+    publish(config_.map_server.objects_period, &objects_due_, [&] { PublishObjectsNow(); });
   }
   if (config_.map_server.save_period > 0 && saved_revision_ != map().revision) {
     publish(config_.map_server.save_period, &save_due_, [&] { SaveNowAndThen(); });
@@ -205,10 +210,20 @@ void MapServer::Repeat() {
   objects_repeat_due_ = MonotonicSeconds() + kObjectsRepeat;
 }
 
-std::vector<ObjectSummary> MapServer::PublishObjects() {
+std::vector<ObjectSummary> MapServer::AllObjects() const {
+  return MakeProducts(map(), session_->metadata(), outputs_).objects;
+}
+
+// While the map grows: what did not change is not looked at again.
+void MapServer::PublishObjectsNow() {
   const StageTimer timer(status_, "objects");
-  MapProducts products = MakeProducts(map(), session_->metadata(), outputs_);
-  ObjectList list{map().last_utime, map_id(), map().revision, std::move(products.objects)};
+  const auto places = [this](SegmentLabel label) { return mesh_.places().Of(label); };
+  PublishObjects(tracker_.Summarize(map(), places, outputs_.meshing,
+                                    ObjectOptionsFor(session_->metadata(), outputs_)));
+}
+
+std::vector<ObjectSummary> MapServer::PublishObjects(std::vector<ObjectSummary> objects) {
+  ObjectList list{map().last_utime, map_id(), map().revision, std::move(objects)};
   objects_ = Encode(list, ClassName);
   bus_->Publish(kObjectsChannel, objects_);
   objects_revision_ = map().revision;
@@ -219,7 +234,7 @@ std::vector<ObjectSummary> MapServer::PublishObjects() {
 void MapServer::PublishAll() {
   occupancy_.PublishSnapshot();
   mesh_.PublishAll(map());
-  PublishObjects();
+  PublishObjects(AllObjects());
 }
 
 Result<std::string> MapServer::Save(const std::string& path) {

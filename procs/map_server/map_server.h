@@ -16,6 +16,7 @@
 #include "map_server/commit_journal.h"
 #include "map_server/mesh_publisher.h"
 #include "map_server/occupancy_publisher.h"
+#include "meshing/object_tracker.h"
 #include "runtime/bus.h"
 #include "runtime/status.h"
 #include "session/map_session.h"
@@ -73,7 +74,9 @@ class MapServer {
 
   void PublishMesh();
   void PublishAll();
-  std::vector<ObjectSummary> PublishObjects();
+  void PublishObjectsNow();
+  std::vector<ObjectSummary> PublishObjects(std::vector<ObjectSummary> objects);
+  std::vector<ObjectSummary> AllObjects() const;
   void Repeat();
   void StartMap(MapSession session);
   MapMetadata NewMetadata() const;
@@ -89,6 +92,7 @@ class MapServer {
   std::unique_ptr<MapSession> session_;
   OccupancyPublisher occupancy_;
   MeshPublisher mesh_;
+  ObjectTracker tracker_;
   object_list_t objects_;                     // the last OBJECTS
   FrameOrder<segmented_frame_t> order_{256};  // frames whose predecessors were lost on the way
   std::set<FrameKey> skipped_;                // answered, but not integrated

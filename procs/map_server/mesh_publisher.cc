@@ -29,11 +29,14 @@ void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
   shown_ = ReadShown(map.labels);
   places_.Clear();
   places_.Note(map.voxels, dirty_);
+  places_.MergeAll(map.labels);
   log_.Clear();
 }
 
-void MeshPublisher::NoteChanges(const SemanticMap& map, std::span<const BlockIndex> changed) {
+void MeshPublisher::NoteChanges(const SemanticMap& map, const MapDelta& delta) {
+  const std::vector<BlockIndex>& changed = delta.changed_blocks;
   places_.Note(map.voxels, changed);
+  for (const auto& [dead, survivor] : delta.merged) places_.Merge(dead, survivor);
   dirty_.insert(dirty_.end(), changed.begin(), changed.end());
 }
 

@@ -6,6 +6,7 @@
 
 #include "map_server/change_log.h"
 #include "map_server/label_places.h"
+#include "mapping/integrate.h"
 #include "meshing/marching_cubes.h"
 #include "runtime/bus.h"
 #include "wire/update_sequence.h"
@@ -20,8 +21,10 @@ class MeshPublisher {
 
   /// From now on of this map; all of it counts as changed. Publishes nothing.
   void Start(const SemanticMap& map, const std::string& map_id);
-  /// A frame changed these blocks.
-  void NoteChanges(const SemanticMap& map, std::span<const BlockIndex> changed);
+  /// A frame changed the map.
+  void NoteChanges(const SemanticMap& map, const MapDelta& delta);
+  /// Where labels are, of all that was noted.
+  const LabelPlaces& places() const { return places_; }
   bool has_changes() const { return !dirty_.empty(); }
 
   /// What changed since the last time.

@@ -93,7 +93,7 @@ Result<MapServer::Answer> MapServer::AnswerReset(const map_request_t&) {
 }
 
 Result<MapServer::Answer> MapServer::AnswerObjects(const map_request_t&) {
-  const std::vector<ObjectSummary> objects = PublishObjects();
+  const std::vector<ObjectSummary> objects = PublishObjects(AllObjects());
   return Answer{std::to_string(objects.size()) + " objects and segments", "json",
                 Bytes(ObjectsJson(map_id(), objects, ClassName))};
 }

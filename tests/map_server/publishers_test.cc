@@ -129,8 +129,9 @@ class MeshStream : public testing::Test {
     }
   }
   void NoteGrowth() {
-    const std::vector<BlockIndex> changed = growing_.Grow();
-    publisher_.NoteChanges(growing_.map(), changed);
+    MapDelta delta;
+    delta.changed_blocks = growing_.Grow();
+    publisher_.NoteChanges(growing_.map(), delta);
   }
   std::string Truth() { return MeshPublisher::DigestOf(growing_.map(), {}); }
 

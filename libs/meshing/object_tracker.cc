@@ -1,0 +1,108 @@
+#include "meshing/object_tracker.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "volume/surface_reader.h"
+
+namespace vismap {
+namespace {
+
+constexpr size_t kMaxPoints = 3000;  // kept per label, for boxes
+constexpr size_t kLargeBlocks = 200;
+constexpr double kGrowth = 1.1;
+
+void Thin(std::vector<Eigen::Vector3f>* points) {
+  if (points->size() <= kMaxPoints) return;
+  const size_t stride = (points->size() + kMaxPoints - 1) / kMaxPoints;
+  std::vector<Eigen::Vector3f> picked;
+  for (size_t i = 0; i < points->size(); i += stride) picked.push_back((*points)[i]);
+  *points = std::move(picked);
+}
+
+}  // namespace
+
+void ObjectTracker::NoteChanges(const SemanticMap& map, const MapDelta& delta) {
+  for (const auto& [dead, survivor] : delta.merged) changed_.insert({dead, survivor});
+  SurfaceReader reader;
+  for (const BlockIndex& index : delta.changed_blocks) {
+    const Block* block = map.voxels.Find(index);
+    const SurfaceVoxels* surface = block != nullptr ? reader.Read(*block) : nullptr;
+    if (surface != nullptr) changed_.insert(surface->palette.begin(), surface->palette.end());
+    reader.Trim();
+  }
+}
+
+std::vector<SegmentLabel> ObjectTracker::LabelsToMeasure(const SemanticMap& map,
+                                                         const Places& places) {
+  const size_t labels = Raw(map.labels.next_label());
+  surfaces_.resize(labels);
+  versions_.resize(labels);
+  blocks_measured_.resize(labels);
+  std::set<SegmentLabel> alive;
+  for (const SegmentLabel label : changed_) {
+    const SegmentLabel canonical = map.labels.Canonical(label);
+    alive.insert(canonical);
+    if (canonical != label) surfaces_[Raw(label)] = {};
+  }
+  std::vector<SegmentLabel> due;
+  std::set<SegmentLabel> later;
+  for (const SegmentLabel label : alive) {
+    const size_t blocks = places(label).size(), before = blocks_measured_[Raw(label)];
+    const bool large = blocks > kLargeBlocks;
+    if (large && static_cast<double>(blocks) < kGrowth * static_cast<double>(before)) {
+      later.insert(label);
+    } else {
+      due.push_back(label);
+    }
+  }
+  changed_ = std::move(later);
+  return due;
+}
+
+void ObjectTracker::MeasureLabels(const SemanticMap& map, const std::vector<SegmentLabel>& labels,
+                                  const Places& places, const MeshingOptions& meshing) {
+  std::vector<BlockIndex> blocks;
+  for (const SegmentLabel label : labels) {
+    const auto of_label = places(label);
+    blocks.insert(blocks.end(), of_label.begin(), of_label.end());
+    blocks_measured_[Raw(label)] = of_label.size();
+  }
+  LabelSurfaces fresh =
+      CollectSurfaces(ExtractMeshOf(map, std::move(blocks), meshing), surfaces_.size());
+  for (const SegmentLabel label : labels) {
+    LabelSurface& surface = surfaces_[Raw(label)];
+    surface = std::move(fresh[Raw(label)]);
+    Thin(&surface.points_W);
+    ++versions_[Raw(label)];
+  }
+}
+
+std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map, const Places& places,
+                                                    const MeshingOptions& meshing,
+                                                    const ObjectOptions& options) {
+  MeasureLabels(map, LabelsToMeasure(map, places), places, meshing);
+  std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces_, options);
+  std::vector<Measured*> records;
+  std::vector<std::vector<std::pair<SegmentLabel, uint32_t>>> from(objects.size());
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const ObjectSummary& object = objects[i];
+    for (const SegmentLabel label : object.segments)
+      from[i].emplace_back(label, versions_[Raw(label)]);
+    const Key key{object.instance,
+                  object.discovered() ? object.segments.front() : SegmentLabel::kNone};
+    records.push_back(&measured_[key]);
+  }
+  ParallelFor(objects.size(), 1, [&](size_t i) {
+    Measured& record = *records[i];
+    if (record.from != from[i]) {
+      MeasureObject(surfaces_, options, &objects[i]);
+      record = {std::move(from[i]), objects[i].box, objects[i].is_structure};
+    }
+    objects[i].box = record.box;
+    objects[i].is_structure = record.is_structure;
+  });
+  return objects;
+}
+
+}  // namespace vismap
