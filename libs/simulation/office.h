@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "geometry/pose.h"
+#include "simulation/scene.h"
+
+namespace vismap {
+
+/// The built-in office: one floor of 40 x 25 x 2.6 m, 1000 m^2, z up, floor at z = 0, centre of the
+/// floor at the origin: a ring of corridors between offices outside and open-plan areas, a meeting
+/// room and a kitchen inside (see office_plan.h). About nine hundred objects with COCO classes or
+/// without. Always the same.
+Scene MakeOffice();
+
+/// `count` camera poses: one walk around the whole corridor at 1.5 m height with eight rooms
+/// visited on the way, 130 m, through doors only, looking ahead and a little down. Closed, yet the
+/// end sees little of what the beginning saw: it begins behind a corner. The steps of a walk are
+/// alike: the faster the view turns, the slower it goes.
+std::vector<Pose> MakeOfficeWalk(int count);
+
+}  // namespace vismap
