@@ -37,10 +37,10 @@ void OfficeStock::OnDesk(const Place& place) {
   } else {
     Laptop(place.At({0, 0, 0}));
   }
-  if (dice_.Chance(0.4)) Cup(place.At({-0.42, dice_.Between(-0.2, 0.2), 0}));
+  if (dice_.Chance(0.4)) Cup(place.At({-0.37, dice_.Between(-0.2, 0.2), 0}));
   if (dice_.Chance(0.35)) Bottle(place.At({0.4, dice_.Between(-0.2, 0.2), 0}));
   if (dice_.Chance(0.45)) {
-    const Place book = place.At({-0.62, dice_.Between(-0.15, 0.15), 0}, kMuch);
+    const Place book = place.At({-0.64, dice_.Between(-0.15, 0.15), 0}, kMuch);
     Book(book);
     if (dice_.Chance(0.4)) Book(book.At({0, 0, 0.05}, kLittleRight));
   }

@@ -18,7 +18,7 @@ struct Waypoint {
   Vector2d look;
 };
 
-/// One straight piece of corridor: from the corner, in its direction.
+/// One straight piece of corridor: x from the corner in the direction `ahead`, y to the left.
 struct Leg {
   Vector2d corner, ahead;
   double length;
@@ -58,8 +58,11 @@ void WalkStraight(const Leg& leg, double from, double to, std::vector<Waypoint>*
   }
 }
 
+/// From before the corner, around it to the left, to before the next one.
 void WalkLeg(const Leg& leg, const std::vector<Visit>& visits, std::vector<Waypoint>* walk) {
   double from = kCorner;
+  walk->push_back(leg.InWorld({{0, kCorner}, {0, -1}}));
+  walk->push_back(leg.InWorld({{0.4, 0.4}, {0.7, -0.7}}));
   walk->push_back(leg.InWorld({{from, 0}, {1, 0}}));
   for (const Visit& visit : visits) {
     WalkStraight(leg, from, visit.along + kVisit.front().point.x(), walk);
@@ -69,10 +72,7 @@ void WalkLeg(const Leg& leg, const std::vector<Visit>& visits, std::vector<Waypo
     }
     from = visit.along + kVisit.back().point.x();
   }
-  const double to = leg.length - kCorner;
-  WalkStraight(leg, from, to, walk);
-  walk->push_back(leg.InWorld({{to, 0}, {1, 0}}));
-  walk->push_back(leg.InWorld({{leg.length - 0.4, 0.4}, {0.7, 0.7}}));
+  WalkStraight(leg, from, leg.length - kCorner, walk);
 }
 
 std::vector<Waypoint> OfficeWaypoints() {
