@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace vismap {
@@ -28,5 +29,22 @@ inline double Normal(uint64_t key) {
   }
   return (static_cast<double>(sum) + 6) / 65536.0 - 6;
 }
+
+/// A row of random numbers that depends on its key alone.
+class Dice {
+ public:
+  explicit Dice(uint64_t key) : key_(key) {}
+
+  double Between(double low, double high) {
+    return low + (high - low) * Uniform(Mix(key_, ++drawn_));
+  }
+  bool Chance(double probability) { return Between(0, 1) < probability; }
+  /// One of 0..count-1.
+  size_t Of(size_t count) { return Mix(key_, ++drawn_) % count; }
+
+ private:
+  uint64_t key_;
+  uint64_t drawn_ = 0;
+};
 
 }  // namespace vismap

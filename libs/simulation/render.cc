@@ -4,6 +4,7 @@
 
 #include "base/parallel.h"
 #include "base/require.h"
+#include "simulation/render_views.h"
 #include "simulation/simulate.h"
 
 namespace vismap {
@@ -11,66 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr int kTile = 16;  // [px]; one depth bound serves a whole tile
 constexpr int32_t kNothing = -1;
-
-/// A shape as one camera sees it.
-struct View {
-  const Shape* shape = nullptr;
-  const SceneObject* object = nullptr;
-  Vector3d origin_O;                   ///< of the camera
-  Eigen::Matrix3d R_O_C;               ///< directions of pixels
-  int u0 = 0, v0 = 0, u1 = 0, v1 = 0;  ///< no pixel outside [u0, u1) x [v0, v1) shows it
-};
-
-std::array<Vector3d, 8> CornersInCamera(const Shape& shape, const Pose& T_C_W) {
-  const Pose T_C_O = T_C_W * shape.T_W_O;
-  std::array<Vector3d, 8> corners;
-  for (int i = 0; i < 8; ++i) {
-    const Vector3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
-    corners[static_cast<size_t>(i)] = T_C_O * shape.half_size.cwiseProduct(sign);
-  }
-  return corners;
-}
-
-/// Bounds the pixels of a shape by its box, cut off in front of the camera, so that most rays skip
-/// most shapes; false when it is out of sight.
-bool BoundPixels(const std::array<Vector3d, 8>& corners, const PinholeCamera& camera, View* view) {
-  constexpr double kNear = 1e-3;
-  Eigen::AlignedBox2d box;
-  for (int i = 0; i < 8; ++i) {
-    const Vector3d& a = corners[static_cast<size_t>(i)];
-    if (a.z() >= kNear) box.extend(camera.Project(a));
-    for (const int bit : {1, 2, 4}) {
-      const Vector3d& b = corners[static_cast<size_t>(i ^ bit)];
-      if (a.z() >= kNear || b.z() < kNear) continue;
-      Vector3d cut = a + (b - a) * ((kNear - a.z()) / (b.z() - a.z()));
-      cut.z() = kNear;
-      box.extend(camera.Project(cut));
-    }
-  }
-  if (box.isEmpty()) return false;
-  const auto clamp = [](double x, int size) {
-    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(size)));
-  };
-  view->u0 = clamp(std::floor(box.min().x()), camera.width);
-  view->v0 = clamp(std::floor(box.min().y()), camera.height);
-  view->u1 = clamp(std::ceil(box.max().x()) + 1, camera.width);
-  view->v1 = clamp(std::ceil(box.max().y()) + 1, camera.height);
-  return view->u0 < view->u1 && view->v0 < view->v1;
-}
-
-std::vector<View> MakeViews(const Scene& scene, const PinholeCamera& camera, const Pose& T_W_C) {
-  const Pose T_C_W = T_W_C.inverse();
-  std::vector<View> views;
-  for (const SceneObject& object : scene.objects) {
-    for (const Shape& shape : object.shapes) {
-      const Pose T_O_C = shape.T_W_O.inverse() * T_W_C;
-      View view{&shape, &object, T_O_C.translation(), T_O_C.linear()};
-      if (BoundPixels(CornersInCamera(shape, T_C_W), camera, &view)) views.push_back(view);
-    }
-  }
-  return views;
-}
 
 /// What one pixel shows: depth along optical z and the index of the view, or kNothing.
 struct PixelHit {
@@ -78,28 +21,94 @@ struct PixelHit {
   int32_t view = kNothing;
 };
 
-Vector3d DirectionInCamera(const PinholeCamera& camera, int v, int u) {
-  return camera.BackProject(u, v, 1);
-}
+/// A view that a tile may show, and the depth before which no pixel of the tile does.
+struct Candidate {
+  double nearest = 0;
+  int32_t view = kNothing;
 
-/// Calls use(v, u, hit) for every pixel, rows in parallel.
-template <typename Use>
-void CastImage(const std::vector<View>& views, const PinholeCamera& camera, const Use& use) {
-  ParallelFor(static_cast<size_t>(camera.height), 8, [&](size_t row) {
-    const int v = static_cast<int>(row);
-    std::vector<PixelHit> hits(static_cast<size_t>(camera.width));
-    for (size_t i = 0; i < views.size(); ++i) {
-      const View& view = views[i];
-      if (v < view.v0 || v >= view.v1) continue;
-      for (int u = view.u0; u < view.u1; ++u) {
-        PixelHit& hit = hits[static_cast<size_t>(u)];
-        // the direction has z = 1, so that the ray parameter is the depth
-        const double t =
-            EnterSolid(*view.shape, view.origin_O, view.R_O_C * DirectionInCamera(camera, v, u));
-        if (t < hit.depth) hit = {t, static_cast<int32_t>(i)};
+  friend auto operator<=>(const Candidate&, const Candidate&) = default;
+};
+
+/// A small rectangle of pixels. What its rays hit first is the same as if each were cast against
+/// all views in the order of the scene, where of equal depths the first counts; but near views come
+/// first, and those behind all that was hit are never looked at.
+class Tile {
+ public:
+  Tile(const PinholeCamera& camera, const PixelRect& rect) : camera_(camera), rect_(rect) {
+    for (int v = rect.v0; v < rect.v1; ++v) {
+      for (int u = rect.u0; u < rect.u1; ++u) {
+        directions_C_[Index(v, u)] = camera.BackProject(u, v, 1);
       }
     }
-    for (int u = 0; u < camera.width; ++u) use(v, u, hits[static_cast<size_t>(u)]);
+  }
+
+  void Cast(const std::vector<ShapeView>& views) {
+    std::vector<Candidate> candidates;
+    for (size_t i = 0; i < views.size(); ++i) {
+      if (views[i].pixels.Intersection(rect_).empty()) continue;
+      const double nearest = NearestDepth(views[i], camera_, rect_);
+      if (nearest < kNoHit) candidates.push_back({nearest, static_cast<int32_t>(i)});
+    }
+    std::sort(candidates.begin(), candidates.end());
+    double deepest = kNoHit;
+    for (const Candidate& candidate : candidates) {
+      if (candidate.nearest > deepest) break;
+      Cast(views[static_cast<size_t>(candidate.view)], candidate);
+      deepest = DeepestHit();
+    }
+  }
+
+  const Vector3d& direction_C(int v, int u) const { return directions_C_[Index(v, u)]; }
+  const PixelHit& hit(int v, int u) const { return hits_[Index(v, u)]; }
+
+ private:
+  size_t Index(int v, int u) const {
+    return static_cast<size_t>((v - rect_.v0) * kTile + u - rect_.u0);
+  }
+
+  void Cast(const ShapeView& view, const Candidate& candidate) {
+    const PixelRect part = view.pixels.Intersection(rect_);
+    for (int v = part.v0; v < part.v1; ++v) {
+      for (int u = part.u0; u < part.u1; ++u) {
+        PixelHit& hit = hits_[Index(v, u)];
+        if (candidate.nearest > hit.depth) continue;
+        const double t = EnterSolid(*view.shape, view.origin_O, view.R_O_C * direction_C(v, u));
+        if (t < hit.depth || (t == hit.depth && candidate.view < hit.view)) {
+          hit = {t, candidate.view};
+        }
+      }
+    }
+  }
+
+  double DeepestHit() const {
+    double deepest = 0;
+    for (int v = rect_.v0; v < rect_.v1; ++v) {
+      for (int u = rect_.u0; u < rect_.u1; ++u) deepest = std::max(deepest, hit(v, u).depth);
+    }
+    return deepest;
+  }
+
+  const PinholeCamera& camera_;
+  PixelRect rect_;
+  std::array<Vector3d, kTile * kTile> directions_C_;  // with z = 1: the ray parameter is the depth
+  std::array<PixelHit, kTile * kTile> hits_;
+};
+
+/// Calls use(v, u, hit, direction_C) for every pixel, tiles in parallel.
+template <typename Use>
+void CastImage(const std::vector<ShapeView>& views, const PinholeCamera& camera, const Use& use) {
+  const int columns = (camera.width + kTile - 1) / kTile;
+  const int rows = (camera.height + kTile - 1) / kTile;
+  ParallelFor(static_cast<size_t>(columns) * static_cast<size_t>(rows), 8, [&](size_t i) {
+    const int u0 = kTile * (static_cast<int>(i) % columns);
+    const int v0 = kTile * (static_cast<int>(i) / columns);
+    const PixelRect rect =
+        PixelRect{0, 0, camera.width, camera.height}.Intersection({u0, v0, u0 + kTile, v0 + kTile});
+    Tile tile(camera, rect);
+    tile.Cast(views);
+    for (int v = rect.v0; v < rect.v1; ++v) {
+      for (int u = rect.u0; u < rect.u1; ++u) use(v, u, tile.hit(v, u), tile.direction_C(v, u));
+    }
   });
 }
 
@@ -116,7 +125,7 @@ double Checker(const Vector3d& p_O) {
   return cells % 2 == 0 ? 1.0 : 0.8;
 }
 
-Rgb8 ColorOf(const View& view, const Vector3d& p_O) {
+Rgb8 ColorOf(const ShapeView& view, const Vector3d& p_O) {
   const Vector3d light_W(0.36, 0.48, 0.8);
   const Vector3d normal_W = view.shape->T_W_O.linear() * OutwardNormal(*view.shape, p_O);
   const double shade = 0.55 + 0.45 * std::abs(normal_W.dot(light_W));
@@ -127,27 +136,27 @@ Rgb8 ColorOf(const View& view, const Vector3d& p_O) {
 
 Rendering Render(const Scene& scene, const PinholeCamera& camera, const Pose& T_W_C) {
   Require(ValidateCamera(camera).has_value(), "rendering needs a valid camera");
-  const std::vector<View> views = MakeViews(scene, camera, T_W_C);
+  const std::vector<ShapeView> views = MakeShapeViews(scene, camera, T_W_C);
   Rendering image{
       Image<float>(camera.width, camera.height, std::numeric_limits<float>::quiet_NaN()),
       Image<uint16_t>(camera.width, camera.height), Image<Rgb8>(camera.width, camera.height)};
-  CastImage(views, camera, [&](int v, int u, const PixelHit& hit) {
+  const auto paint = [&](int v, int u, const PixelHit& hit, const Vector3d& direction_C) {
     if (hit.view == kNothing) return;
-    const View& view = views[static_cast<size_t>(hit.view)];
+    const ShapeView& view = views[static_cast<size_t>(hit.view)];
     image.depth(v, u) = static_cast<float>(hit.depth);
     image.object_ids(v, u) = view.object->id;
-    image.color(v, u) =
-        ColorOf(view, view.origin_O + hit.depth * (view.R_O_C * DirectionInCamera(camera, v, u)));
-  });
+    image.color(v, u) = ColorOf(view, view.origin_O + hit.depth * (view.R_O_C * direction_C));
+  };
+  CastImage(views, camera, paint);
   return image;
 }
 
 Image<uint16_t> RenderInstances(const Scene& scene, const PinholeCamera& camera,
                                 const Pose& T_W_C) {
   Require(ValidateCamera(camera).has_value(), "rendering needs a valid camera");
-  const std::vector<View> views = MakeViews(scene, camera, T_W_C);
+  const std::vector<ShapeView> views = MakeShapeViews(scene, camera, T_W_C);
   Image<uint16_t> ids(camera.width, camera.height);
-  CastImage(views, camera, [&](int v, int u, const PixelHit& hit) {
+  CastImage(views, camera, [&](int v, int u, const PixelHit& hit, const Vector3d&) {
     if (hit.view != kNothing) ids(v, u) = views[static_cast<size_t>(hit.view)].object->id;
   });
   return ids;

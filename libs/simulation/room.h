@@ -16,8 +16,4 @@ Scene MakeRoom();
 /// walls, at eye height, free of collisions. More poses make smaller steps on the same tour.
 std::vector<Pose> MakeRoomTour(int count);
 
-/// Camera to world for a camera at `eye_W` that looks at `target_W` with world z up in the image.
-/// The two must not be above each other.
-Pose LookAt(const Eigen::Vector3d& eye_W, const Eigen::Vector3d& target_W);
-
 }  // namespace vismap

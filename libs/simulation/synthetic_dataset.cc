@@ -5,12 +5,14 @@
 #include <string_view>
 
 #include "base/require.h"
+#include "simulation/office.h"
 #include "simulation/room.h"
 
 namespace vismap {
 namespace {
 
 constexpr std::string_view kPrefix = "synthetic:";
+constexpr int kOfficeFrames = 400;  // steps of about 0.3 m, or 13 degrees where the view turns
 
 template <typename T>
 Result<void> SetNumber(std::string_view key, std::string_view text, T low, T high, T* value) {
@@ -126,9 +128,10 @@ Result<SyntheticOptions> ParseSyntheticPath(const std::string& path) {
   const size_t question = std::min(rest.find('?'), rest.size());
   SyntheticOptions options;
   options.scene = rest.substr(0, question);
-  if (options.scene != "room") {
-    return Fail("synthetic: unknown scene \"" + options.scene + "\"; known is room");
+  if (options.scene != "room" && options.scene != "office") {
+    return Fail("synthetic: unknown scene \"" + options.scene + "\"; known are room, office");
   }
+  if (options.scene == "office") options.frames = kOfficeFrames;
   rest.remove_prefix(std::min(question + 1, rest.size()));
   while (!rest.empty()) {
     const std::string_view parameter = rest.substr(0, rest.find('&'));
@@ -142,8 +145,8 @@ Result<SyntheticOptions> ParseSyntheticPath(const std::string& path) {
 }
 
 Scene MakeScene(const SyntheticOptions& options) {
-  Require(options.scene == "room", "the only scene is room");
-  return MakeRoom();
+  Require(options.scene == "room" || options.scene == "office", "the scenes are room and office");
+  return options.scene == "room" ? MakeRoom() : MakeOffice();
 }
 
 std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {
@@ -152,7 +155,8 @@ std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {
   const PinholeCamera camera{options.width,     height, focal, focal, 0.5 * (options.width - 1),
                              0.5 * (height - 1)};
   std::vector<FrameHeader> headers;
-  const std::vector<Pose> tour = MakeRoomTour(options.frames);
+  const std::vector<Pose> tour =
+      options.scene == "room" ? MakeRoomTour(options.frames) : MakeOfficeWalk(options.frames);
   const size_t count = tour.size() * static_cast<size_t>(options.tours);
   headers.reserve(count);
   for (size_t i = 0; i < count; ++i) {

@@ -12,10 +12,11 @@ namespace vismap {
 
 /// A computed sequence, written
 /// "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10&tours=1"; all parameters
-/// optional, in any order.
+/// optional, in any order. Scenes are "room" (see room.h) and "office" (see office.h), where 400
+/// frames are the default.
 struct SyntheticOptions {
   std::string scene = "room";
-  int frames = 80;    ///< on one closed tour, 1..100000
+  int frames = 80;    ///< on one closed tour of the scene, 1..100000
   int width = 640;    ///< [px], 16..4096; height is 3/4 of it, focal length 525/640 of it
   bool noise = true;  ///< "kinect" or "none": sensor and detector errors
   uint64_t seed = 1;

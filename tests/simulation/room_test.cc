@@ -119,13 +119,5 @@ TEST(RoomTour, MorePosesAreTheSameTour) {
   for (size_t i = 0; i < few.size(); ++i) EXPECT_EQ(few[i].matrix(), many[2 * i].matrix());
 }
 
-TEST(LookAt, PutsTheTargetInTheMiddleOfTheImage) {
-  const Pose T_W_C = LookAt({1, 2, 3}, {2, 4, 1});
-  const Vector3d target_C = T_W_C.inverse() * Vector3d(2, 4, 1);
-  EXPECT_LT((target_C - Vector3d(0, 0, 3)).norm(), 1e-12);
-  EXPECT_TRUE(MakePose(T_W_C.matrix()));
-  EXPECT_THROW(LookAt({0, 0, 0}, {0, 0, 1}), std::logic_error);
-}
-
 }  // namespace
 }  // namespace vismap
