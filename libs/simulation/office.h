@@ -9,8 +9,8 @@ namespace vismap {
 
 /// The built-in office: one floor of 40 x 25 x 2.6 m, 1000 m^2, z up, floor at z = 0, centre of the
 /// floor at the origin: a ring of corridors between offices outside and open-plan areas, a meeting
-/// room and a kitchen inside (see office_plan.h). 950 objects, 2100
-/// shapes, with COCO classes or without. Always the same.
+/// room and a kitchen inside (see office_plan.h). 953 objects of 2100 shapes, with COCO classes or
+/// without. Always the same.
 Scene MakeOffice();
 
 /// `count` camera poses: one walk around the whole corridor at 1.5 m height with eight rooms

@@ -57,7 +57,7 @@ std::vector<OfficeRoom> OfficeRooms();
 std::vector<Opening> OfficeOpenings();
 /// Those within the outer walls.
 std::vector<OfficeWall> OfficeWalls();
-/// Openings in a wall, in ascending order, as coordinates along it.
+/// The openings in a wall, in ascending order along it.
 std::vector<Opening> OpeningsIn(const OfficeWall& wall);
 
 }  // namespace vismap

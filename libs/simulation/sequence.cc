@@ -8,7 +8,9 @@ Result<std::unique_ptr<Dataset>> OpenSequence(const std::string& path, const std
                                               const DatasetOptions& options) {
   if (!IsSyntheticPath(path)) {
     if (format == "synthetic") {
-      return Fail(path + ": a computed sequence is written synthetic:room, not as a path");
+      return Fail(
+          path +
+          ": a computed sequence is written synthetic:room or synthetic:office, not as a path");
     }
     return OpenDataset(path, format, options);
   }

@@ -9,8 +9,8 @@
 
 namespace vismap {
 
-/// Opens a sequence by name: "synthetic:room?frames=20&..." (see synthetic_dataset.h), else a
-/// folder as OpenDataset takes it.
+/// Opens a sequence by name: "synthetic:room?frames=20&..." or "synthetic:office?..." (see
+/// synthetic_dataset.h), else a folder as OpenDataset takes it.
 Result<std::unique_ptr<Dataset>> OpenSequence(const std::string& path, const std::string& format,
                                               const DatasetOptions& options = {});
 

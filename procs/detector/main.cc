@@ -21,9 +21,9 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option(
-      "--detections", arguments->detections,
-      "COCO results file, folder of instance PNGs, log of LCM messages, or synthetic:room");
+  app.add_option("--detections", arguments->detections,
+                 "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room "
+                 "or synthetic:office");
   app.add_option("--dataset", arguments->dataset,
                  "Sequence whose own detections are taken when --detections is absent");
   app.add_option("--format", arguments->format,

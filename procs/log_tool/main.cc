@@ -142,7 +142,7 @@ void AddCommands(CLI::App& app, Arguments* arguments) {
 
   CLI::App* from = Add(app, arguments, "from-dataset",
                        "A log of RGBD_FRAME and DETECTIONS from a recorded sequence", FromDataset);
-  takes(from, "PATH", "Folder of a posed RGB-D sequence, log, or synthetic:room");
+  takes(from, "PATH", "Folder of a posed RGB-D sequence, log, synthetic:room or synthetic:office");
   from->add_option("--out", arguments->out, "Log to write")->required();
   from->add_option("--format", arguments->format,
                    "Layout of the folder; found by looking when not given");

@@ -31,7 +31,8 @@ struct Arguments {
 
 void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--dataset", arguments->dataset,
-                 "Folder of a posed RGB-D sequence, a log of LCM messages, or synthetic:room")
+                 "Folder of a posed RGB-D sequence, a log of LCM messages, synthetic:room or "
+                 "synthetic:office")
       ->required();
   app.add_option("--format", arguments->format,
                  "Format of the folder; default: found by looking at it");

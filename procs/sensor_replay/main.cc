@@ -27,8 +27,9 @@ struct Arguments {
 void AddOptions(CLI::App& app, Arguments* arguments) {
   DatasetOptions& sequence = arguments->sequence;
   ReplayOptions& replay = arguments->replay;
-  app.add_option("--dataset", arguments->dataset,
-                 "Folder of the sequence, a log of LCM messages, or synthetic:room")
+  app.add_option(
+         "--dataset", arguments->dataset,
+         "Folder of the sequence, a log of LCM messages, synthetic:room or synthetic:office")
       ->required();
   app.add_option("--format", arguments->format,
                  "Layout of the folder; found by looking when not given");

@@ -3,11 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "datasets/dataset.h"
 #include "datasets/detections_file.h"
+#include "datasets/image_file.h"
 #include "simulation/room.h"
 #include "simulation/tessellate.h"
 #include "support/temp_folder.h"
@@ -23,9 +25,8 @@ std::string ReadAll(const std::filesystem::path& path) {
   return text.str();
 }
 
-TEST(ExportSceneNn, ReadBackGivesTheSameFramesAndDetections) {
+void ExpectReadBackIsTheSame(const SyntheticOptions& options) {
   const TempFolder folder;
-  const SyntheticOptions options{.frames = 5, .width = 160};
   const Result<void> written = ExportSceneNn(options, folder.path(), "901");
   ASSERT_TRUE(written) << written.error().message;
   const auto read = OpenDataset((folder / "901").string(), "");
@@ -55,6 +56,24 @@ TEST(ExportSceneNn, ReadBackGivesTheSameFramesAndDetections) {
       EXPECT_EQ(c->detections[k].mask, d->detections[k].mask);
     }
   }
+}
+
+TEST(ExportSceneNn, ReadBackGivesTheSameFramesAndDetections) {
+  ExpectReadBackIsTheSame({.frames = 5, .width = 160});
+  ExpectReadBackIsTheSame({.scene = "office", .frames = 2, .width = 96});
+}
+
+TEST(ExportSceneNn, KeepsIdsThatNoByteHolds) {
+  const TempFolder folder;
+  const SyntheticOptions options{.scene = "office", .frames = 1, .width = 64};
+  ASSERT_TRUE(ExportSceneNn(options, folder.path(), "901"));
+  const FrameHeader header = MakeHeaders(options).front();
+  const Image<uint16_t> ids = RenderInstances(MakeScene(options), header.camera, header.T_W_C);
+  ASSERT_GT(*std::max_element(ids.pixels().begin(), ids.pixels().end()), 255);
+  const auto read = ReadPng16(folder / "901/mask/mask_image00001.png", 64, 48);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(*read, ids);
+  EXPECT_THAT(ReadAll(folder / "901/901.xml"), HasSubstr("<label id=\"953\""));
 }
 
 TEST(ExportSceneNn, WritesTheTruthThatScorersRead) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulation/camera_path.h"
@@ -99,6 +100,26 @@ TEST(Render, EqualsEveryRayAgainstEveryShapeInAHeap) {
   for (int i = 0; i < 60; ++i) {
     ExpectSameAsEveryShape(Heap(40, &dice), RandomPose(space, &dice));
   }
+}
+
+// Inlays level with a floor: the floor comes near before them, yet their pixels show them.
+TEST(Render, OfEqualDepthsTheFirstInTheSceneCounts) {
+  const auto slab = [](double x, double y, double half) {
+    Shape shape{Shape::Kind::kBox, Pose::Identity(), {half, half, 0.5}};
+    shape.T_W_O.translation() = Vector3d(x, y, -0.5);
+    return shape;
+  };
+  SceneObject inlays{1, "inlays", ClassId::kUnknown, ObjectKind::kUnknown, {200, 0, 0}, {}};
+  for (int i = -8; i < 8; ++i) {
+    for (int k = 0; k < 16; ++k) inlays.shapes.push_back(slab(0.5 * i, 0.5 * k, 0.125));
+  }
+  const SceneObject floor{
+      2, "floor", ClassId::kUnknown, ObjectKind::kStructure, {100, 100, 100}, {slab(0, 4, 16)}};
+  const Pose T_W_C = LookAt({0.1, -1, 1.5}, {0.3, 2, 0});
+  ExpectSameAsEveryShape({"inlays first", {inlays, floor}}, T_W_C);
+  ExpectSameAsEveryShape({"floor first", {floor, inlays}}, T_W_C);
+  const Image<uint16_t> ids = RenderInstances({"", {inlays, floor}}, kTiny, T_W_C);
+  EXPECT_GT(std::count(ids.pixels().begin(), ids.pixels().end(), 1), 500);
 }
 
 TEST(NearestDepth, IsALowerBoundAndOftenExact) {

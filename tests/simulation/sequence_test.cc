@@ -17,6 +17,10 @@ TEST(SyntheticPath, HasDefaultsAndParameters) {
   EXPECT_EQ(plain->frames, 80);
   EXPECT_EQ(plain->width, 640);
   EXPECT_TRUE(plain->noise);
+  const Result<SyntheticOptions> office = ParseSyntheticPath("synthetic:office");
+  ASSERT_TRUE(office);
+  EXPECT_EQ(office->frames, 400);
+  EXPECT_EQ(office->width, 640);
   const Result<SyntheticOptions> all =
       ParseSyntheticPath("synthetic:room?frames=20&width=320&noise=none&seed=2&rate=2.5");
   ASSERT_TRUE(all) << all.error().message;
@@ -32,7 +36,8 @@ TEST(SyntheticPath, NamesWhatIsWrong) {
     const auto options = ParseSyntheticPath(path);
     return options ? std::string("no error") : options.error().message;
   };
-  EXPECT_THAT(error_of("synthetic:kitchen"), HasSubstr("unknown scene \"kitchen\""));
+  EXPECT_THAT(error_of("synthetic:kitchen"),
+              HasSubstr("unknown scene \"kitchen\"; known are room, office"));
   EXPECT_THAT(error_of("synthetic:"), HasSubstr("unknown scene"));
   EXPECT_THAT(error_of("synthetic:room?frames=0"), HasSubstr("frames is \"0\""));
   EXPECT_THAT(error_of("synthetic:room?frames=ten"), HasSubstr("expected 1.."));
@@ -61,6 +66,21 @@ TEST(OpenSequence, OpensTheRoomLikeAnyDataset) {
   EXPECT_TRUE(DecodeFrame(*frame));
   EXPECT_EQ(dataset.Read(1)->depth, frame->depth);
   EXPECT_EQ(dataset.Read(1)->color_jpeg, frame->color_jpeg);
+}
+
+TEST(OpenSequence, OpensTheOfficeWithItsDetections) {
+  const std::string path = "synthetic:office?frames=10&width=96&noise=none";
+  const auto dataset = OpenSequence(path, "", {.max_frames = 5});
+  const auto source = OpenDetections(path);
+  ASSERT_TRUE(dataset && source);
+  EXPECT_EQ((*dataset)->name(), "office");
+  ASSERT_EQ((*dataset)->size(), 5u);
+  size_t found = 0;
+  for (size_t i = 0; i < (*dataset)->size(); ++i) {
+    EXPECT_TRUE(DecodeFrame(*(*dataset)->Read(i)));
+    found += (*source)->ForFrame((*dataset)->Header(i))->detections.size();
+  }
+  EXPECT_GT(found, 10u);
 }
 
 TEST(OpenSequence, ItsDetectionsAreThoseOfItsFrames) {
@@ -94,7 +114,8 @@ TEST(OpenSequence, DetectionsOfForeignFramesAreEmptyOrAnError) {
 
 TEST(OpenSequence, ForwardsFoldersAndRefusesContradictions) {
   EXPECT_THAT(OpenSequence("/nowhere", "").error().message, HasSubstr("/nowhere"));
-  EXPECT_THAT(OpenSequence("/nowhere", "synthetic").error().message, HasSubstr("synthetic:room"));
+  EXPECT_THAT(OpenSequence("/nowhere", "synthetic").error().message,
+              HasSubstr("synthetic:room or synthetic:office"));
   EXPECT_THAT(OpenSequence("synthetic:room", "tum").error().message, HasSubstr("\"tum\""));
   EXPECT_THAT(OpenSequence("synthetic:room", "", {.stride = 0}).error().message,
               HasSubstr("stride"));

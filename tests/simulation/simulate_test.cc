@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "codecs/frame_codec.h"
 #include "codecs/mask_codec.h"
+#include "simulation/office.h"
 #include "simulation/room.h"
 
 namespace vismap {
@@ -68,26 +69,30 @@ TEST(Render, PixelsThatSeeNothingAreNanAndZero) {
   EXPECT_EQ(image.color(0, 0), Rgb8{});
 }
 
-TEST(Render, EqualsOneRayPerPixel) {
-  const Scene room = MakeRoom();
-  for (const Pose& T_W_C : MakeRoomTour(5)) {
-    const Rendering image = Render(room, kSmall, T_W_C);
-    EXPECT_EQ(RenderInstances(room, kSmall, T_W_C), image.object_ids);
-    for (int v = 0; v < kSmall.height; v += 2) {
-      for (int u = 0; u < kSmall.width; u += 3) {
-        const auto hit =
-            CastRay(room, T_W_C.translation(), T_W_C.linear() * kSmall.BackProject(u, v, 1));
-        ASSERT_TRUE(hit);
-        ASSERT_NEAR(image.depth(v, u), hit->t, 1e-6 * hit->t) << v << " " << u;
-        // where two objects touch, rounding may choose either
-        if (image.object_ids(v, u) != hit->object_id) {
-          const Vector3d p_W = T_W_C * kSmall.BackProject(u, v, hit->t);
-          const SceneObject* other = FindObject(room, image.object_ids(v, u));
-          ASSERT_NEAR(SignedDistance(*other, p_W), 0, 1e-6) << v << " " << u;
-        }
+/// Of every `step`-th pixel of every `step`-th row.
+void ExpectEqualsOneRayPerPixel(const Scene& scene, const Pose& T_W_C, int step) {
+  const Rendering image = Render(scene, kSmall, T_W_C);
+  EXPECT_EQ(RenderInstances(scene, kSmall, T_W_C), image.object_ids);
+  for (int v = 0; v < kSmall.height; v += step) {
+    for (int u = 0; u < kSmall.width; u += step) {
+      const auto hit =
+          CastRay(scene, T_W_C.translation(), T_W_C.linear() * kSmall.BackProject(u, v, 1));
+      ASSERT_TRUE(hit);
+      ASSERT_NEAR(image.depth(v, u), hit->t, 1e-6 * hit->t) << v << " " << u;
+      // where two objects touch, rounding may choose either
+      if (image.object_ids(v, u) != hit->object_id) {
+        const Vector3d p_W = T_W_C * kSmall.BackProject(u, v, hit->t);
+        const SceneObject* other = FindObject(scene, image.object_ids(v, u));
+        ASSERT_NEAR(SignedDistance(*other, p_W), 0, 1e-6) << v << " " << u;
       }
     }
   }
+}
+
+TEST(Render, EqualsOneRayPerPixel) {
+  const Scene room = MakeRoom(), office = MakeOffice();
+  for (const Pose& T_W_C : MakeRoomTour(5)) ExpectEqualsOneRayPerPixel(room, T_W_C, 2);
+  for (const Pose& T_W_C : MakeOfficeWalk(9)) ExpectEqualsOneRayPerPixel(office, T_W_C, 9);
 }
 
 TEST(Render, PointsLieOnTheSurface) {
