@@ -21,12 +21,10 @@ std::string Percent(const std::optional<double>& share) {
   return share ? Format("%.1f", 100 * *share) : kNothing;
 }
 
-// Columns: the classes, then the mean. All columns are as wide as the widest name needs.
+// Columns: the classes, then the mean.
 class ClassTable {
  public:
   explicit ClassTable(const Evaluation& evaluation) : evaluation_(evaluation) {
-    for (const ClassEvaluation& result : evaluation.classes)
-      width_ = std::max(width_, static_cast<int>(result.known.name.size()) + 2);
     AddRow(
         "", [](const ClassEvaluation& result) { return result.known.name; }, "mean");
   }
@@ -34,10 +32,14 @@ class ClassTable {
   void AddRow(const std::string& title,
               const std::function<std::string(const ClassEvaluation&)>& cell,
               const std::string& mean) {
-    text_ += Format("%-24s", title.c_str());
-    for (const ClassEvaluation& result : evaluation_.classes)
-      text_ += Format("%*s", width_, cell(result).c_str());
-    text_ += Format("%8s\n", mean.c_str());
+    text_ += Format("%-23s", title.c_str());
+    for (const ClassEvaluation& result : evaluation_.classes) {
+      const int width = std::max(8, static_cast<int>(result.known.name.size()) + 2);
+      text_ += Format("%*s", width, cell(result).c_str());
+    }
+    text_ += Format("%8s", mean.c_str());
+    text_.erase(text_.find_last_not_of(' ') + 1);
+    text_ += "\n";
   }
 
   void AddScores(const std::string& title,
@@ -52,7 +54,6 @@ class ClassTable {
 
  private:
   const Evaluation& evaluation_;
-  int width_ = 7;
   std::string text_;
 };
 
