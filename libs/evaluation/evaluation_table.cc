@@ -34,7 +34,7 @@ class ClassTable {
               const std::string& mean) {
     text_ += Format("%-23s", title.c_str());
     for (const ClassEvaluation& result : evaluation_.classes) {
-      const int width = std::max(8, static_cast<int>(result.known.name.size()) + 2);
+      const int width = std::max(9, static_cast<int>(result.known.name.size()) + 2);
       text_ += Format("%*s", width, cell(result).c_str());
     }
     text_ += Format("%8s", mean.c_str());

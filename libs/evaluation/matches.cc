@@ -7,11 +7,41 @@
 namespace vismap {
 namespace {
 
-using Group = std::pair<int, uint32_t>;  // (0, instance) or (1, segment); (1, 0) = nobody's
+using Group = std::pair<int, uint32_t>;  // (0, instance) or (1, segment)
+constexpr Group kNobodys{1, 0};
 
 Group GroupAt(const TransferredLabels& labels, size_t point, bool with_segments) {
   if (labels.instance[point] != InstanceId::kNone) return {0, Raw(labels.instance[point])};
   return {1, with_segments ? Raw(labels.segment[point]) : 0};
+}
+
+// One prediction per group, in order.
+std::map<Group, size_t> AddGroups(const std::vector<Group>& groups, InstanceMatches* matches) {
+  std::map<Group, size_t> index_of;
+  for (const Group& group : groups) {
+    if (group != kNobodys) index_of.emplace(group, 0);
+  }
+  for (auto& [group, index] : index_of) {
+    index = matches->predictions.size();
+    matches->predictions.emplace_back();
+    if (group.first == 0) matches->predictions.back().instance = InstanceId{group.second};
+  }
+  return index_of;
+}
+
+// One truth per object that has points and that `wanted` takes; its index by that of the object.
+std::map<int, size_t> AddObjects(const GroundTruth& truth, const std::vector<int>& object_of_points,
+                                 const std::function<bool(const TrueObject&)>& wanted,
+                                 InstanceMatches* matches) {
+  std::map<int, size_t> index_of;
+  for (const int i : std::set<int>(object_of_points.begin(), object_of_points.end())) {
+    if (i < 0 || !wanted(truth.objects[static_cast<size_t>(i)])) continue;
+    index_of[i] = matches->truths.size();
+    matches->truths.push_back(
+        {truth.objects[static_cast<size_t>(i)].class_id, 0, static_cast<size_t>(i)});
+  }
+  matches->common.resize(matches->truths.size());
+  return index_of;
 }
 
 // The points of the groups, and of all objects that `wanted` takes.
@@ -19,31 +49,16 @@ InstanceMatches Count(const GroundTruth& truth, const std::vector<Group>& groups
                       const std::function<bool(const TrueObject&)>& wanted) {
   const std::vector<int> objects = truth.ObjectOfPoints();
   InstanceMatches matches;
-  std::map<Group, size_t> index_of_group;
-  for (const Group& group : groups) {
-    if (group != Group{1, 0}) index_of_group.emplace(group, 0);
-  }
-  for (auto& [group, index] : index_of_group) {
-    index = matches.predictions.size();
-    matches.predictions.emplace_back();
-    if (group.first == 0) matches.predictions.back().instance = InstanceId{group.second};
-  }
-  std::vector<size_t> index_of_object(truth.objects.size(), 0);  // from 1; 0 = not among the truths
-  const std::set<int> present(objects.begin(), objects.end());
-  for (size_t i = 0; i < truth.objects.size(); ++i) {
-    if (!present.contains(static_cast<int>(i)) || !wanted(truth.objects[i])) continue;
-    matches.truths.push_back({truth.objects[i].class_id, 0, i});
-    index_of_object[i] = matches.truths.size();
-  }
-  matches.common.resize(matches.truths.size());
+  const std::map<Group, size_t> index_of_group = AddGroups(groups, &matches);
+  const std::map<int, size_t> index_of_object = AddObjects(truth, objects, wanted, &matches);
   for (size_t point = 0; point < groups.size(); ++point) {
-    const size_t object =
-        objects[point] < 0 ? 0 : index_of_object[static_cast<size_t>(objects[point])];
-    if (object != 0) ++matches.truths[object - 1].vertices;
-    if (groups[point] == Group{1, 0}) continue;
+    const auto object = index_of_object.find(objects[point]);
+    const bool on_void = object == index_of_object.end();
+    if (!on_void) ++matches.truths[object->second].vertices;
+    if (groups[point] == kNobodys) continue;
     const size_t group = index_of_group.at(groups[point]);
     ++matches.predictions[group].vertices;
-    ++(object == 0 ? matches.predictions[group].on_void : matches.common[object - 1][group]);
+    ++(on_void ? matches.predictions[group].on_void : matches.common[object->second][group]);
   }
   return matches;
 }

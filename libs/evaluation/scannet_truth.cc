@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using ClassNames = std::map<std::string, std::string>;  // raw category -> nyu40class
 
-constexpr const char* kMeshEnding = "_vh_clean_2.ply";
+const std::string kMeshEnding = "_vh_clean_2.ply";
 
 Result<Json> ReadJson(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
@@ -96,7 +96,7 @@ Result<void> ReadObjects(const fs::path& path, const ClassNames& names,
   try {
     for (const Json& group : json->at("segGroups")) {
       const auto id = group.at("objectId").get<int64_t>();
-      if (id < 0 || id > 1'000'000)
+      if (id < 0 || id >= std::numeric_limits<uint32_t>::max())
         return Fail(path.string() + ": objectId is " + std::to_string(id));
       truth->objects.push_back(ToObject(id, group.at("label").get<std::string>(), names));
       for (const Json& segment : group.at("segments"))
@@ -117,7 +117,7 @@ Result<std::string> FindScene(const fs::path& folder) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (name.ends_with(kMeshEnding)) return name.substr(0, name.size() - 15);
+    if (name.ends_with(kMeshEnding)) return name.substr(0, name.size() - kMeshEnding.size());
   }
   return Fail(folder.string() + ": no file *" + kMeshEnding);
 }
