@@ -77,8 +77,8 @@ Result<FreeSpaceEvaluation> ScoreCells(const OccupancyMap& cells, const TruthSou
   result.cell_size = cells.cell_size();
   result.truth = CellsAt(cells, source.truth.points_W);
   result.invented = CountInvented(cells, source.truth.points_W, kFarFromTruth);
-  if (source.depth != nullptr) {
-    const Result<RayScore> rays = ScoreRays(cells, *source.depth, {});
+  if (source.depth) {
+    const Result<RayScore> rays = ScoreRays(cells, **source.depth, {});
     if (!rays) return tl::unexpected(rays.error());
     result.rays = *rays;
   }
@@ -108,6 +108,8 @@ Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthS
   if (!input) return tl::unexpected(input.error());
   Evaluation evaluation = Evaluate(source.truth, input->map, classes);
   if (!input->occupancy) return evaluation;
+  if (!source.depth)
+    LogWarning("free space is not compared with depth images: " + source.depth.error().message);
   auto free_space = ScoreOccupancy(*input->occupancy, source, OutputOptionsOf(arguments.config));
   if (!free_space) return tl::unexpected(free_space.error());
   evaluation.free_space = std::move(*free_space);

@@ -49,10 +49,7 @@ Result<TruthSource> OpenTruth(const std::string& path) {
   if (IsSyntheticPath(path)) return ComputeTruth(path);
   Result<GroundTruth> truth = ReadGroundTruth(path);
   if (!truth) return tl::unexpected(truth.error());
-  TruthSource source{std::move(*truth), nullptr, nullptr};
-  // Many ground truths come without images: then nothing is said of measured free space.
-  if (auto images = OpenDataset(path, "")) source.depth = std::move(*images);
-  return source;
+  return TruthSource{.truth = std::move(*truth), .depth = OpenDataset(path, "")};
 }
 
 }  // namespace vismap

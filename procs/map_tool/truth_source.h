@@ -12,8 +12,9 @@ namespace vismap {
 /// A ground truth and what else is known beside it.
 struct TruthSource {
   GroundTruth truth;
-  std::unique_ptr<Dataset> depth;  ///< the images that a map was made of; none = not at hand
-  TrueDistance distance;           ///< empty = unknown
+  /// The images that a map was made of, or why they are not at hand.
+  Result<std::unique_ptr<Dataset>> depth = nullptr;
+  TrueDistance distance{};  ///< empty = unknown
 };
 
 /// Opens a folder (see ReadGroundTruth; the images are those inside it) or a computed sequence: the
