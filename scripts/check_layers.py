@@ -24,7 +24,7 @@ LIBS = {
     "datasets": ["codecs"],
     "simulation": ["datasets"],
     "session": ["render", "freespace", "mapfile", "datasets"],
-    "evaluation": ["meshing", "freespace"],
+    "evaluation": ["meshing", "freespace", "datasets"],
     "config": ["simulation", "session"],
 }
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any

@@ -16,6 +16,13 @@ std::pair<int, uint32_t> GroupOf(const MeshVertex& vertex) {
   return {1, Raw(vertex.segment)};
 }
 
+// Whether a whole block lies in true free space: so do most, which spares asking for each cell.
+bool IsFarFromSurface(const OccupancyMap& map, BlockIndex index, const TrueDistance& truth) {
+  const double side = kBlockSide * map.cell_size();
+  const Eigen::Vector3d center = (Eigen::Vector3d(index.x, index.y, index.z).array() + 0.5) * side;
+  return truth(center) > 0.5 * std::sqrt(3.0) * side;
+}
+
 }  // namespace
 
 GeometryScore ScoreGeometry(const Mesh& mesh, const TrueDistance& truth) {
@@ -69,6 +76,10 @@ FreeSpaceScore ScoreFreeSpace(const OccupancyMap& map, const TrueDistance& truth
   FreeSpaceScore score;
   for (const BlockIndex& index : map.SortedIndices()) {
     const BlockOccupancy& block = map.At(index);
+    if (block.is(CellState::kFree) && IsFarFromSurface(map, index, truth)) {
+      score.free_cells += kBlockVoxels;
+      continue;
+    }
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       const CellState state = block.At(offset);
       if (state == CellState::kUnknown) continue;

@@ -11,9 +11,10 @@
 
 namespace vismap {
 
-// What lives in this room: how good a map is, against truth given as functions, so that any scene
-// with an analytic or a scanned truth can be scored. What a benchmark needs beyond that comes with
-// the objects.
+// What lives in this room: how good a map is. Here against truth given as functions, for tests on
+// analytic scenes; against a scanned or tessellated truth, with the metrics of benchmarks, in
+// evaluation.h. The protocols are the paper's (Grinvald 2019, Sec. IV) as far as it tells them, and
+// ScanNet's. No files are written here.
 
 /// Signed distance of a point of W to the true surface [m]; positive in free space.
 using TrueDistance = std::function<double(const Eigen::Vector3d&)>;

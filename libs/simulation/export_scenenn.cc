@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "datasets/scenenn_writer.h"
-#include "simulation/tessellate.h"
+#include "simulation/seen_surface.h"
 
 namespace vismap {
 namespace {
@@ -14,7 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMeshSpacing = 0.03;
-constexpr int kSeenPixels = 50;  // an object counts as seen in a frame from so many pixels on
 
 template <typename... Values>
 std::string Format(const char* format, Values... values) {
@@ -91,38 +90,12 @@ std::string PlyBytes(const Scene& scene, const LabelledMesh& mesh) {
   return bytes;
 }
 
-/// Whether a camera saw this point of the surface: it is the nearest thing in its pixel.
-bool Sees(const PinholeCamera& camera, const Pose& T_C_W, const Image<float>& depth,
-          const Eigen::Vector3d& p_W) {
-  const Eigen::Vector3d p_C = T_C_W * p_W;
-  if (p_C.z() < 0.1) return false;
-  const Eigen::Vector2d pixel = camera.Project(p_C);
-  const int u = static_cast<int>(std::floor(pixel.x() + 0.5));
-  const int v = static_cast<int>(std::floor(pixel.y() + 0.5));
-  return depth.Contains(v, u) && std::abs(p_C.z() - double{depth(v, u)}) < 0.02 * p_C.z();
-}
-
-struct Views {
-  PinholeCamera camera;
-  std::vector<Pose> T_C_W;
-  std::vector<Image<float>> depths;
-  std::map<uint16_t, int> frames_of_object;
-};
-
-void AddView(const FrameHeader& header, Rendering&& image, Views* views) {
-  std::map<uint16_t, int> pixels;
-  for (const uint16_t id : image.object_ids.pixels()) ++pixels[id];
-  for (const auto& [id, count] : pixels) views->frames_of_object[id] += count >= kSeenPixels;
-  views->camera = header.camera;
-  views->T_C_W.push_back(header.T_W_C.inverse());
-  views->depths.push_back(std::move(image.depth));
-}
-
 /// Images, trajectory, times and detections; returns what the cameras saw.
-Views WriteFrames(const SyntheticOptions& options, const Scene& scene, SceneNnWriter* writer) {
+SeenSurface WriteFrames(const SyntheticOptions& options, const Scene& scene,
+                        SceneNnWriter* writer) {
   const auto dataset = MakeSyntheticDataset(options, {});
   const auto detections = MakeSyntheticDetections(options);
-  Views views;
+  SeenSurface seen;
   for (size_t i = 0; i < dataset->size() && writer->status(); ++i) {
     const FrameHeader header = dataset->Header(i);
     const int number = static_cast<int>(header.frame_number);
@@ -130,9 +103,9 @@ Views WriteFrames(const SyntheticOptions& options, const Scene& scene, SceneNnWr
     writer->AddFrame(header, dataset->Read(i)->depth, {".png", PngColor(image.color)});
     writer->Write(Format("mask/mask_image%05d.png", number), EncodePng16(image.object_ids));
     writer->AddDetections(*detections->ForFrame(header));
-    AddView(header, std::move(image), &views);
+    seen.AddView(header, std::move(image));
   }
-  return views;
+  return seen;
 }
 
 }  // namespace
@@ -141,17 +114,12 @@ Result<void> ExportSceneNn(const SyntheticOptions& options, const fs::path& root
                            const std::string& id) {
   const Scene scene = MakeScene(options);
   SceneNnWriter writer(root / id);
-  const Views views = WriteFrames(options, scene, &writer);
+  const SeenSurface seen = WriteFrames(options, scene, &writer);
   if (!writer.status()) return writer.status();
-  const auto seen = [&](const Eigen::Vector3d& p_W, const Eigen::Vector3d&) {
-    for (size_t i = 0; i < views.depths.size(); ++i) {
-      if (Sees(views.camera, views.T_C_W[i], views.depths[i], p_W)) return true;
-    }
-    return false;
-  };
-  const LabelledMesh mesh = Tessellate(scene, kMeshSpacing, seen);
-  writer.Write("../intrinsic/asus.ini", SceneNnIni(views.camera, options.rate));
-  writer.Write(id + ".xml", XmlText(scene, views.frames_of_object, mesh));
+  const LabelledMesh mesh = seen.Triangles(scene, kMeshSpacing);
+  writer.Write("../intrinsic/asus.ini",
+               SceneNnIni(MakeHeaders(options).front().camera, options.rate));
+  writer.Write(id + ".xml", XmlText(scene, seen.frames_of_object(), mesh));
   writer.Write(id + ".ply", PlyBytes(scene, mesh));
   return writer.Finish();
 }

@@ -13,8 +13,9 @@ struct MapToolArguments {
   std::string coloring = "instance";  ///< of render
   std::string view = "overview";      ///< of render
   bool json = false;                  ///< machine-readable output
-  int frames = 0;                     ///< of follow: enough once the map has so many; 0 = never
-  double timeout = 60;                ///< patience with a running server [s]
+  std::string ground_truth, objects, classes;  ///< of evaluate
+  int frames = 0;       ///< of follow: enough once the map has so many; 0 = never
+  double timeout = 60;  ///< patience with a running server [s]
   VismapConfig config;
 };
 

@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "map_tool/commands.h"
+#include "map_tool/evaluate.h"
 #include "map_tool/follow.h"
 
 namespace {
@@ -18,6 +19,25 @@ CLI::App* Add(CLI::App& app, Command* command, const char* name, const char* hel
   CLI::App* sub = app.add_subcommand(name, help);
   sub->callback([command, run] { command->run = run; });
   return sub;
+}
+
+void AddEvaluate(CLI::App& app, Command* command) {
+  MapToolArguments& arguments = command->arguments;
+  CLI::App* sub =
+      Add(app, command, "evaluate", "How good a map is, against a ground truth", RunEvaluate);
+  sub->add_option(
+         "--gt", arguments.ground_truth,
+         "Folder with the ground truth of a SceneNN or ScanNet sequence, or synthetic:room")
+      ->required();
+  sub->add_option("--map", arguments.map, "Saved map (.vismap), or mesh with ids (.ply)")
+      ->required();
+  sub->add_option("--objects", arguments.objects,
+                  "objects.json of a mesh, for the scores; default: the one beside it");
+  sub->add_option("--classes", arguments.classes,
+                  "paper (its nine), scene (all that the ground truth has), or COCO names with "
+                  "commas between; default: paper, for synthetic:room scene");
+  sub->add_flag("--json", arguments.json, "Print JSON");
+  sub->add_option("--out", arguments.out, "Write the JSON to this file, too");
 }
 
 void AddCommands(CLI::App& app, Command* command) {
@@ -56,6 +76,8 @@ void AddCommands(CLI::App& app, Command* command) {
       Add(app, command, "diff", "In what two saved maps differ; exit code 1 when they do", RunDiff);
   takes_map(diff, "Saved map (.vismap)");
   diff->add_option("OTHER", arguments.other_map, "Saved map to compare with")->required();
+
+  AddEvaluate(app, command);
 
   CLI::App* follow = Add(
       app, command, "follow",

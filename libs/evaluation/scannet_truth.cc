@@ -1,0 +1,147 @@
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "datasets/class_names.h"
+#include "datasets/text_file.h"
+#include "evaluation/class_list.h"
+#include "evaluation/ground_truth.h"
+#include "meshing/ply.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using ClassNames = std::map<std::string, std::string>;  // raw category -> nyu40class
+
+const std::string kMeshEnding = "_vh_clean_2.ply";
+
+Result<Json> ReadJson(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return tl::unexpected(text.error());
+  Json json = Json::parse(*text, nullptr, false);
+  if (!json.is_object()) return Fail(path.string() + ": expected a JSON object");
+  return json;
+}
+
+Result<std::vector<int64_t>> ReadSegments(const fs::path& path, size_t vertices) {
+  const Result<Json> json = ReadJson(path);
+  if (!json) return tl::unexpected(json.error());
+  const auto found = json->find("segIndices");
+  if (found == json->end() || !found->is_array() || found->size() != vertices) {
+    return Fail(path.string() + ": expected segIndices, one for each of " +
+                std::to_string(vertices) + " vertices");
+  }
+  std::vector<int64_t> segments;
+  for (const Json& segment : *found) {
+    if (!segment.is_number_integer())
+      return Fail(path.string() + ": segIndices: expected integers, found " + segment.dump());
+    segments.push_back(segment.get<int64_t>());
+  }
+  return segments;
+}
+
+// The table of the benchmark: tabs between columns, a header line. Empty when there is none.
+ClassNames ReadClassTable(const fs::path& folder) {
+  ClassNames names;
+  for (const fs::path& place : {folder, folder.parent_path(), folder.parent_path().parent_path()}) {
+    const Result<std::string> text = ReadTextFile(place / "scannetv2-labels.combined.tsv");
+    if (!text) continue;
+    std::istringstream lines(*text);
+    size_t raw = 0, nyu = 0;
+    bool header = true;
+    for (std::string line; std::getline(lines, line); header = false) {
+      std::vector<std::string> cells;
+      std::istringstream columns(line);
+      for (std::string cell; std::getline(columns, cell, '\t');) cells.push_back(cell);
+      for (size_t i = 0; header && i < cells.size(); ++i) {
+        if (cells[i] == "raw_category") raw = i;
+        if (cells[i] == "nyu40class") nyu = i;
+      }
+      if (!header && raw < cells.size() && nyu < cells.size()) names[cells[raw]] = cells[nyu];
+    }
+    return names;
+  }
+  return names;
+}
+
+// The raw categories that the table maps to one of the nine most often.
+std::string BuiltInClass(const std::string& raw) {
+  static const ClassNames kNames{
+      {"office chair", "chair"}, {"armchair", "chair"},     {"stack of chairs", "chair"},
+      {"couch", "sofa"},         {"coffee table", "table"}, {"dining table", "table"},
+      {"end table", "table"},    {"book", "books"},         {"tv", "television"},
+      {"mini fridge", "fridge"}, {"backpack", "bag"}};
+  const auto found = kNames.find(raw);
+  return found == kNames.end() ? raw : found->second;
+}
+
+TrueObject ToObject(int64_t id, const std::string& raw, const ClassNames& names) {
+  const auto found = names.find(raw);
+  const std::string name = found == names.end() ? BuiltInClass(raw) : found->second;
+  TrueObject object;
+  object.label = static_cast<uint32_t>(id + 1);
+  object.name = raw;
+  object.class_id = PaperClassFromName(name).value_or(
+      ClassFromName(name).value_or(ClassFromName(raw).value_or(ClassId::kUnknown)));
+  object.is_structure = name == "wall" || name == "floor" || name == "ceiling";
+  return object;
+}
+
+Result<void> ReadObjects(const fs::path& path, const ClassNames& names,
+                         const std::vector<int64_t>& segments, GroundTruth* truth) {
+  const Result<Json> json = ReadJson(path);
+  if (!json) return tl::unexpected(json.error());
+  std::map<int64_t, uint32_t> label_of;
+  try {
+    for (const Json& group : json->at("segGroups")) {
+      const auto id = group.at("objectId").get<int64_t>();
+      if (id < 0 || id >= std::numeric_limits<uint32_t>::max())
+        return Fail(path.string() + ": objectId is " + std::to_string(id));
+      truth->objects.push_back(ToObject(id, group.at("label").get<std::string>(), names));
+      for (const Json& segment : group.at("segments"))
+        label_of[segment.get<int64_t>()] = truth->objects.back().label;
+    }
+  } catch (const Json::exception& error) {
+    return Fail(path.string() +
+                ": expected segGroups of objectId, label, segments: " + error.what());
+  }
+  for (const int64_t segment : segments) {
+    const auto found = label_of.find(segment);
+    truth->labels.push_back(found == label_of.end() ? 0 : found->second);
+  }
+  return {};
+}
+
+Result<std::string> FindScene(const fs::path& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(kMeshEnding)) return name.substr(0, name.size() - kMeshEnding.size());
+  }
+  return Fail(folder.string() + ": no file *" + kMeshEnding);
+}
+
+}  // namespace
+
+Result<GroundTruth> ReadScanNetTruth(const fs::path& folder) {
+  const Result<std::string> scene = FindScene(folder);
+  if (!scene) return tl::unexpected(scene.error());
+  GroundTruth truth;
+  truth.name = *scene;
+  truth.format = "scannet";
+  const Result<PlyFile> ply = ReadPly(folder / (*scene + kMeshEnding));
+  if (!ply) return tl::unexpected(ply.error());
+  for (const MeshVertex& vertex : ply->mesh.vertices) truth.points_W.push_back(vertex.position_W);
+  truth.triangles = ply->mesh.triangles;
+  const auto segments =
+      ReadSegments(folder / (*scene + "_vh_clean_2.0.010000.segs.json"), truth.points_W.size());
+  if (!segments) return tl::unexpected(segments.error());
+  fs::path groups = folder / (*scene + ".aggregation.json");
+  if (!fs::exists(groups)) groups = folder / (*scene + "_vh_clean.aggregation.json");
+  const auto read = ReadObjects(groups, ReadClassTable(folder), *segments, &truth);
+  if (!read) return tl::unexpected(read.error());
+  return truth;
+}
+
+}  // namespace vismap

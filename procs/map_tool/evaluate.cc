@@ -1,0 +1,136 @@
+#include "map_tool/evaluate.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "evaluation/report.h"
+#include "freespace/coarsen.h"
+#include "map_tool/truth_source.h"
+#include "meshing/ply.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kFarFromTruth = 0.15;  // [m]; a few cells, and gaps between the truth's points
+
+struct MapInput {
+  EvaluatedMap map;
+  std::optional<OccupancyMap> occupancy;  ///< of saved maps
+};
+
+// Scores by instance out of an objects.json.
+Result<std::map<InstanceId, double>> ReadScores(const fs::path& path) {
+  const auto bytes = ReadFileBytes(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  std::map<InstanceId, double> scores;
+  try {
+    const auto json = nlohmann::json::parse(*bytes);
+    for (const auto& object : json.at("objects"))
+      scores[InstanceId{object.at("instance").get<uint32_t>()}] = object.at("score").get<double>();
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(path.string() + ": expected objects with instance and score: " + error.what());
+  }
+  return scores;
+}
+
+Result<MapInput> ReadMesh(const MapToolArguments& arguments) {
+  Result<PlyFile> ply = ReadPly(arguments.map);
+  if (!ply) return tl::unexpected(ply.error());
+  MapInput input;
+  input.map.mesh = std::move(ply->mesh);
+  fs::path objects = arguments.objects;
+  if (objects.empty()) {
+    objects = fs::path(arguments.map).parent_path() / "objects.json";
+    if (!fs::exists(objects)) return input;
+  }
+  Result<std::map<InstanceId, double>> scores = ReadScores(objects);
+  if (!scores) return tl::unexpected(scores.error());
+  input.map.scores = std::move(*scores);
+  return input;
+}
+
+Result<MapInput> ReadMap(const MapToolArguments& arguments) {
+  if (fs::path(arguments.map).extension() == ".ply") return ReadMesh(arguments);
+  const Result<LoadedMap> loaded = LoadMap(arguments.map);
+  if (!loaded) return tl::unexpected(loaded.error());
+  const OutputOptions options = OutputOptionsOf(arguments.config);
+  MapProducts products = MakeProducts(loaded->map, loaded->metadata, options);
+  MapInput input;
+  input.map.mesh = std::move(products.mesh);
+  input.map.scores.emplace();
+  for (const ObjectSummary& object : products.objects) {
+    // as objects.json has it, so that a map and its mesh get the same figures
+    if (!object.discovered())
+      (*input.map.scores)[object.instance] = std::round(object.score * 1e6) / 1e6;
+  }
+  input.occupancy = ClassifyMap(loaded->map, options.occupancy);
+  return input;
+}
+
+Result<FreeSpaceEvaluation> ScoreCells(const OccupancyMap& cells, const TruthSource& source) {
+  FreeSpaceEvaluation result;
+  result.cell_size = cells.cell_size();
+  result.truth = CellsAt(cells, source.truth.points_W);
+  result.invented = CountInvented(cells, source.truth.points_W, kFarFromTruth);
+  if (source.depth) {
+    const Result<RayScore> rays = ScoreRays(cells, **source.depth, {});
+    if (!rays) return tl::unexpected(rays.error());
+    result.rays = *rays;
+  }
+  if (source.distance) result.analytic = ScoreFreeSpace(cells, source.distance, cells.cell_size());
+  return result;
+}
+
+// The map's own voxels, then the larger cells of its octree: what planners get.
+Result<std::vector<FreeSpaceEvaluation>> ScoreOccupancy(const OccupancyMap& voxels,
+                                                        const TruthSource& source,
+                                                        const OutputOptions& options) {
+  const auto grid = ChooseOctreeGrid(voxels.cell_size(), options.octree_resolution);
+  if (!grid) return tl::unexpected(grid.error());
+  const OccupancyMap leaves = Coarsen(voxels, {grid->factor, options.octree_free_fraction});
+  std::vector<FreeSpaceEvaluation> results;
+  for (const OccupancyMap* cells : {&voxels, &leaves}) {
+    Result<FreeSpaceEvaluation> result = ScoreCells(*cells, source);
+    if (!result) return tl::unexpected(result.error());
+    results.push_back(std::move(*result));
+  }
+  return results;
+}
+
+Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthSource& source,
+                                 const std::vector<EvaluatedClass>& classes) {
+  const Result<MapInput> input = ReadMap(arguments);
+  if (!input) return tl::unexpected(input.error());
+  Evaluation evaluation = Evaluate(source.truth, input->map, classes);
+  if (!input->occupancy) return evaluation;
+  if (!source.depth)
+    LogWarning("free space is not compared with depth images: " + source.depth.error().message);
+  auto free_space = ScoreOccupancy(*input->occupancy, source, OutputOptionsOf(arguments.config));
+  if (!free_space) return tl::unexpected(free_space.error());
+  evaluation.free_space = std::move(*free_space);
+  return evaluation;
+}
+
+}  // namespace
+
+Outcome RunEvaluate(const MapToolArguments& arguments, ProcessContext&) {
+  const Result<TruthSource> source = OpenTruth(arguments.ground_truth);
+  if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
+  const auto classes = ParseClassList(arguments.classes, source->truth);
+  if (!classes) return ExitWith(ExitCode::kUsage, classes.error().message);
+  const Result<Evaluation> evaluation = EvaluateFiles(arguments, *source, *classes);
+  if (!evaluation) return ExitWith(ExitCode::kUnreadable, evaluation.error().message);
+  const std::string json = EvaluationJson(*evaluation);
+  std::fputs(arguments.json ? json.c_str() : EvaluationTable(*evaluation).c_str(), stdout);
+  if (arguments.out.empty()) return {};
+  const Result<void> written = WriteFileAtomically(arguments.out, json);
+  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
+  return {};
+}
+
+}  // namespace vismap
