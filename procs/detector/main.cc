@@ -8,6 +8,7 @@
 #include "detector/choose_backend.h"
 #include "detector/detect.h"
 #include "detector/looker.h"
+#include "detector/write_detections.h"
 #include "logs/recording.h"
 #include "settings/settings.h"
 
@@ -16,7 +17,7 @@ namespace {
 using namespace vismap;
 
 struct Arguments {
-  std::string dataset, format, detections;
+  std::string dataset, format, detections, out;
   std::optional<DetectorBackend> backend;
   std::optional<std::string> model, graph;
   std::optional<int> camera_id, threads;
@@ -35,6 +36,9 @@ void AddNetworkOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--graph", arguments->graph, "dnn: text of the frozen graph (.pbtxt)");
   app.add_option("--threads", arguments->threads, "dnn: threads of the network; 0 = all processors")
       ->check(CLI::Range(0, 1024));
+  app.add_option("--out", arguments->out,
+                 "dnn: needs no bus; writes what is seen in --dataset as a COCO results file")
+      ->needs("--dataset");
   app.add_flag("--every-frame", arguments->every_frame,
                "dnn: look at every frame, however long that takes, instead of the newest only");
 }
@@ -47,7 +51,6 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
                  "recorded: detections from files; dnn: a network; auto: by what is given")
       ->transform(CLI::CheckedTransformer(backends))
       ->option_text("auto|recorded|dnn");
-  AddNetworkOptions(app, arguments);
   app.add_option(
       "--detections", arguments->detections,
       "COCO results file, folder of instance PNGs, log of LCM messages, or synthetic:room");
@@ -60,6 +63,7 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--camera-id", arguments->camera_id,
                  "Answer frames of this camera only; -1 = of all")
       ->check(CLI::Range(-1, 1 << 30));
+  AddNetworkOptions(app, arguments);
 }
 
 Result<std::string> DetectionsPath(const Arguments& arguments) {
@@ -91,7 +95,11 @@ Outcome OpenNetwork(Arguments* arguments) {
 }
 
 Outcome Open(Arguments* arguments) {
-  const bool names_recording = !arguments->detections.empty() || !arguments->dataset.empty();
+  // With --out the sequence is what the network looks at.
+  const bool names_recording =
+      !arguments->detections.empty() || (!arguments->dataset.empty() && arguments->out.empty());
+  if (!arguments->out.empty() && names_recording)
+    return ExitWith(ExitCode::kUsage, "--out is for what a network sees: it takes no --detections");
   const auto chosen = ChooseBackend(arguments->config.detector, names_recording);
   if (!chosen) return ExitWith(ExitCode::kUsage, chosen.error().message);
   arguments->chosen = *chosen;
@@ -118,8 +126,15 @@ std::optional<CameraId> Camera(const Arguments& arguments) {
   return id < 0 ? std::nullopt : std::optional(CameraId{id});
 }
 
+Outcome Write(const Arguments& arguments, const StopSignal& stop) {
+  const auto recording = OpenRecording(arguments.dataset, arguments.format);
+  if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
+  return WriteDetections(*recording->dataset, arguments.network.get(), arguments.out, stop);
+}
+
 Outcome Run(const Arguments& arguments, ProcessContext& context) {
   if (arguments.check) return {};
+  if (!arguments.out.empty()) return Write(arguments, context.stop);
   if (arguments.chosen == DetectorBackend::kRecorded)
     return Detect(*arguments.source, Camera(arguments), context);
   Looker({Camera(arguments), arguments.config.detector.every_frame}, arguments.network.get(),
@@ -141,7 +156,7 @@ int main(int argc, char** argv) {
     return Configure(text, path, &arguments);
   };
   spec.prepare = [&] {
-    spec.joins_bus = !arguments.check;
+    spec.joins_bus = !arguments.check && arguments.out.empty();
     return Open(&arguments);
   };
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };

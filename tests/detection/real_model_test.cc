@@ -75,5 +75,27 @@ TEST_F(RealModel, SeesAChairAndWhatWasRecordedOfTheSameModel) {
   RecordProperty("found", found);
 }
 
+TEST_F(RealModel, SeesTheSameWithAnyNumberOfThreads) {
+  const auto dataset = OpenDataset(sequence_, "");
+  ASSERT_TRUE(dataset) << dataset.error().message;
+  const auto frame = DecodeFrame(*(*dataset)->Read(0));
+  ASSERT_TRUE(frame) << frame.error().message;
+  std::vector<DetectionSet> seen;
+  for (const int threads : {1, 2, 0}) {
+    options_.threads = threads;
+    const auto detector = DnnDetector::Load(options_);
+    ASSERT_TRUE(detector) << detector.error().message;
+    seen.push_back(*(*detector)->Detect(frame->color, frame->header));
+  }
+  ASSERT_FALSE(seen[0].detections.empty());
+  for (const DetectionSet& set : seen) {
+    ASSERT_EQ(set.detections.size(), seen[0].detections.size());
+    for (size_t i = 0; i < set.detections.size(); ++i) {
+      EXPECT_EQ(set.detections[i].score, seen[0].detections[i].score);
+      EXPECT_EQ(set.detections[i].mask, seen[0].detections[i].mask);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace vismap

@@ -125,6 +125,38 @@ TEST(DnnDetector, OfABacklogItLooksAtTheNewestAndAnswersEveryOther) {
   EXPECT_THAT(detector->StandardError(), testing::HasSubstr("passed over"));
 }
 
+TEST(DnnDetector, AFrameThatComesAgainIsAnsweredAgainWithTheSame) {
+  const TinyDetector tiny;
+  ProcessBus processes;
+  std::vector<detections_t> answers;
+  processes.bus().Subscribe<detections_t>(
+      kDetectionsChannel, [&](const detections_t& message) { answers.push_back(message); });
+  auto detector = processes.Start("detector", tiny.Arguments());
+  ASSERT_TRUE(processes.WaitForReady({"detector"}));
+  const auto room = OpenSequence("synthetic:room?frames=1&width=64", "");
+  ASSERT_TRUE(room) << room.error().message;
+  for (size_t times = 1; times <= 2; ++times) {
+    processes.bus().Publish(kRgbdFrameChannel, Encode(*(*room)->Read(0)));
+    ASSERT_TRUE(processes.SpinUntil([&] { return answers.size() == times; }));
+  }
+  EXPECT_TRUE(Looked(answers[0]));
+  EXPECT_TRUE(Looked(answers[1]));
+  EXPECT_EQ(answers[0].n_detections, answers[1].n_detections);
+}
+
+TEST(DnnDetector, WritesAFileThatMapsTheSame) {
+  const TinyDetector tiny;
+  const TempFolder folder;
+  const std::string file = (folder / "detections.json").string();
+  ChildProcess writer(
+      "detector",
+      tiny.Arguments({"--backend", "dnn", "--dataset", RoomPipeline::kRoom, "--out", file}),
+      folder.path());
+  EXPECT_EQ(writer.WaitForExit(), 0) << writer.StandardError();
+  EXPECT_EQ(OfflineRoomHash("2", RoomPipeline::kRoom, {"--detections", file}),
+            OfflineRoomHash("2", RoomPipeline::kRoom, tiny.Arguments()));
+}
+
 TEST(DnnDetector, FramesWithoutColourGoOn) {
   const TinyDetector tiny;
   ProcessBus processes;
