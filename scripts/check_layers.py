@@ -22,10 +22,11 @@ LIBS = {
     "freespace": ["mapping", "codecs"],
     "mapfile": ["mapping"],
     "datasets": ["codecs"],
+    "detection": ["datasets"],
     "simulation": ["datasets"],
     "session": ["render", "freespace", "mapfile", "datasets"],
     "evaluation": ["meshing", "freespace", "datasets"],
-    "config": ["simulation", "session"],
+    "config": ["simulation", "session", "detection"],
 }
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any
 # room of libs/ and these, but not each other.
@@ -52,6 +53,7 @@ OUTSIDE = [
      True, "freespace is the only user of OctoMap"),
     (r"(google/protobuf/|.*\.pb\.h)", ("libs/mapfile/", "libs/config/", "tests/mapfile/", "tests/config/"),
      True, "protobuf stays in mapfile and config"),
+    (r"opencv2/dnn", ("libs/detection/",), True, "only detection runs networks"),
     (r"opencv2/", ("libs/", "procs/", "tests/"), True, "OpenCV only in .cc files"),
     (r"nlohmann/", ("libs/", "procs/", "tests/"), True, "JSON only in .cc files"),
     (r"(zstd|xxhash|turbojpeg)\.h", ("libs/", "procs/", "tests/"), True,

@@ -130,6 +130,18 @@ void BindSensorReplay(Binder& bind, SensorReplayConfig& config) {
 template <typename Binder>
 void BindDetector(Binder& bind, DetectorConfig& config) {
   bind.Value("camera_id", config.camera_id);
+  bind.Value("backend", config.backend);
+  bind.Value("model", config.dnn.model);
+  bind.Value("graph", config.dnn.graph);
+  bind.Value("kind", config.dnn.kind);
+  bind.Value("input_size_px", config.dnn.input_size);
+  bind.Value("min_score", config.dnn.min_score);
+  bind.Value("nms_iou", config.dnn.nms_iou);
+  bind.Value("mask_threshold", config.dnn.mask_threshold);
+  bind.Value("max_detections", config.dnn.max_detections);
+  bind.Value("class_names", config.dnn.class_names);
+  bind.Value("threads", config.dnn.threads);
+  bind.Value("every_frame", config.every_frame);
 }
 
 template <typename Binder>

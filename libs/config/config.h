@@ -7,6 +7,7 @@
 
 #include "association/associate.h"
 #include "base/result.h"
+#include "detection/dnn_options.h"
 #include "freespace/occupancy.h"
 #include "freespace/octree.h"
 #include "mapping/integrate.h"
@@ -50,8 +51,15 @@ struct SensorReplayConfig {
   double resend_after = 5;  ///< lockstep: silence after which open frames are sent again [s]
 };
 
+/// Where detections come from. kAuto: recorded when the command line names some, else a network
+/// when there is a model.
+enum class DetectorBackend { kAuto, kRecorded, kDnn };
+
 struct DetectorConfig {
   int camera_id = -1;  ///< answer frames of this camera only; -1 = of all
+  DetectorBackend backend = DetectorBackend::kAuto;
+  DnnDetectorOptions dnn;
+  bool every_frame = false;  ///< network: look at every frame instead of the newest only
 };
 
 struct HubConfig {

@@ -92,6 +92,18 @@ void Check(const BridgeConfig& bridge, Problems* problems) {
   }
 }
 
+void Check(const DetectorConfig& detector, Problems* problems) {
+  const DnnDetectorOptions& dnn = detector.dnn;
+  problems->Unless(detector.camera_id >= -1, "detector.camera_id must be -1 or more");
+  problems->Unless(InRange(dnn.input_size, 0, 4096), "detector.input_size_px must be in [0, 4096]");
+  problems->Unless(InRange(dnn.min_score, 0, 1), "detector.min_score must be in [0, 1]");
+  problems->Unless(InRange(dnn.nms_iou, 0, 1), "detector.nms_iou must be in [0, 1]");
+  problems->Unless(InRange(dnn.mask_threshold, 0, 1), "detector.mask_threshold must be in [0, 1]");
+  problems->Unless(InRange(dnn.max_detections, 1, 1000),
+                   "detector.max_detections must be in [1, 1000]");
+  problems->Unless(InRange(dnn.threads, 0, 1024), "detector.threads must be in [0, 1024]");
+}
+
 void CheckProcesses(const VismapConfig& config, Problems* problems) {
   problems->Unless(InRange(config.depth_segmenter.detection_timeout, 0.01, 3600),
                    "depth_segmenter.detection_timeout_s must be in [0.01, 3600] s");
@@ -112,7 +124,7 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
                    "sensor_replay.window_frames must be in [1, 1000]");
   problems->Unless(InRange(replay.resend_after, 0.01, 3600),
                    "sensor_replay.resend_s must be in [0.01, 3600] s");
-  problems->Unless(config.detector.camera_id >= -1, "detector.camera_id must be -1 or more");
+  Check(config.detector, problems);
   problems->Unless(InRange(config.hub.queue_mb, 1, 65536), "hub.queue_mb must be in [1, 65536]");
   problems->Unless(config.hub.socket_buffer_bytes >= 0,
                    "hub.socket_buffer_bytes must not be negative");

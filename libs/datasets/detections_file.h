@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "base/result.h"
@@ -29,6 +30,10 @@ class DetectionSource {
 /// {"size": [h, w], "counts": compressed string or run lengths}}; image_id is the frame_number.
 /// Fails naming the file and the entry.
 Result<std::unique_ptr<DetectionSource>> LoadCocoResults(const std::string& path);
+
+/// Writes the detections of many frames as such a file, masks compressed. Fails when a frame has no
+/// frame_number to be found by, a class is unknown, and on what WriteFileAtomically fails on.
+Result<void> WriteCocoResults(const std::string& path, std::span<const DetectionSet> frames);
 
 /// Reads a folder of 16-bit PNGs, one per frame (the last number in the file name is the
 /// frame_number), each pixel an instance id, 0 = none, with a table `id -> class, score`.

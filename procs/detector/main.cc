@@ -1,10 +1,14 @@
 #include <CLI/CLI.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "detector/choose_backend.h"
 #include "detector/detect.h"
+#include "detector/looker.h"
+#include "detector/write_detections.h"
 #include "logs/recording.h"
 #include "settings/settings.h"
 
@@ -13,26 +17,54 @@ namespace {
 using namespace vismap;
 
 struct Arguments {
-  std::string dataset, format, detections;
-  std::optional<int> camera_id;
+  std::string dataset, format, detections, out;
+  std::optional<DetectorBackend> backend;
+  std::optional<std::string> model, graph;
+  std::optional<int> camera_id, threads;
+  std::optional<bool> every_frame;
   VismapConfig config;
   bool check = false;
-  std::unique_ptr<DetectionSource> source;
+  DetectorBackend chosen = DetectorBackend::kAuto;
+  std::unique_ptr<DetectionSource> source;  // recorded
+  std::unique_ptr<DnnDetector> network;     // dnn
 };
 
+void AddNetworkOptions(CLI::App& app, Arguments* arguments) {
+  app.add_option(
+      "--model", arguments->model,
+      "dnn: ONNX file of a YOLO segmentation network, or Mask R-CNN's frozen graph (.pb)");
+  app.add_option("--graph", arguments->graph, "dnn: text of the frozen graph (.pbtxt)");
+  app.add_option("--threads", arguments->threads, "dnn: threads of the network; 0 = all processors")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--out", arguments->out,
+                 "dnn: needs no bus; writes what is seen in --dataset as a COCO results file")
+      ->needs("--dataset");
+  app.add_flag("--every-frame", arguments->every_frame,
+               "dnn: look at every frame, however long that takes, instead of the newest only");
+}
+
 void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option("--detections", arguments->detections,
-                 "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room "
-                 "or synthetic:office");
+  const std::map<std::string, DetectorBackend> backends = {{"auto", DetectorBackend::kAuto},
+                                                           {"recorded", DetectorBackend::kRecorded},
+                                                           {"dnn", DetectorBackend::kDnn}};
+  app.add_option("--backend", arguments->backend,
+                 "recorded: detections from files; dnn: a network; auto: by what is given")
+      ->transform(CLI::CheckedTransformer(backends))
+      ->option_text("auto|recorded|dnn");
+  app.add_option(
+      "--detections", arguments->detections,
+      "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
+      "synthetic:office");
   app.add_option("--dataset", arguments->dataset,
                  "Sequence whose own detections are taken when --detections is absent");
   app.add_option("--format", arguments->format,
                  "Layout of the sequence's folder; found by looking when not given");
   app.add_flag("--check", arguments->check,
-               "Only see whether the detections can be read; needs no bus");
+               "Only see whether detections or network can be read; needs no bus");
   app.add_option("--camera-id", arguments->camera_id,
                  "Answer frames of this camera only; -1 = of all")
       ->check(CLI::Range(-1, 1 << 30));
+  AddNetworkOptions(app, arguments);
 }
 
 Result<std::string> DetectionsPath(const Arguments& arguments) {
@@ -47,16 +79,32 @@ Result<std::string> DetectionsPath(const Arguments& arguments) {
   return *path;
 }
 
-Outcome Open(Arguments* arguments) {
-  if (arguments->detections.empty() && arguments->dataset.empty()) {
-    return ExitWith(ExitCode::kUsage, "expected --detections or --dataset");
-  }
+Outcome OpenRecorded(Arguments* arguments) {
   const Result<std::string> path = DetectionsPath(*arguments);
   if (!path) return ExitWith(ExitCode::kUnreadable, path.error().message);
   auto source = OpenRecordedDetections(*path);
   if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
   arguments->source = std::move(*source);
   return {};
+}
+
+Outcome OpenNetwork(Arguments* arguments) {
+  auto network = DnnDetector::Load(arguments->config.detector.dnn);
+  if (!network) return ExitWith(ExitCode::kUnreadable, network.error().message);
+  arguments->network = std::move(*network);
+  return {};
+}
+
+Outcome Open(Arguments* arguments) {
+  // With --out the sequence is what the network looks at.
+  const bool names_recording =
+      !arguments->detections.empty() || (!arguments->dataset.empty() && arguments->out.empty());
+  if (!arguments->out.empty() && names_recording)
+    return ExitWith(ExitCode::kUsage, "--out is for what a network sees: it takes no --detections");
+  const auto chosen = ChooseBackend(arguments->config.detector, names_recording);
+  if (!chosen) return ExitWith(ExitCode::kUsage, chosen.error().message);
+  arguments->chosen = *chosen;
+  return *chosen == DetectorBackend::kDnn ? OpenNetwork(arguments) : OpenRecorded(arguments);
 }
 
 // The command line goes before the config.
@@ -66,6 +114,11 @@ Result<std::string> Configure(const std::string& text, const std::string& path,
   if (!taken) return taken;
   DetectorConfig& section = arguments->config.detector;
   section.camera_id = arguments->camera_id.value_or(section.camera_id);
+  section.backend = arguments->backend.value_or(section.backend);
+  section.dnn.model = arguments->model.value_or(section.dnn.model);
+  section.dnn.graph = arguments->graph.value_or(section.dnn.graph);
+  section.dnn.threads = arguments->threads.value_or(section.dnn.threads);
+  section.every_frame = arguments->every_frame.value_or(section.every_frame);
   return PrintConfig(arguments->config);
 }
 
@@ -74,24 +127,39 @@ std::optional<CameraId> Camera(const Arguments& arguments) {
   return id < 0 ? std::nullopt : std::optional(CameraId{id});
 }
 
+Outcome Write(const Arguments& arguments, const StopSignal& stop) {
+  const auto recording = OpenRecording(arguments.dataset, arguments.format);
+  if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
+  return WriteDetections(*recording->dataset, arguments.network.get(), arguments.out, stop);
+}
+
+Outcome Run(const Arguments& arguments, ProcessContext& context) {
+  if (arguments.check) return {};
+  if (!arguments.out.empty()) return Write(arguments, context.stop);
+  if (arguments.chosen == DetectorBackend::kRecorded)
+    return Detect(*arguments.source, Camera(arguments), context);
+  Looker({Camera(arguments), arguments.config.detector.every_frame}, arguments.network.get(),
+         &context)
+      .Run();
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Arguments arguments;
   ProcessSpec spec;
   spec.name = "detector";
-  spec.summary = "Answers every frame with recorded detections, as a detector would.";
+  spec.summary =
+      "Answers every frame with the objects in it: recorded ones, or those that a network sees.";
   spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
   spec.configure = [&](const std::string& text, const std::string& path) {
     return Configure(text, path, &arguments);
   };
   spec.prepare = [&] {
-    spec.joins_bus = !arguments.check;
+    spec.joins_bus = !arguments.check && arguments.out.empty();
     return Open(&arguments);
   };
-  spec.run = [&](ProcessContext& context) -> Outcome {
-    if (arguments.check) return {};
-    return Detect(*arguments.source, Camera(arguments), context);
-  };
+  spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

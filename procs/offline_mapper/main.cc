@@ -24,6 +24,7 @@ using namespace vismap;
 
 struct Arguments {
   std::string dataset, format, detections, out;
+  std::string model;  // of the network that looks at the frames; overrides the config
   DatasetOptions frames;
   ThreadOption threads;
   VismapConfig config;
@@ -37,8 +38,12 @@ void AddOptions(CLI::App& app, Arguments* arguments) {
   app.add_option("--format", arguments->format,
                  "Format of the folder; default: found by looking at it");
   app.add_option("--detections", arguments->detections,
-                 "COCO results file, folder of instance PNGs, log, or none; default: those inside "
-                 "the sequence");
+                 "COCO results file, folder of instance PNGs, log, or none; default: "
+                 "what the network of the config sees, else those inside the sequence");
+  app.add_option(
+         "--detector-model", arguments->model,
+         "Network that looks at the frames, see vismap-detector --model; more in the config")
+      ->excludes("--detections");
   app.add_option("--max-frames", arguments->frames.max_frames, "Stop after so many frames; 0 = all")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--stride", arguments->frames.stride, "Take every n-th frame")
@@ -58,6 +63,15 @@ Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& argumen
   LogWarning(dataset.name() +
              " has no detections: mapping geometry alone, so no object gets a class");
   return nullptr;
+}
+
+// The network to use; none when detections are named, or no network is.
+Result<std::unique_ptr<DnnDetector>> FindNetwork(const Arguments& arguments) {
+  const DetectorConfig& config = arguments.config.detector;
+  const bool recorded =
+      !arguments.detections.empty() || config.backend == DetectorBackend::kRecorded;
+  if (config.dnn.model.empty() || (recorded && arguments.model.empty())) return nullptr;
+  return DnnDetector::Load(config.dnn);
 }
 
 nlohmann::ordered_json FiguresJson(const StageTimes& times) {
@@ -113,6 +127,15 @@ void Summarise(const Arguments& arguments, const MapSession& session,
               std::filesystem::absolute(arguments.out).c_str());
 }
 
+// The command line goes before the config.
+Result<std::string> Configure(const std::string& text, const std::string& path,
+                              Arguments* arguments) {
+  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
+  if (!taken) return taken;
+  if (!arguments->model.empty()) arguments->config.detector.dnn.model = arguments->model;
+  return PrintConfig(arguments->config);
+}
+
 Outcome Run(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
   const auto recording = OpenRecording(arguments.dataset, arguments.format, arguments.frames);
@@ -123,7 +146,10 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
     LogWarningSometimes("skipped", "frame " + std::to_string(skipped.frame_number) +
                                        " left out: " + skipped.reason);
   }
-  const auto detections = FindDetections(arguments, *dataset);
+  const auto network = FindNetwork(arguments);
+  if (!network) return ExitWith(ExitCode::kUnreadable, network.error().message);
+  const auto detections = *network ? Result<std::unique_ptr<DetectionSource>>(nullptr)
+                                   : FindDetections(arguments, *dataset);
   if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
 
   MapMetadata metadata;
@@ -138,8 +164,8 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
       progress.Show(static_cast<int64_t>(done));
       return !context.stop.requested();
     };
-    const auto mapped = MapSequence({*dataset, detections->get()}, arguments.config.segmentation,
-                                    proceed, &session, &times);
+    const auto mapped = MapSequence({*dataset, detections->get(), network->get()},
+                                    arguments.config.segmentation, proceed, &session, &times);
     if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
   }
   if (context.stop.requested()) LogWarning("stopped early; writing what there is");
@@ -169,7 +195,7 @@ int main(int argc, char** argv) {
   spec.joins_bus = false;
   spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
   spec.configure = [&](const std::string& text, const std::string& path) {
-    return TakeConfig(text, path, &arguments.config);
+    return Configure(text, path, &arguments);
   };
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);

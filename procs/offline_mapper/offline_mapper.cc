@@ -23,11 +23,24 @@ Result<ReadyFrame> ReadFrame(const OfflineInput& input, size_t i) {
                 ": " + frame.error().message);
   }
   ReadyFrame ready{std::move(*frame), std::nullopt};
-  if (input.detections == nullptr || !input.detections->LookedAt(sensor->header)) return ready;
+  if (input.network != nullptr || input.detections == nullptr ||
+      !input.detections->LookedAt(sensor->header))
+    return ready;
   Result<DetectionSet> detections = input.detections->ForFrame(sensor->header);
   if (!detections) return tl::unexpected(detections.error());
   ready.detections = std::move(*detections);
   return ready;
+}
+
+/// Lets the network look at a frame.
+Result<void> LookAt(const OfflineInput& input, ReadyFrame* frame, StageTimes* times) {
+  if (input.network == nullptr || frame->frame.color.empty()) return {};
+  const double start = MonotonicSeconds();
+  Result<DetectionSet> seen = input.network->Detect(frame->frame.color, frame->frame.header);
+  if (!seen) return tl::unexpected(seen.error());
+  times->Add("detection", (MonotonicSeconds() - start) * 1e3);
+  frame->detections = std::move(*seen);
+  return {};
 }
 
 void TakeFrame(ReadyFrame ready, const SegmentationStageOptions& options, MapSession& session,
@@ -63,6 +76,8 @@ Result<void> MapSequence(const OfflineInput& input, const SegmentationStageOptio
     const FrameHeader& header = frame->frame.header;
     if (session->Contains(header.camera_id, header.utime))
       continue;  // a continued map has it already
+    if (const auto looked = LookAt(input, &*frame, times); !looked)
+      return tl::unexpected(looked.error());
     TakeFrame(std::move(*frame), options, *session, *times);
   }
   return {};

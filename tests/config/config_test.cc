@@ -104,7 +104,9 @@ TEST(Bindings, EveryMemberOfTheOptionStructsHasAKey) {
   EXPECT_EQ(KeyCount(BindMapServer<KeyCounter>), MemberCount<MapServerConfig>());
   EXPECT_EQ(KeyCount(BindOctomapExporter<KeyCounter>), MemberCount<OctomapExporterConfig>());
   EXPECT_EQ(KeyCount(BindSensorReplay<KeyCounter>), MemberCount<SensorReplayConfig>());
-  EXPECT_EQ(KeyCount(BindDetector<KeyCounter>), MemberCount<DetectorConfig>());
+  constexpr size_t kNetwork = 1;  // one member, whose own members are keys
+  EXPECT_EQ(KeyCount(BindDetector<KeyCounter>) + kNetwork,
+            MemberCount<DetectorConfig>() + MemberCount<DnnDetectorOptions>());
   EXPECT_EQ(KeyCount(BindHub<KeyCounter>), MemberCount<HubConfig>());
   EXPECT_EQ(KeyCount(BindBridge<KeyCounter>), MemberCount<BridgeConfig>());
 }
@@ -220,6 +222,19 @@ TEST(ParseConfig, NamesOfChoicesMeanWhatTheySay) {
             UnknownPolicy::kOccupied);
   EXPECT_EQ(Parsed("octomap_exporter { unknown: ABSENT }").octomap_exporter.unknown,
             UnknownPolicy::kAbsent);
+}
+
+TEST(ParseConfig, NamesOfDetectorsMeanWhatTheySay) {
+  const auto detector = [](const std::string& text) {
+    return Parsed("detector { " + text + " }").detector;
+  };
+  EXPECT_EQ(detector("backend: AUTO").backend, DetectorBackend::kAuto);
+  EXPECT_EQ(detector("backend: RECORDED").backend, DetectorBackend::kRecorded);
+  EXPECT_EQ(detector("backend: DNN").backend, DetectorBackend::kDnn);
+  EXPECT_EQ(detector("kind: BY_NAME").dnn.kind, DnnModelKind::kAuto);
+  EXPECT_EQ(detector("kind: YOLO_SEG").dnn.kind, DnnModelKind::kYoloSeg);
+  EXPECT_EQ(detector("kind: MASK_RCNN").dnn.kind, DnnModelKind::kMaskRcnn);
+  EXPECT_THAT(ErrorOf("detector { max_detections: 0 }"), HasSubstr("[1, 1000]"));
 }
 
 TEST(ParseConfig, ListsOfChannels) {

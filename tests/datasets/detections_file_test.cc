@@ -48,6 +48,33 @@ TEST(CocoResults, ReadsBothKindsOfCounts) {
   EXPECT_EQ(set->detections[0].mask, set->detections[1].mask);
 }
 
+TEST(CocoResults, WhatIsWrittenIsReadBack) {
+  Mask mask{3, 2, 1, 0, Image<uint8_t>(2, 2, 1)};
+  mask.inside(1, 0) = 0;
+  DetectionSet first{77, CameraId{5}, 4, {{ClassId{62}, 0.1f, mask}, {ClassId{900}, 1.0f, mask}}};
+  const DetectionSet none{78, CameraId{5}, 5, {}}, last{79, CameraId{5}, 6, {first.detections[0]}};
+  const TempFolder folder;
+  const std::string path = (folder / "d.json").string();
+  const std::vector<DetectionSet> sets = {first, none, last};
+  const auto written = WriteCocoResults(path, sets);
+  ASSERT_TRUE(written) << written.error().message;
+  const auto source = LoadCocoResults(path);
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->size(), 3);
+  for (const DetectionSet& set : sets) {
+    const Result<DetectionSet> read = (*source)->ForFrame(Header(set.frame_number));
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->detections.size(), set.detections.size());
+    for (size_t i = 0; i < set.detections.size(); ++i) {
+      EXPECT_EQ(read->detections[i].class_id, set.detections[i].class_id);
+      EXPECT_EQ(read->detections[i].score, set.detections[i].score);
+      EXPECT_EQ(read->detections[i].mask, set.detections[i].mask);
+    }
+  }
+  first.frame_number = -1;
+  EXPECT_FALSE(WriteCocoResults(path, std::vector{first})) << "nobody could find them again";
+}
+
 TEST(CocoResults, AFrameThatNobodyMentionsHasNoDetections) {
   const TempFolder folder;
   folder.Write("d.json", "[" + Entry("[6]") + "]");

@@ -30,9 +30,7 @@ void RoomPipeline::StartServer() { server = map_processes_->Start("map-server", 
 void RoomPipeline::StartSegmenter() {
   segmenter = processes_->Start("depth-segmenter", {"--detections", detections});
 }
-void RoomPipeline::StartDetector() {
-  detector = processes_->Start("detector", {"--dataset", kRoom});
-}
+void RoomPipeline::StartDetector() { detector = processes_->Start("detector", detector_arguments); }
 void RoomPipeline::StartExporter() {
   exporter = map_processes_->Start("octomap-exporter", exporter_arguments);
 }
@@ -91,12 +89,13 @@ void ExpectExporterIsLevel(ProcessBus* processes) {
   EXPECT_EQ(digest, expected);
 }
 
-std::string OfflineRoomHash(const std::string& threads, const std::string& dataset) {
+std::string OfflineRoomHash(const std::string& threads, const std::string& dataset,
+                            const std::vector<std::string>& more) {
   const TempFolder folder;
-  ChildProcess offline(
-      "offline-mapper",
-      {"--dataset", dataset, "--threads", threads, "--out", (folder / "out").string()},
-      folder.path());
+  std::vector<std::string> arguments = {"--dataset", dataset, "--threads",
+                                        threads,     "--out", (folder / "out").string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  ChildProcess offline("offline-mapper", arguments, folder.path());
   EXPECT_EQ(offline.WaitForExit(), 0) << offline.StandardError();
   std::ifstream report(folder / "out" / "report.json");
   const auto json = nlohmann::json::parse(report, nullptr, false);

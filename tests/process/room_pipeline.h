@@ -24,6 +24,7 @@ class RoomPipeline {
 
   std::vector<std::string> server_arguments{"--threads", "2"};
   std::vector<std::string> exporter_arguments;
+  std::vector<std::string> detector_arguments{"--dataset", kRoom};
   std::string detections = "required";  ///< of the segmenter; with "none" there is no detector
   double resend = 0.5;                  ///< of the replay [s]
 
@@ -59,8 +60,9 @@ std::string ServerStatistic(ProcessBus* processes, const std::string& name);
 /// Waits until the exporter has the server's revision; expects the same occupancy then.
 void ExpectExporterIsLevel(ProcessBus* processes);
 
-/// The map hash that the offline mapper gets from a sequence.
+/// The map hash that the offline mapper gets from a sequence; `more` = further arguments.
 std::string OfflineRoomHash(const std::string& threads = "2",
-                            const std::string& dataset = RoomPipeline::kRoom);
+                            const std::string& dataset = RoomPipeline::kRoom,
+                            const std::vector<std::string>& more = {});
 
 }  // namespace vismap

@@ -1,0 +1,37 @@
+#include "detector/choose_backend.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+
+DetectorConfig With(DetectorBackend backend, const std::string& model) {
+  DetectorConfig config;
+  config.backend = backend;
+  config.dnn.model = model;
+  return config;
+}
+
+TEST(ChooseBackend, AutoGoesByWhatIsGiven) {
+  constexpr auto kAuto = DetectorBackend::kAuto;
+  EXPECT_EQ(*ChooseBackend(With(kAuto, ""), true), DetectorBackend::kRecorded);
+  EXPECT_EQ(*ChooseBackend(With(kAuto, "m.onnx"), false), DetectorBackend::kDnn);
+  EXPECT_EQ(*ChooseBackend(With(kAuto, "m.onnx"), true), DetectorBackend::kRecorded)
+      << "the command line goes before the config's model";
+  const auto none = ChooseBackend(With(kAuto, ""), false);
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().message, HasSubstr("--model"));
+}
+
+TEST(ChooseBackend, WhatIsAskedForNeedsItsInput) {
+  EXPECT_FALSE(ChooseBackend(With(DetectorBackend::kRecorded, "m.onnx"), false));
+  EXPECT_FALSE(ChooseBackend(With(DetectorBackend::kDnn, ""), false));
+  EXPECT_FALSE(ChooseBackend(With(DetectorBackend::kDnn, "m.onnx"), true));
+  EXPECT_EQ(*ChooseBackend(With(DetectorBackend::kDnn, "m.onnx"), false), DetectorBackend::kDnn);
+}
+
+}  // namespace
+}  // namespace vismap
