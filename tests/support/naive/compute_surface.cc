@@ -74,8 +74,9 @@ bool Joined(const InverseDepth& inverse, int v, int u, int dv, int du, float jum
 /// How many pixels (v, u) can go in direction (dv, du), at most its radius.
 uint8_t Reach(const SurfaceMap& surface, int v, int u, int dv, int du) {
   const uint8_t bit = dv == 0 ? kJoinedRight : kJoinedDown;
+  const int most = surface.radius(v, u);
   int steps = 0;
-  while (steps < surface.radius(v, u)) {
+  while (steps < most) {
     const int from_v = v + (dv < 0 ? dv : 0), from_u = u + (du < 0 ? du : 0);  // the pair's first
     if (!surface.joined.Contains(from_v, from_u) || !(surface.joined(from_v, from_u) & bit)) break;
     v += dv;
