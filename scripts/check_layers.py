@@ -40,7 +40,7 @@ PROCS = {
     "settings": ["config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.
-OPEN_TESTS = {"process", "quality", "support", "bench", "fuzz"}
+OPEN_TESTS = {"process", "quality", "oracle", "support", "bench", "fuzz"}
 
 # Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
 OUTSIDE = [

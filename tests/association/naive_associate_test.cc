@@ -26,7 +26,9 @@ VoxelMap RandomVoxels(int labels, RandomNumbers* random) {
       if (random->Chance(0.2)) continue;
       naive::WriteVoxel(*block.surface, offset,
                         {static_cast<int16_t>(random->Whole(-20000, 20000)),
-                         static_cast<uint16_t>(random->Whole(0, 3)), 1, {}});
+                         static_cast<uint16_t>(random->Whole(0, 3)),
+                         1,
+                         {}});
       for (int votes = random->Whole(0, 9); votes > 0; --votes)
         AddVote(*block.surface, offset, AnyLabel(labels, random));
     }

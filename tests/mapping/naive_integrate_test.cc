@@ -8,7 +8,7 @@
 #include "segmentation/segment_frame.h"
 #include "support/naive/associate.h"
 #include "support/naive/integrate.h"
-#include "support/random_scenes.h"
+#include "support/random_detections.h"
 
 namespace vismap {
 namespace {
@@ -112,10 +112,14 @@ TEST(IntegrateFrame, EqualsTheNaiveOneWhenVotesHalveAndAreEvicted) {
 /// Whether what FindVisibleBlocks says of a block (kNothing = not listed) is true of its voxels.
 bool IsTrue(BlockView view, const naive::BlockSaid& said) {
   switch (view) {
-    case BlockView::kNothing: return said.near + said.free == 0;
-    case BlockView::kMixed: return true;
-    case BlockView::kPartlyFree: return said.near == 0;
-    case BlockView::kWhollyFree: return said.free == kBlockVoxels;
+    case BlockView::kNothing:
+      return said.near + said.free == 0;
+    case BlockView::kMixed:
+      return true;
+    case BlockView::kPartlyFree:
+      return said.near == 0;
+    case BlockView::kWhollyFree:
+      return said.free == kBlockVoxels;
   }
   return false;
 }
@@ -128,13 +132,12 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
     const SegmentedFrame frame = RandomSegmentedFrame(camera, &random);
     const VoxelMap map({random.Real(0.03, 0.08), 4});
     const IntegrationOptions options = RandomOptions(&random);
-    const std::vector<VisibleBlock> visible = FindVisibleBlocks(
-        frame.frame.header, DepthPyramid(frame.frame.depth),
-        {map.block_size(), map.truncation(), options.min_range, options.max_range,
-         options.free_space_range, options.free_space});
+    const std::vector<VisibleBlock> visible =
+        FindVisibleBlocks(frame.frame.header, DepthPyramid(frame.frame.depth),
+                          {map.block_size(), map.truncation(), options.min_range, options.max_range,
+                           options.free_space_range, options.free_space});
     const auto before = [](const VisibleBlock& a, BlockIndex b) { return a.index < b; };
-    for (const BlockIndex index :
-         naive::BlocksInView(frame.frame.header, options, map)) {
+    for (const BlockIndex index : naive::BlocksInView(frame.frame.header, options, map)) {
       const auto found = std::lower_bound(visible.begin(), visible.end(), index, before);
       const bool is_listed = found != visible.end() && found->index == index;
       const BlockView view = is_listed ? found->view : BlockView::kNothing;

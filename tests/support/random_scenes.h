@@ -1,12 +1,11 @@
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <utility>
 
 #include "geometry/frame.h"
-#include "segmentation/detections.h"
 #include "support/analytic_depth.h"
 
 namespace vismap::testing_support {
@@ -38,7 +37,11 @@ class RandomNumbers {
 /// A camera with a wide view and image sizes as asked for.
 inline PinholeCamera RandomCamera(int width, int height, RandomNumbers* random) {
   const double focal = std::max(width, 8) * random->Real(0.7, 1.1);
-  return {width,          height, focal, focal * random->Real(0.95, 1.05), 0.5 * width - 0.5,
+  return {width,
+          height,
+          focal,
+          focal * random->Real(0.95, 1.05),
+          0.5 * width - 0.5,
           0.5 * height - 0.3};
 }
 
@@ -85,26 +88,6 @@ inline Image<float> RandomDepth(const PinholeCamera& camera, RandomNumbers* rand
       random->Chance(0.2) ? exact : AddNoise(exact, KinectNoise(), random->Whole(1, 4), seed);
   if (random->Chance(0.8)) Disturb(random, &depth);
   return depth;
-}
-
-/// Up to eight rectangular masks, also beyond the image's border.
-inline DetectionSet RandomDetections(const PinholeCamera& camera, RandomNumbers* random) {
-  DetectionSet set;
-  for (int i = random->Whole(0, 8); i > 0; --i) {
-    Detection detection{static_cast<ClassId>(random->Whole(1, 5)),
-                        static_cast<float>(random->Real(0, 1)),
-                        {camera.width, camera.height, random->Whole(-5, camera.width - 1),
-                         random->Whole(-5, camera.height - 1), {}}};
-    detection.mask.inside = Image<uint8_t>(random->Whole(1, camera.width),
-                                           random->Whole(1, camera.height), uint8_t{1});
-    for (int holes = random->Whole(0, 20); holes > 0; --holes) {
-      const Image<uint8_t>& inside = detection.mask.inside;
-      detection.mask.inside(random->Whole(0, inside.height() - 1),
-                            random->Whole(0, inside.width() - 1)) = 0;
-    }
-    set.detections.push_back(std::move(detection));
-  }
-  return set;
 }
 
 /// A coloured frame of a random scene, taken from near the origin.

@@ -37,8 +37,8 @@ Choices VoxelChoices(const SurfaceVoxels& voxels, int offset, const LabelTable& 
 
 // Whether a voxel is so near to a surface that its labels say something of it.
 bool IsNear(const StoredVoxel& voxel, const VoxelMap& map, double max_distance_voxels) {
-  const auto steps = static_cast<float>(max_distance_voxels * map.voxel_size() * 32767.0 /
-                                        map.truncation());
+  const auto steps =
+      static_cast<float>(max_distance_voxels * map.voxel_size() * 32767.0 / map.truncation());
   return voxel.weight > 0 && std::abs(static_cast<float>(voxel.distance)) < steps;
 }
 
@@ -53,7 +53,8 @@ FrameCounts CountPoints(const SegmentedFrame& frame, const MapView& map,
       const float z = frame.frame.depth(v, u);
       if (segment < 0 || !(z > options.min_range && z < options.max_range)) continue;
       ++counts.points[static_cast<size_t>(segment)];
-      const VoxelIndex voxel = map.voxels.VoxelAt(header.T_W_C * header.camera.BackProject(u, v, z));
+      const VoxelIndex voxel =
+          map.voxels.VoxelAt(header.T_W_C * header.camera.BackProject(u, v, z));
       const Block* block = map.voxels.Find(BlockOf(voxel));
       if (block == nullptr || !block->surface) continue;
       const int offset = OffsetInBlock(voxel);

@@ -45,7 +45,8 @@ void BackProject(int v, int u, float z, const PinholeCamera& camera, const Surfa
     return;
   }
   const float sigma = InverseSigma(z, options.noise);
-  out->points_C.x(v, u) = z * (F(-camera.cx / camera.fx) + F(1 / camera.fx) * static_cast<float>(u));
+  out->points_C.x(v, u) =
+      z * (F(-camera.cx / camera.fx) + F(1 / camera.fx) * static_cast<float>(u));
   out->points_C.y(v, u) = z * F((v - camera.cy) / camera.fy);
   out->points_C.z(v, u) = z;
   out->depth_sigma(v, u) = sigma * z * z;
@@ -59,8 +60,7 @@ void BackProject(int v, int u, float z, const PinholeCamera& camera, const Surfa
 bool Joined(const InverseDepth& inverse, int v, int u, int dv, int du, float jump, float cap) {
   const float p = inverse.W(v, u), q = inverse.W(v + dv, u + du);
   if (p == 0 || q == 0) return false;
-  const float tolerance =
-      jump * std::max(inverse.sigma(v, u), inverse.sigma(v + dv, u + du));
+  const float tolerance = jump * std::max(inverse.sigma(v, u), inverse.sigma(v + dv, u + du));
   const float before = inverse.W(v - dv, u - du), after = inverse.W(v + 2 * dv, u + 2 * du);
   const float step = q - p, size = std::abs(step);
   if (size - tolerance <= 0) return true;
@@ -145,7 +145,12 @@ void FitNormal(const Moments& m, const PinholeCamera& camera, double sigma, doub
 SurfaceMap EmptySurface(int width, int height) {
   const Image<float> none(width, height, kNaN), zeros(width, height);
   const Image<uint8_t> zero_bytes(width, height);
-  return {{none, none, none}, {none, none, none}, none, zeros, zero_bytes, zero_bytes,
+  return {{none, none, none},
+          {none, none, none},
+          none,
+          zeros,
+          zero_bytes,
+          zero_bytes,
           {zero_bytes, zero_bytes, zero_bytes, zero_bytes}};
 }
 
@@ -164,9 +169,8 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   SurfaceMap out = EmptySurface(camera.width, camera.height);
   InverseDepth inverse{Image<float>(camera.width, camera.height),
                        Image<float>(camera.width, camera.height)};
-  ForPixels(camera, [&](int v, int u) {
-    BackProject(v, u, depth(v, u), camera, options, &inverse, &out);
-  });
+  ForPixels(camera,
+            [&](int v, int u) { BackProject(v, u, depth(v, u), camera, options, &inverse, &out); });
   const double tangent = std::tan(options.max_incidence_deg * std::numbers::pi / 180);
   const float jump = F(options.jump_sigmas);
   const float cap_x = F(tangent / camera.fx), cap_y = F(tangent / camera.fy);
@@ -183,8 +187,8 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   });
   ForPixels(camera, [&](int v, int u) {
     if (inverse.w(v, u) == 0) return;
-    FitNormal(SumWindow(inverse, out, v, u), camera, inverse.sigma(v, u),
-              options.noise.correlation, v, u, &out);
+    FitNormal(SumWindow(inverse, out, v, u), camera, inverse.sigma(v, u), options.noise.correlation,
+              v, u, &out);
   });
   return out;
 }

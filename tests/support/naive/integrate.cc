@@ -52,8 +52,8 @@ class View {
     if (!(u >= 0 && v >= 0 && u < F(camera_.width) && v < F(camera_.height))) return std::nullopt;
     const int column = static_cast<int>(u), row = static_cast<int>(v);
     Sample sample;
-    sample.pixel = static_cast<size_t>(row) * static_cast<size_t>(camera_.width) +
-                   static_cast<size_t>(column);
+    sample.pixel =
+        static_cast<size_t>(row) * static_cast<size_t>(camera_.width) + static_cast<size_t>(column);
     const float stretch = std::sqrt(a * a + b * b + 1.0F);  // of the ray per metre of depth
     return Judge(p_C.z(), depth_(row, column), stretch, sample);
   }

@@ -57,8 +57,8 @@ uint8_t FoldStrength(const SurfaceMap& surface, Pixel a, Pixel b,
   if (opening >= 0) return 0;             // convex
   const float chord = std::sqrt(square);  // about the angle
   const float sigma_a = surface.normal_sigma(a.v, a.u), sigma_b = surface.normal_sigma(b.v, b.u);
-  const float noise = static_cast<float>(options.concave_sigmas) *
-                      std::sqrt(sigma_a * sigma_a + sigma_b * sigma_b);
+  const float noise =
+      static_cast<float>(options.concave_sigmas) * std::sqrt(sigma_a * sigma_a + sigma_b * sigma_b);
   if (chord < std::min(noise, radians(options.sharp_angle_deg))) return 0;
   return static_cast<uint8_t>(std::clamp(chord * 127.0F, 2.0F, 255.0F));
 }
@@ -128,9 +128,8 @@ void FloodRegions(const SurfaceMap& surface, const Image<uint8_t>& strength, Reg
 
 /// What no region reached becomes regions, too, with the next numbers.
 void AddMissedRegions(const SurfaceMap& surface, int min_pixels, RegionImage* regions) {
-  RegionImage missed = Connect(surface, [&](Pixel p) {
-    return surface.radius(p.v, p.u) != 0 && (*regions)(p.v, p.u) == 0;
-  });
+  RegionImage missed = Connect(
+      surface, [&](Pixel p) { return surface.radius(p.v, p.u) != 0 && (*regions)(p.v, p.u) == 0; });
   DropSmallRegions(min_pixels, &missed);
   const int32_t used = *std::max_element(regions->pixels().begin(), regions->pixels().end());
   for (size_t i = 0; i < missed.size(); ++i) {
@@ -260,9 +259,8 @@ void JoinSmallRegions(const SurfaceMap& surface, const PinholeCamera& camera, in
   const std::map<int32_t, Region> measured = Measure(surface, camera, *regions);
   std::map<int32_t, int32_t> becomes{{0, 0}};
   for (const auto& [number, region] : measured) {
-    becomes[number] = region.pixels >= min_pixels
-                          ? number
-                          : HostOf(measured, region, min_pixels, max_angle);
+    becomes[number] =
+        region.pixels >= min_pixels ? number : HostOf(measured, region, min_pixels, max_angle);
   }
   for (int32_t& region : regions->pixels()) region = becomes.at(region);
 }
@@ -292,11 +290,9 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   Require(options.method == SegmentationMethod::kNoiseScaled, "the naive one scales with noise");
   const int min_pixels = ScaledPixels(options.min_segment_pixels, camera);
   Image<uint8_t> strength(camera.width, camera.height);
-  ForPixels(surface,
-            [&](Pixel p) { strength(p.v, p.u) = EdgeStrength(surface, p, options); });
-  RegionImage regions = Connect(surface, [&](Pixel p) {
-    return surface.radius(p.v, p.u) != 0 && strength(p.v, p.u) == 0;
-  });
+  ForPixels(surface, [&](Pixel p) { strength(p.v, p.u) = EdgeStrength(surface, p, options); });
+  RegionImage regions = Connect(
+      surface, [&](Pixel p) { return surface.radius(p.v, p.u) != 0 && strength(p.v, p.u) == 0; });
   DropSmallRegions(ScaledPixels(options.min_seed_pixels, camera), &regions);
   FloodRegions(surface, strength, &regions);
   AddMissedRegions(surface, min_pixels, &regions);
