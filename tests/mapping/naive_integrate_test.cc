@@ -92,8 +92,8 @@ TEST(IntegrateFrame, EqualsTheNaiveOneWhenVotesHalveAndAreEvicted) {
   const PinholeCamera camera = testing_support::RandomCamera(40, 30, &random);
   const SegmentedFrame frame = RandomSegmentedFrame(camera, &random);
   IntegrationOptions options;
-  options.max_range = options.free_space_range = 2;
-  SemanticMap fast({0.08, 4}), slow({0.08, 4});
+  options.max_range = options.free_space_range = 1.5;
+  SemanticMap fast({0.1, 4}), slow({0.1, 4});
   int64_t evicted = 0;
   for (int i = 0; i < 320; ++i) {
     FrameAssociation association;  // 260 times the same label, then any of five
