@@ -62,7 +62,7 @@ void Compare(int width, int height, const IntegrationOptions& options, uint64_t 
                std::to_string(seed));
   RandomNumbers random(seed);
   const PinholeCamera camera = testing_support::RandomCamera(width, height, &random);
-  const VoxelGridOptions grid{random.Real(0.04, 0.09), 4};
+  const VoxelGridOptions grid{random.Real(0.06, 0.12), 4};
   SemanticMap fast(grid), slow(grid);
   for (int i = 0; i < 4; ++i) {
     const SegmentedFrame frame = RandomSegmentedFrame(camera, &random);
@@ -92,7 +92,7 @@ TEST(IntegrateFrame, EqualsTheNaiveOneWhenVotesHalveAndAreEvicted) {
   const PinholeCamera camera = testing_support::RandomCamera(40, 30, &random);
   const SegmentedFrame frame = RandomSegmentedFrame(camera, &random);
   IntegrationOptions options;
-  options.max_range = options.free_space_range = 1.5;
+  options.max_range = options.free_space_range = 1;
   SemanticMap fast({0.1, 4}), slow({0.1, 4});
   int64_t evicted = 0;
   for (int i = 0; i < 320; ++i) {

@@ -42,11 +42,13 @@ class View {
 
   /// Of voxel (i, j, k) of the block whose first voxel is at `first_C`; nullopt = nothing.
   std::optional<Sample> Look(const Eigen::Vector3f& first_C, int i, int j, int k) const {
-    const Eigen::Vector3f p_C = first_C + step_C_.col(1) * static_cast<float>(j) +
-                                step_C_.col(2) * static_cast<float>(k) +
-                                step_C_.col(0) * static_cast<float>(i);
-    if (!(p_C.z() > 0)) return std::nullopt;
-    const float a = p_C.x() / p_C.z(), b = p_C.y() / p_C.z();
+    const auto along = [&](int axis) {
+      return first_C[axis] + step_C_(axis, 1) * static_cast<float>(j) +
+             step_C_(axis, 2) * static_cast<float>(k) + step_C_(axis, 0) * static_cast<float>(i);
+    };
+    const float x = along(0), y = along(1), z = along(2);
+    if (!(z > 0)) return std::nullopt;
+    const float a = x / z, b = y / z;
     const float u = F(camera_.fx) * a + (F(camera_.cx) + 0.5F);
     const float v = F(camera_.fy) * b + (F(camera_.cy) + 0.5F);
     if (!(u >= 0 && v >= 0 && u < F(camera_.width) && v < F(camera_.height))) return std::nullopt;
@@ -55,7 +57,7 @@ class View {
     sample.pixel =
         static_cast<size_t>(row) * static_cast<size_t>(camera_.width) + static_cast<size_t>(column);
     const float stretch = std::sqrt(a * a + b * b + 1.0F);  // of the ray per metre of depth
-    return Judge(p_C.z(), depth_(row, column), stretch, sample);
+    return Judge(z, depth_(row, column), stretch, sample);
   }
 
  private:
