@@ -1,0 +1,200 @@
+#include "support/naive/associate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "support/naive/voxel_access.h"
+
+namespace vismap::naive {
+namespace {
+
+// The labels that a voxel votes for, strongest first.
+using Choices = std::vector<SegmentLabel>;
+// How many sampled points of each segment fell on voxels with the same choices.
+using ChoiceCounts = std::map<std::pair<int, Choices>, int64_t>;
+
+struct FrameCounts {
+  ChoiceCounts choices;         // in sampled points
+  std::vector<int64_t> points;  // per segment, sampled points in range
+};
+
+// Votes of merged labels are summed; ties go to the lower label.
+Choices VoxelChoices(const SurfaceVoxels& voxels, int offset, const LabelTable& labels) {
+  std::map<SegmentLabel, int> sums;
+  for (const LabelVote& vote : ReadVotes(voxels, offset))
+    sums[labels.Canonical(vote.label)] += vote.votes;
+  std::vector<std::pair<int, SegmentLabel>> ranked;
+  for (const auto& [label, votes] : sums) ranked.emplace_back(-votes, label);
+  std::sort(ranked.begin(), ranked.end());
+  Choices choices;
+  for (const auto& [votes, label] : ranked) choices.push_back(label);
+  return choices;
+}
+
+// Whether a voxel is so near to a surface that its labels say something of it.
+bool IsNear(const StoredVoxel& voxel, const VoxelMap& map, double max_distance_voxels) {
+  const auto steps =
+      static_cast<float>(max_distance_voxels * map.voxel_size() * 32767.0 / map.truncation());
+  return voxel.weight > 0 && std::abs(static_cast<float>(voxel.distance)) < steps;
+}
+
+FrameCounts CountPoints(const SegmentedFrame& frame, const MapView& map,
+                        const AssociationOptions& options) {
+  const FrameHeader& header = frame.frame.header;
+  FrameCounts counts;
+  counts.points.assign(frame.segments.size(), 0);
+  for (int v = 0; v < header.camera.height; v += options.pixel_stride) {
+    for (int u = 0; u < header.camera.width; u += options.pixel_stride) {
+      const int segment = Raw(frame.image.index(v, u));
+      const float z = frame.frame.depth(v, u);
+      if (segment < 0 || !(z > options.min_range && z < options.max_range)) continue;
+      ++counts.points[static_cast<size_t>(segment)];
+      const VoxelIndex voxel =
+          map.voxels.VoxelAt(header.T_W_C * header.camera.BackProject(u, v, z));
+      const Block* block = map.voxels.Find(BlockOf(voxel));
+      if (block == nullptr || !block->surface) continue;
+      const int offset = OffsetInBlock(voxel);
+      if (!IsNear(ReadVoxel(*block->surface, offset), map.voxels, options.max_distance_voxels))
+        continue;
+      const Choices choices = VoxelChoices(*block->surface, offset, map.labels);
+      if (!choices.empty()) ++counts.choices[{segment, choices}];
+    }
+  }
+  return counts;
+}
+
+// Points per (segment, label) when every voxel votes for its strongest label outside `taken`; the
+// paper's Pi.
+std::map<std::pair<int, SegmentLabel>, int64_t> Overlaps(const ChoiceCounts& choices,
+                                                         const std::map<SegmentLabel, int>& taken) {
+  std::map<std::pair<int, SegmentLabel>, int64_t> overlaps;
+  for (const auto& [key, count] : choices) {
+    for (const SegmentLabel label : key.second) {
+      const auto owner = taken.find(label);
+      if (owner != taken.end() && owner->second != key.first) continue;
+      overlaps[{key.first, label}] += count;
+      break;
+    }
+  }
+  return overlaps;
+}
+
+// One-to-one matching in descending overlap, voxels falling back to their next choice once a label
+// is taken.
+std::map<SegmentLabel, int> MatchLabels(const ChoiceCounts& choices, int64_t min_count,
+                                        size_t segment_count) {
+  std::map<SegmentLabel, int> taken;
+  std::vector<bool> labelled(segment_count, false);
+  for (;;) {
+    std::pair<int, SegmentLabel> best{-1, SegmentLabel::kNone};
+    int64_t most = min_count;
+    for (const auto& [key, count] : Overlaps(choices, taken)) {
+      if (labelled[static_cast<size_t>(key.first)] || taken.contains(key.second)) continue;
+      if (count > most) {
+        most = count;
+        best = key;
+      }
+    }
+    if (best.first < 0) return taken;
+    taken[best.second] = best.first;
+    labelled[static_cast<size_t>(best.first)] = true;
+  }
+}
+
+// Labels that share a segment of this frame, and known pairs that it shows as different segments.
+void FindPairs(const FrameCounts& counts, const std::map<SegmentLabel, int>& taken,
+               const MapView& map, const AssociationOptions& options,
+               FrameAssociation& association) {
+  std::map<int, std::vector<SegmentLabel>> sharing;
+  for (const auto& [key, count] : Overlaps(counts.choices, taken)) {
+    const auto points = static_cast<double>(counts.points[static_cast<size_t>(key.first)]);
+    if (static_cast<double>(count) > options.merge_overlap_ratio * points)
+      sharing[key.first].push_back(key.second);
+  }
+  std::set<std::pair<SegmentLabel, SegmentLabel>> together;
+  for (const auto& [segment, labels] : sharing) {
+    for (size_t i = 0; i < labels.size(); ++i) {
+      for (size_t j = i + 1; j < labels.size(); ++j)
+        together.insert(std::minmax(labels[i], labels[j]));
+    }
+  }
+  association.together.assign(together.begin(), together.end());
+  for (const auto& [pair, evidence] : map.labels.pairs()) {
+    const auto a = taken.find(pair.first), b = taken.find(pair.second);
+    if (a == taken.end() || b == taken.end() || together.contains(pair)) continue;
+    association.apart.push_back(pair);
+  }
+}
+
+// Which instance each detection of the frame is: one-to-one, by the summed evidence of its
+// segments' labels.
+void MatchInstances(const SegmentedFrame& frame, const MapView& map,
+                    FrameAssociation& association) {
+  std::map<std::pair<int, InstanceId>, double> evidence;
+  std::set<int> detections;
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    const FrameSegment& segment = frame.segments[s];
+    const SegmentLabel label = association.segments[s].label;
+    if (segment.detection == DetectionIndex::kNone || label == SegmentLabel::kNone) continue;
+    detections.insert(Raw(segment.detection));
+    if (Raw(label) >= Raw(map.labels.next_label())) continue;  // new in this frame
+    for (const auto& [instance, amount] : map.labels.Record(label).instance_evidence) {
+      evidence[{Raw(segment.detection), instance}] += static_cast<double>(amount) * segment.pixels;
+    }
+  }
+  std::vector<std::tuple<double, int, InstanceId>> ranked;
+  for (const auto& [key, amount] : evidence) ranked.emplace_back(-amount, key.first, key.second);
+  std::sort(ranked.begin(), ranked.end());
+  std::map<int, InstanceId> instance_of;
+  std::set<InstanceId> used;
+  for (const auto& [amount, detection, instance] : ranked) {
+    if (amount >= 0 || instance_of.contains(detection) || used.contains(instance)) continue;
+    instance_of[detection] = instance;
+    used.insert(instance);
+  }
+  for (const int detection : detections) {
+    if (instance_of.contains(detection)) continue;
+    instance_of[detection] = association.next_instance;
+    association.next_instance = static_cast<InstanceId>(Raw(association.next_instance) + 1);
+  }
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    const FrameSegment& segment = frame.segments[s];
+    if (segment.detection == DetectionIndex::kNone ||
+        association.segments[s].label == SegmentLabel::kNone)
+      continue;
+    association.segments[s].instance = instance_of.at(Raw(segment.detection));
+  }
+}
+
+}  // namespace
+
+FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,
+                           const AssociationOptions& options) {
+  const FrameCounts counts = CountPoints(frame, map, options);
+  const int64_t min_count =
+      options.min_overlap_points / (options.pixel_stride * options.pixel_stride);
+  const std::map<SegmentLabel, int> taken =
+      MatchLabels(counts.choices, min_count, frame.segments.size());
+
+  FrameAssociation association;
+  association.segments.resize(frame.segments.size());
+  association.next_label = map.labels.next_label();
+  association.next_instance = map.labels.next_instance();
+  for (const auto& [label, segment] : taken)
+    association.segments[static_cast<size_t>(segment)].label = label;
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    if (association.segments[s].label != SegmentLabel::kNone || counts.points[s] <= min_count)
+      continue;
+    association.segments[s].label = association.next_label;
+    association.next_label = static_cast<SegmentLabel>(Raw(association.next_label) + 1);
+  }
+  FindPairs(counts, taken, map, options, association);
+  MatchInstances(frame, map, association);
+  return association;
+}
+
+}  // namespace vismap::naive
