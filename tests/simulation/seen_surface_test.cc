@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulation/camera_path.h"
 #include "simulation/room.h"
 
 namespace vismap {
