@@ -10,6 +10,7 @@ namespace {
 
 constexpr size_t kMaxPoints = 3000;  // kept per label, for boxes
 constexpr size_t kLargeBlocks = 200;
+constexpr size_t kMaxBlocks = 500;  // looked at per label
 constexpr double kGrowth = 1.1;
 
 void Thin(std::vector<Eigen::Vector3f>* points) {
@@ -63,18 +64,23 @@ std::vector<SegmentLabel> ObjectTracker::LabelsToMeasure(const SemanticMap& map,
 void ObjectTracker::MeasureLabels(const SemanticMap& map, const std::vector<SegmentLabel>& labels,
                                   const Places& places, const MeshingOptions& meshing) {
   std::vector<BlockIndex> blocks;
+  std::vector<size_t> strides;
   for (const SegmentLabel label : labels) {
     const auto of_label = places(label);
-    blocks.insert(blocks.end(), of_label.begin(), of_label.end());
+    // Of large labels an even pick of blocks stands for all.
+    strides.push_back((of_label.size() + kMaxBlocks - 1) / kMaxBlocks);
+    for (size_t i = 0; i < of_label.size(); i += strides.back()) blocks.push_back(of_label[i]);
     blocks_measured_[Raw(label)] = of_label.size();
   }
   LabelSurfaces fresh =
       CollectSurfaces(ExtractMeshOf(map, std::move(blocks), meshing), surfaces_.size());
-  for (const SegmentLabel label : labels) {
-    LabelSurface& surface = surfaces_[Raw(label)];
-    surface = std::move(fresh[Raw(label)]);
+  for (size_t i = 0; i < labels.size(); ++i) {
+    LabelSurface& surface = surfaces_[Raw(labels[i])];
+    surface = std::move(fresh[Raw(labels[i])]);
+    surface.vertices *= static_cast<int64_t>(std::max<size_t>(strides[i], 1));
+    surface.area *= static_cast<double>(std::max<size_t>(strides[i], 1));
     Thin(&surface.points_W);
-    ++versions_[Raw(label)];
+    ++versions_[Raw(labels[i])];
   }
 }
 

@@ -8,21 +8,12 @@
 #include "meshing/object_mesh.h"
 #include "meshing/objects_json.h"
 #include "meshing/ply.h"
-#include "render/overview.h"
-#include "render/png.h"
 #include "session/map_session.h"
 
 namespace vismap {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<void> MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return Fail("cannot create the folder " + folder.string() + ": " + error.message());
-  return {};
-}
 
 // Removes what an earlier run left, so that the folder shows this map's objects and no others.
 Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::string>& current) {
@@ -80,7 +71,7 @@ std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products
 
 Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
                               const fs::path& folder) {
-  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
+  if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
   const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
   std::set<std::string> written;
   for (size_t i = 0; i < meshes.size(); ++i) {
@@ -101,38 +92,6 @@ Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& pr
 Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
                        const fs::path& path) {
   return WritePly(path, products.mesh, InfoFor(metadata, products.mesh));
-}
-
-Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
-                              const MapProducts& products, const OutputOptions& options,
-                              const fs::path& folder) {
-  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
-  Result<SaveInfo> saved = SaveMap(map, metadata, folder / "map.vismap");
-  if (!saved) return saved;
-  if (const auto done = WriteMesh(metadata, products, folder / "mesh.ply"); !done)
-    return tl::unexpected(done.error());
-  if (const auto done =
-          WriteFileAtomically(folder / "objects.json", ObjectsText(metadata, products));
-      !done) {
-    return tl::unexpected(done.error());
-  }
-  if (const auto done = WriteObjectMeshes(metadata, products, folder / "objects"); !done) {
-    return tl::unexpected(done.error());
-  }
-  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
-    const Result<OctreeBytes> octree = MakeOctree(map, options, unknown);
-    if (!octree) return tl::unexpected(octree.error());
-    const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
-    if (const auto done = WriteOctree(folder / name, *octree); !done)
-      return tl::unexpected(done.error());
-  }
-  OverviewOptions overview;
-  overview.up_W = ObjectOptionsFor(metadata, options).up_W;
-  const Image<Rgb8> picture =
-      RenderMapOverview(products.mesh, products.objects, ClassName, metadata.map_id, overview);
-  if (const auto done = WritePng(folder / "map.png", picture); !done)
-    return tl::unexpected(done.error());
-  return saved;
 }
 
 }  // namespace vismap

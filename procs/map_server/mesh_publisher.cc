@@ -86,8 +86,10 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
   if (position.map_id != map_id_ || position.revision < 0 || position.revision > revision_)
     return PublishAll(map);
   PublishChanges(map);
+  const auto changed = log_.Since(position.revision);
+  if (!changed) return PublishAll(map);
   // Blocks around those that are asked for are made, too; they are as they were published.
-  MeshDelta delta = MeshBlocks(map, log_.Since(position.revision), options_);
+  MeshDelta delta = MeshBlocks(map, *changed, options_);
   Publish(map, position.revision, std::move(delta.blocks));
 }
 
