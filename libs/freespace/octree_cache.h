@@ -12,7 +12,7 @@
 namespace vismap {
 
 /// Encodes a map whose cells are an octree's leaves, again and again while it changes: keeps the
-/// bytes of every cube of 16^3 leaves, and writes only those again whose leaves changed, or that
+/// bytes of every cube of 32^3 leaves, and writes only those again whose leaves changed, or that
 /// the bounds cut differently. What is left to do for all of a map is to copy them together.
 class OctreeCache {
  public:

@@ -146,7 +146,7 @@ TEST(OctreeBuilder, WritesAgainOnlyWhatChangedHoweverLargeTheMap) {
   builder->Update(map, map.SortedIndices());
   for (const UnknownPolicy unknown : kPolicies) {
     ASSERT_TRUE(builder->Build(unknown));
-    EXPECT_GT(builder->encoded_cubes(), 500);
+    EXPECT_GT(builder->encoded_cubes(), 60);
     ASSERT_TRUE(builder->Build(unknown));
     EXPECT_EQ(builder->encoded_cubes(), 0);
   }
@@ -164,7 +164,7 @@ TEST(OctreeBuilder, WritesAgainOnlyWhatChangedHoweverLargeTheMap) {
   ASSERT_TRUE(builder->Build(UnknownPolicy::kAbsent));
   EXPECT_EQ(builder->encoded_cubes(), 1);
   ASSERT_TRUE(builder->Build(UnknownPolicy::kOccupied));
-  EXPECT_LT(builder->encoded_cubes(), 60);
+  EXPECT_LT(builder->encoded_cubes(), 30);
 }
 
 TEST(OctreeBuilder, RefusesAMapOnlyWhileItReachesBeyondTheKeySpace) {
