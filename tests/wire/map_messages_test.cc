@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 
 #include "wire/map_follower.h"
@@ -113,6 +114,32 @@ TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
   EXPECT_EQ(follower.Take(snapshot), Outcome::kApplied);
   EXPECT_EQ(follower.position().map_id, "another");
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(1));
+}
+
+TEST(MapFollower, SaysWhichBlocksChangedAndEverywhereAfterASnapshot) {
+  MapFollower follower;
+  EXPECT_TRUE(follower.TakeChanges().everywhere);
+  EXPECT_TRUE(follower.TakeChanges().everywhere) << "there is no map yet";
+  follower.Take(SnapshotAt(2));
+  const OccupancyChanges first = follower.TakeChanges();
+  EXPECT_TRUE(first.everywhere);
+  EXPECT_TRUE(first.blocks.empty());
+  EXPECT_TRUE(follower.TakeChanges().blocks.empty());
+
+  std::set<BlockIndex> changed;
+  for (int64_t revision = 3; revision < 9; ++revision) {
+    follower.Take(UpdateTo(revision));
+    for (const auto& entry : UpdateTo(revision).delta.blocks) changed.insert(entry.first);
+  }
+  const OccupancyChanges after = follower.TakeChanges();
+  EXPECT_FALSE(after.everywhere);
+  EXPECT_EQ(after.blocks, std::vector<BlockIndex>(changed.begin(), changed.end()));
+  EXPECT_FALSE(after.blocks.empty());
+  follower.Take(UpdateTo(20));
+  EXPECT_TRUE(follower.TakeChanges().blocks.empty()) << "it was not applied";
+  follower.Take(SnapshotAt(20));
+  follower.Take(UpdateTo(21));
+  EXPECT_TRUE(follower.TakeChanges().everywhere);
 }
 
 TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {
