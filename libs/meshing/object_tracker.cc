@@ -8,9 +8,10 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxPoints = 3000;  // kept per label, for boxes
+constexpr size_t kMaxPoints = 2000;  // kept per label, for boxes
 constexpr size_t kLargeBlocks = 200;
-constexpr size_t kMaxBlocks = 500;  // looked at per label
+constexpr size_t kMaxBlocks = 300;  // looked at per label
+constexpr size_t kBlocksAtOnce = 600;
 constexpr double kGrowth = 1.1;
 
 void Thin(std::vector<Eigen::Vector3f>* points) {
@@ -18,6 +19,7 @@ void Thin(std::vector<Eigen::Vector3f>* points) {
   const size_t stride = (points->size() + kMaxPoints - 1) / kMaxPoints;
   std::vector<Eigen::Vector3f> picked;
   for (size_t i = 0; i < points->size(); i += stride) picked.push_back((*points)[i]);
+  picked.shrink_to_fit();
   *points = std::move(picked);
 }
 
@@ -61,14 +63,26 @@ std::vector<SegmentLabel> ObjectTracker::LabelsToMeasure(const SemanticMap& map,
   return due;
 }
 
-void ObjectTracker::MeasureLabels(const SemanticMap& map, const std::vector<SegmentLabel>& labels,
+// Some labels at a time, so that the surface of few blocks at once is in memory.
+void ObjectTracker::MeasureLabels(const SemanticMap& map, std::span<const SegmentLabel> labels,
                                   const Places& places, const MeshingOptions& meshing) {
+  for (size_t done = 0; done < labels.size();) {
+    size_t count = 0;
+    for (size_t blocks = 0; done + count < labels.size() && blocks < kBlocksAtOnce; ++count)
+      blocks += std::min(places(labels[done + count]).size(), kMaxBlocks);
+    MeasureTogether(map, labels.subspan(done, count), places, meshing);
+    done += count;
+  }
+}
+
+void ObjectTracker::MeasureTogether(const SemanticMap& map, std::span<const SegmentLabel> labels,
+                                    const Places& places, const MeshingOptions& meshing) {
   std::vector<BlockIndex> blocks;
   std::vector<size_t> strides;
   for (const SegmentLabel label : labels) {
     const auto of_label = places(label);
     // Of large labels an even pick of blocks stands for all.
-    strides.push_back((of_label.size() + kMaxBlocks - 1) / kMaxBlocks);
+    strides.push_back(std::max<size_t>(1, (of_label.size() + kMaxBlocks - 1) / kMaxBlocks));
     for (size_t i = 0; i < of_label.size(); i += strides.back()) blocks.push_back(of_label[i]);
     blocks_measured_[Raw(label)] = of_label.size();
   }
@@ -77,8 +91,8 @@ void ObjectTracker::MeasureLabels(const SemanticMap& map, const std::vector<Segm
   for (size_t i = 0; i < labels.size(); ++i) {
     LabelSurface& surface = surfaces_[Raw(labels[i])];
     surface = std::move(fresh[Raw(labels[i])]);
-    surface.vertices *= static_cast<int64_t>(std::max<size_t>(strides[i], 1));
-    surface.area *= static_cast<double>(std::max<size_t>(strides[i], 1));
+    surface.vertices *= static_cast<int64_t>(strides[i]);
+    surface.area *= static_cast<double>(strides[i]);
     Thin(&surface.points_W);
     ++versions_[Raw(labels[i])];
   }

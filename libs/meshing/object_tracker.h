@@ -41,8 +41,10 @@ class ObjectTracker {
   using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
 
   std::vector<SegmentLabel> LabelsToMeasure(const SemanticMap& map, const Places& places);
-  void MeasureLabels(const SemanticMap& map, const std::vector<SegmentLabel>& labels,
+  void MeasureLabels(const SemanticMap& map, std::span<const SegmentLabel> labels,
                      const Places& places, const MeshingOptions& meshing);
+  void MeasureTogether(const SemanticMap& map, std::span<const SegmentLabel> labels,
+                       const Places& places, const MeshingOptions& meshing);
 
   std::set<SegmentLabel> changed_;
   LabelSurfaces surfaces_;
