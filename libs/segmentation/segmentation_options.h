@@ -44,6 +44,9 @@ struct RefineOptions {
   /// larger side in metres are seen through gaps of the object, or hide it: they get no detection.
   /// 0 = off.
   double max_depth_extent = 1.5;
+  /// Pixels on a fold go to the object whose mask they lie in, if they hang together with it; only
+  /// masks with at least this score take any. Above 1 = off.
+  double fold_min_score = 0.5;
   bool split = true;                 ///< good masks may split segments
   double split_min_score = 0.7;      ///< only masks with at least this score split
   double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the one segment
