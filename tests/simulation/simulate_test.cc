@@ -251,7 +251,7 @@ TEST(SimulatedDetector, ErrorsStayWithinTheirBounds) {
   std::set<size_t> sizes;
   for (int64_t number = 1; number <= 300; ++number) {
     const DetectionSet set = SimulateDetections(
-        scene, ids, HeaderAt(Pose::Identity(), kVga, number), {.miss_rate = 0.2});
+        scene, ids, HeaderAt(Pose::Identity(), kVga, number), {.miss_rate = 0.2, .mask = {}});
     for (const Detection& detection : set.detections) {
       ++found;
       EXPECT_GE(detection.score, 0.6f);
