@@ -50,6 +50,12 @@ constexpr std::array<LatticeEdge, 12> CellEdges() {
   return edges;
 }
 constexpr std::array<LatticeEdge, 12> kCellEdge = CellEdges();
+constexpr std::array<int, 12> CellEdgeSlots() {
+  std::array<int, 12> slots{};
+  for (size_t i = 0; i < slots.size(); ++i) slots[i] = EdgeSlot(kCellEdge[i]);
+  return slots;
+}
+constexpr std::array<int, 12> kCellEdgeSlot = CellEdgeSlots();
 
 }  // namespace
 
@@ -69,7 +75,7 @@ const std::vector<std::array<uint32_t, 3>>& BlockMesher::Find(BlockIndex block) 
   if (!FindSurfaceCells(walk_, &cells)) return triangles_;
   walk_.FindLower();
   reader_.Trim(kCopiesKept);
-  grid_.Fill(walk_, job_.views.gate(), &reader_);
+  grid_.Fill(walk_, &reader_);
   for (int z = 0; z < kBlockSide; ++z) {
     for (uint64_t bits = cells[static_cast<size_t>(z)]; bits != 0; bits &= bits - 1) {
       const int cell = std::countr_zero(bits);
@@ -97,7 +103,7 @@ void BlockMesher::MeshCell(int x, int y, int z) {
   }
   if (highest >= jump_ && lowest <= -jump_ && CrossesJump(cube, corner)) return;
   const int* row = octomap::triTable[cube];
-  const auto vertex = [&](int i) { return VertexOn(static_cast<size_t>(row[i]), x, y, z); };
+  const auto vertex = [&](int i) { return VertexOn(static_cast<size_t>(row[i]), {x, y, z}); };
   // The tables turn clockwise for corners that are set; ours are set behind the surface.
   for (int i = 0; row[i] >= 0; i += 3) {
     const uint32_t a = vertex(i), b = vertex(i + 2), c = vertex(i + 1);
@@ -114,13 +120,12 @@ bool BlockMesher::CrossesJump(size_t cube, const float* corner) const {
   return false;
 }
 
-uint32_t BlockMesher::VertexOn(size_t edge, int x, int y, int z) {
-  const LatticeEdge& relative = kCellEdge[edge];
-  const LatticeEdge lattice{relative.x + x, relative.y + y, relative.z + z, relative.axis};
-  uint16_t& vertex = vertex_of_slot_[static_cast<size_t>(EdgeSlot(lattice))];
+uint32_t BlockMesher::VertexOn(size_t edge, const LatticeEdge& cell) {
+  const LatticeEdge& e = kCellEdge[edge];
+  uint16_t& vertex = vertex_of_slot_[static_cast<size_t>(EdgeSlot(cell) + kCellEdgeSlot[edge])];
   if (vertex == kNoVertex) {
     vertex = static_cast<uint16_t>(edges_.size());
-    edges_.push_back(lattice);
+    edges_.push_back({e.x + cell.x, e.y + cell.y, e.z + cell.z, e.axis});
   }
   return vertex;
 }

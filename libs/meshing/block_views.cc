@@ -62,7 +62,7 @@ std::vector<BlockIndex> BlockViews::WithSurface() const {
 }
 
 void BlockViews::ReadVoxels(const MeshingOptions& options) {
-  gate_ = GateOf(options);
+  const ObservationGate gate = GateOf(options);
   std::vector<BlockView*> surfaces;
   for (BlockView& view : views_) {
     if (view.has_surface()) {
@@ -73,7 +73,7 @@ void BlockViews::ReadVoxels(const MeshingOptions& options) {
   }
   signs_.resize(surfaces.size());
   ParallelFor(surfaces.size(), 32, [&](size_t i) {
-    ReadSurface(*surfaces[i]->block, gate_, &signs_[i]);
+    ReadSurface(*surfaces[i]->block, gate, &signs_[i]);
     surfaces[i]->observed = signs_[i].observed.data();
     if (HasBits(signs_[i].behind)) surfaces[i]->behind = signs_[i].behind.data();
   });

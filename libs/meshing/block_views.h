@@ -33,12 +33,10 @@ class BlockViews {
   void ReadVoxels(const MeshingOptions& options);
 
   const std::vector<BlockView>& views() const { return views_; }
-  const ObservationGate& gate() const { return gate_; }
 
  private:
   std::vector<BlockView> views_;
   std::vector<VoxelSigns> signs_;  // of those with surface
-  ObservationGate gate_;
 };
 
 /// Finds the 26 neighbours of one block after the other, in ascending order of blocks.

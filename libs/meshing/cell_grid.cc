@@ -17,8 +17,6 @@ Range Overlap(int neighbour) {
   return {0, kBlockSide};
 }
 
-int NeighbourOf(int local) { return local < 0 ? -1 : local / kBlockSide; }
-
 }  // namespace
 
 struct CellGrid::Neighbour {
@@ -32,55 +30,45 @@ struct CellGrid::Neighbour {
   }
 };
 
-void CellGrid::Fill(const NeighbourWalk& walk, const ObservationGate& gate, SurfaceReader* reader) {
+void CellGrid::Fill(const NeighbourWalk& walk, SurfaceReader* reader) {
   distances_.fill(kUnseenDistance);
   for (int i = 0; i < 27; ++i) {
     const Neighbour neighbour{i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1};
-    const size_t slot = neighbour.slot();
-    const BlockView& view = walk.At(slot);
-    voxels_[slot] = view.has_surface() ? reader->Read(*view.block) : nullptr;
-    if (voxels_[slot] != nullptr) {
-      CopySurface(neighbour, gate);
-    } else if (view.observed != nullptr) {
-      CopyFree(neighbour, view.observed);
+    const BlockView& view = walk.At(neighbour.slot());
+    const SurfaceVoxels* voxels = view.has_surface() ? reader->Read(*view.block) : nullptr;
+    voxels_[neighbour.slot()] = voxels;
+    if (view.observed == nullptr) continue;
+    if (voxels == nullptr) {
+      CopyVoxels(neighbour, view.observed, [](size_t) { return kFreeDistance; });
+    } else if (neighbour.bx == 0) {
+      CopyRows(neighbour, *voxels, view.observed);
+    } else {
+      const auto& distances = voxels->distance;
+      CopyVoxels(neighbour, view.observed,
+                 [&](size_t voxel) { return static_cast<float>(distances[voxel]); });
     }
   }
 }
 
-void CellGrid::CopySurface(const Neighbour& n, const ObservationGate& gate) {
-  const SurfaceVoxels& voxels = *voxels_[n.slot()];
-  if (n.bx == 0) {
-    const RowRange rows{LinearIndex(0, n.y.begin, n.z.begin), n.y.end - n.y.begin,
-                        n.z.end - n.z.begin};
-    CopyRows(voxels, gate, rows, &distances_[n.GridAt(0, n.y.begin, n.z.begin)]);
-    return;
+void CellGrid::CopyRows(const Neighbour& n, const SurfaceVoxels& voxels, const uint64_t* observed) {
+  for (int z = n.z.begin; z < n.z.end; ++z) {
+    const auto first = static_cast<size_t>(LinearIndex(0, n.y.begin, z));
+    CopyLayer(&voxels.distance[first], observed[z] >> (kBlockSide * n.y.begin),
+              n.y.end - n.y.begin, &distances_[n.GridAt(0, n.y.begin, z)]);
   }
+}
+
+template <typename Distance>
+void CellGrid::CopyVoxels(const Neighbour& n, const uint64_t* observed, const Distance& distance) {
   for (int z = n.z.begin; z < n.z.end; ++z) {
     for (int y = n.y.begin; y < n.y.end; ++y) {
       for (int x = n.x.begin; x < n.x.end; ++x) {
-        const auto voxel = static_cast<size_t>(LinearIndex(x, y, z));
-        distances_[n.GridAt(x, y, z)] = GridDistance(voxels, gate, voxel);
+        const int voxel = LinearIndex(x, y, 0);
+        if ((observed[z] >> voxel & 1) == 0) continue;
+        distances_[n.GridAt(x, y, z)] = distance(static_cast<size_t>(voxel + LinearIndex(0, 0, z)));
       }
     }
   }
-}
-
-void CellGrid::CopyFree(const Neighbour& n, const uint64_t* observed) {
-  for (int z = n.z.begin; z < n.z.end; ++z) {
-    for (int y = n.y.begin; y < n.y.end; ++y) {
-      for (int x = n.x.begin; x < n.x.end; ++x) {
-        if ((observed[z] >> (x + kBlockSide * y)) & 1)
-          distances_[n.GridAt(x, y, z)] = kFreeDistance;
-      }
-    }
-  }
-}
-
-CellGrid::Place CellGrid::PlaceOf(int x, int y, int z) const {
-  const SurfaceVoxels* voxels =
-      voxels_[NeighbourWalk::Slot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z))];
-  if (voxels == nullptr) return {};
-  return {voxels, LinearIndex(x & 7, y & 7, z & 7)};
 }
 
 }  // namespace vismap

@@ -14,7 +14,7 @@ class CellGrid {
  public:
   /// Copies the block that the walk is at, which knows all its neighbours. Good for as long as what
   /// `reader` read.
-  void Fill(const NeighbourWalk& walk, const ObservationGate& gate, SurfaceReader* reader);
+  void Fill(const NeighbourWalk& walk, SurfaceReader* reader);
 
   const DistanceGrid& distances() const { return distances_; }
   const float* At(int x, int y, int z) const {
@@ -27,12 +27,18 @@ class CellGrid {
     const SurfaceVoxels* voxels = nullptr;
     int offset = 0;
   };
-  Place PlaceOf(int x, int y, int z) const;
+  Place PlaceOf(int x, int y, int z) const {
+    const SurfaceVoxels* voxels =
+        voxels_[NeighbourWalk::Slot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z))];
+    return {voxels, LinearIndex(x & 7, y & 7, z & 7)};
+  }
 
  private:
   struct Neighbour;
-  void CopySurface(const Neighbour& neighbour, const ObservationGate& gate);
-  void CopyFree(const Neighbour& neighbour, const uint64_t* observed);
+  static int NeighbourOf(int local) { return local >> 3; }
+  void CopyRows(const Neighbour& neighbour, const SurfaceVoxels& voxels, const uint64_t* observed);
+  template <typename Distance>
+  void CopyVoxels(const Neighbour& neighbour, const uint64_t* observed, const Distance& distance);
 
   std::array<const SurfaceVoxels*, 27> voxels_{};
   DistanceGrid distances_;

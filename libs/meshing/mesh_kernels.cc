@@ -9,7 +9,6 @@ namespace vismap {
 namespace {
 
 constexpr int kRows = kBlockSide * kBlockSide;
-constexpr int kLayer = kGridSide * kGridSide;
 
 // Plain arrays and scalars only: what these loops see decides whether they vectorise.
 VISMAP_VECTOR_CLONES void FlagVoxels(const int16_t* distances, const uint16_t* weights,
@@ -35,16 +34,16 @@ VISMAP_VECTOR_CLONES void PackRows(const uint64_t* flags, uint64_t* __restrict r
   }
 }
 
-VISMAP_VECTOR_CLONES void CopyLayer(const int16_t* distances, const uint16_t* weights,
-                                  const uint8_t* observations, int32_t weight_gate,
-                                  int32_t observation_gate, int rows, float* __restrict out) {
+constexpr std::array<int32_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+
+VISMAP_VECTOR_CLONES void CopySeen(const int16_t* distances, uint64_t observed, int rows,
+                                   float* __restrict out) {
   for (int row = 0; row < rows; ++row) {
+    const auto bits = static_cast<int32_t>(observed >> (kBlockSide * row) & 0xFF);
     for (int x = 0; x < kBlockSide; ++x) {
-      const int32_t weight = weights[row * kBlockSide + x];
-      const int32_t seen = observations[row * kBlockSide + x];
       const auto distance = static_cast<float>(distances[row * kBlockSide + x]);
-      const float heavy = weight > weight_gate ? distance : kUnseenDistance;
-      out[row * kGridSide + x] = seen >= observation_gate ? heavy : kUnseenDistance;
+      out[row * kGridSide + x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? distance
+                                                                            : kUnseenDistance;
     }
   }
 }
@@ -105,13 +104,8 @@ void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSi
   PackSigns(behind, signs.behind);
 }
 
-void CopyRows(const SurfaceVoxels& voxels, const ObservationGate& gate, const RowRange& range,
-              float* first) {
-  for (int layer = 0; layer < range.layers; ++layer) {
-    const auto voxel = static_cast<size_t>(range.voxel + kRows * layer);
-    CopyLayer(&voxels.distance[voxel], &voxels.weight[voxel], &voxels.observations[voxel],
-              gate.weight, gate.observations, range.rows, first + kLayer * layer);
-  }
+void CopyLayer(const int16_t* distances, uint64_t observed, int rows, float* first) {
+  CopySeen(distances, observed, rows, first);
 }
 
 void PlaceVertices(VertexLanes& vertices) {

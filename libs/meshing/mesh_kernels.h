@@ -32,19 +32,9 @@ constexpr int GridOffset(int x, int y, int z) {
   return (x - kGridLow) + kGridSide * ((y - kGridLow) + kGridSide * (z - kGridLow));
 }
 
-/// Copies rows of eight voxels along x into a grid: `rows` of them along y, for each of `layers`
-/// along z. `voxel` = the first one to copy, x = 0; `first` = its place in the grid.
-struct RowRange {
-  int voxel = 0, rows = kBlockSide, layers = kBlockSide;
-};
-void CopyRows(const SurfaceVoxels& voxels, const ObservationGate& gate, const RowRange& range,
-              float* first);
-/// One of them.
-inline float GridDistance(const SurfaceVoxels& voxels, const ObservationGate& gate, size_t voxel) {
-  const bool seen = voxels.weight[voxel] > gate.weight &&
-                    voxels.observations[voxel] >= gate.observations;
-  return seen ? static_cast<float>(voxels.distance[voxel]) : kUnseenDistance;
-}
+/// Copies a layer of eight rows of eight voxels, or of its first `rows` rows. `observed` = a bit per
+/// voxel, `first` = place of the first one in the grid.
+void CopyLayer(const int16_t* distances, uint64_t observed, int rows, float* first);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.
 inline constexpr std::array<int, 7> kStar = {
