@@ -74,16 +74,14 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
 
 }  // namespace
 
-SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTable& labels) {
+SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes) {
   std::array<LabelVote, kVoteSlots> sums;
   std::array<int, kVoteSlots> totals{};
-  for (int slot = 0; slot < kVoteSlots; ++slot) {
-    const LabelVote vote = voxels.Vote(offset, slot);
+  for (const LabelVote& vote : votes) {
     if (vote.label == SegmentLabel::kNone) continue;
-    const SegmentLabel label = labels.Canonical(vote.label);
     for (size_t i = 0; i < kVoteSlots; ++i) {
-      if (sums[i].label != label && sums[i].label != SegmentLabel::kNone) continue;
-      sums[i].label = label;
+      if (sums[i].label != vote.label && sums[i].label != SegmentLabel::kNone) continue;
+      sums[i].label = vote.label;
       totals[i] += vote.votes;
       break;
     }
@@ -98,6 +96,16 @@ SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTabl
     }
   }
   return best;
+}
+
+SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTable& labels) {
+  std::array<LabelVote, kVoteSlots> votes;
+  for (int slot = 0; slot < kVoteSlots; ++slot) {
+    LabelVote& vote = votes[static_cast<size_t>(slot)];
+    vote = voxels.Vote(offset, slot);
+    vote.label = labels.Canonical(vote.label);
+  }
+  return StrongestLabel(votes);
 }
 
 std::string HashMap(const SemanticMap& map) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -23,6 +24,9 @@ struct SemanticMap {
 /// The winner among a voxel's votes: votes of merged labels are summed first; ties go to the lower
 /// label. kNone = no vote.
 SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTable& labels);
+
+/// The winner among votes for canonical labels, which may repeat.
+SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes);
 
 /// Digest of everything that the map says (grid, voxels, votes, labels, revision), independent of
 /// memory layout and of the number of threads: equal maps, equal hashes.

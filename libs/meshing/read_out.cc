@@ -42,6 +42,24 @@ LabelReadOut ReadLabels(const LabelTable& table, std::span<const double> sizes) 
   return read_out;
 }
 
+std::vector<ShownLabel> ShowSegments(const LabelTable& table) {
+  std::vector<ShownLabel> shown(Raw(table.next_label()));
+  for (size_t i = 0; i < shown.size(); ++i)
+    shown[i].segment = table.Canonical(static_cast<SegmentLabel>(i));
+  return shown;
+}
+
+std::vector<ShownLabel> ShowLabels(const LabelTable& table) {
+  const LabelReadOut read_out = ReadLabels(table);
+  std::vector<ShownLabel> shown = ShowSegments(table);
+  for (ShownLabel& label : shown) {
+    label.instance = read_out.labels[Raw(label.segment)].instance;
+    const auto known = read_out.instances.find(label.instance);
+    if (known != read_out.instances.end()) label.class_id = known->second.class_id;
+  }
+  return shown;
+}
+
 std::vector<double> VerticesPerLabel(const Mesh& mesh) {
   std::vector<double> counts(1, 0);
   for (const MeshVertex& vertex : mesh.vertices) {

@@ -27,6 +27,19 @@ struct LabelReadOut {
 /// its end count as size 0. Class 0 (unknown) is never evidence.
 LabelReadOut ReadLabels(const LabelTable& table, std::span<const double> sizes = {});
 
+/// What a voxel with a label shows.
+struct ShownLabel {
+  SegmentLabel segment = SegmentLabel::kNone;  ///< canonical
+  InstanceId instance = InstanceId::kNone;
+  ClassId class_id = ClassId::kUnknown;
+  friend bool operator==(const ShownLabel&, const ShownLabel&) = default;
+};
+
+/// Indexed by label, merged ones too; all labels weigh the same.
+std::vector<ShownLabel> ShowLabels(const LabelTable& table);
+/// The same without instances and classes, for who sets them later.
+std::vector<ShownLabel> ShowSegments(const LabelTable& table);
+
 /// Vertices per label, indexed by label, 0 for kNone.
 std::vector<double> VerticesPerLabel(const Mesh& mesh);
 

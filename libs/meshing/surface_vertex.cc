@@ -1,48 +1,19 @@
 #include "meshing/surface_vertex.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 
 namespace vismap {
 namespace {
 
-using Voxel = Eigen::Vector3i;
-
-// Central difference in raw steps per voxel; one-sided at the rim of what was seen.
-float Slope(const CellGrid& grid, const Voxel& at, int axis) {
-  const Voxel step = Voxel::Unit(axis);
-  const Voxel low = at - step, high = at + step;
-  const bool has_low = grid.Observed(low.x(), low.y(), low.z());
-  const bool has_high = grid.Observed(high.x(), high.y(), high.z());
-  const float here = grid.Distance(at.x(), at.y(), at.z());
-  const float below = has_low ? grid.Distance(low.x(), low.y(), low.z()) : here;
-  const float above = has_high ? grid.Distance(high.x(), high.y(), high.z()) : here;
-  return (above - below) * (has_low && has_high ? 0.5F : 1.0F);
-}
-
-Eigen::Vector3f Gradient(const CellGrid& grid, const Voxel& at) {
-  return {Slope(grid, at, 0), Slope(grid, at, 1), Slope(grid, at, 2)};
-}
-
-Eigen::Vector3f Normal(const CellGrid& grid, const Voxel& a, const Voxel& b, float t) {
-  const Eigen::Vector3f gradient = Gradient(grid, a) * (1 - t) + Gradient(grid, b) * t;
-  const float length = gradient.norm();
-  if (length > 1) return gradient / length;
-  // No slope to speak of: toward the end that lies in front of the surface.
-  const Eigen::Vector3f along = (b - a).cast<float>();
-  return grid.Distance(a.x(), a.y(), a.z()) < 0 ? along : Eigen::Vector3f(-along);
-}
-
 Rgb8 Blend(Rgb8 a, Rgb8 b, float t) {
   const auto mix = [t](uint8_t low, uint8_t high) {
     const float value = static_cast<float>(low) * (1 - t) + static_cast<float>(high) * t;
-    return static_cast<uint8_t>(value + 0.5F);
+    return static_cast<uint8_t>(static_cast<int>(value + 0.5F));
   };
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
 }
 
-Rgb8 Color(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
+Rgb8 ColorOf(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
   const auto color = [](const CellGrid::Place& place) {
     return place.voxels->color[static_cast<size_t>(place.offset)];
   };
@@ -51,61 +22,114 @@ Rgb8 Color(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
   return b.voxels != nullptr ? color(b) : Rgb8{};
 }
 
-SegmentLabel LabelAt(const CellGrid::Place& place, const LabelTable& labels) {
-  if (place.voxels == nullptr || place.voxels->palette.empty()) return SegmentLabel::kNone;
-  return VoxelLabel(*place.voxels, place.offset, labels);
-}
-
-// The most frequent label among the voxels around both ends.
-SegmentLabel LabelAround(const CellGrid& grid, const Voxel& a, const Voxel& b,
-                         const LabelTable& labels) {
-  std::map<SegmentLabel, int> counts;
-  const Voxel low = (a.array() - 1).max(CellGrid::kLow);
-  const Voxel high = (b.array() + 1).min(CellGrid::kLow + CellGrid::kSide - 1);
-  for (int z = low.z(); z <= high.z(); ++z) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int x = low.x(); x <= high.x(); ++x) {
-        const SegmentLabel label = LabelAt(grid.At(x, y, z), labels);
-        if (label != SegmentLabel::kNone) ++counts[label];
-      }
-    }
-  }
+// The most frequent one; ties to the lower.
+SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
+  std::sort(labels.begin(), labels.end());
   SegmentLabel best = SegmentLabel::kNone;
-  int most = 0;
-  for (const auto& [label, count] : counts) {
-    if (count > most) best = label;
-    most = std::max(most, count);
+  size_t most = 0;
+  for (size_t i = 0, end = 0; i < labels.size(); i = end) {
+    while (end < labels.size() && labels[end] == labels[i]) ++end;
+    if (end - i > most) best = labels[i];
+    most = std::max(most, end - i);
   }
   return best;
 }
 
 }  // namespace
 
-MeshVertex MakeSurfaceVertex(const CellGrid& grid, const LatticeEdge& edge, double voxel_size,
-                             const LabelTable& labels) {
-  const Voxel a(edge.x, edge.y, edge.z);
-  const Voxel b = a + Voxel::Unit(edge.axis);
-  const float from = grid.Distance(a.x(), a.y(), a.z());
-  const float to = grid.Distance(b.x(), b.y(), b.z());
-  const float t = std::clamp(from / (from - to), 0.01F, 0.99F);
-
-  const BlockIndex block = grid.block();
-  const Eigen::Vector3d corner =
-      Eigen::Vector3d(block.x, block.y, block.z) * kBlockSide + a.cast<double>();
-  const Eigen::Vector3d along = Eigen::Vector3d::Unit(edge.axis) * static_cast<double>(t);
-
-  MeshVertex vertex;
-  vertex.position_W = (((corner.array() + 0.5).matrix() + along) * voxel_size).cast<float>();
-  vertex.normal_W = Normal(grid, a, b, t);
-  const CellGrid::Place at_a = grid.At(a.x(), a.y(), a.z());
-  const CellGrid::Place at_b = grid.At(b.x(), b.y(), b.z());
-  vertex.color = Color(at_a, at_b, t);
-  vertex.segment = LabelAt(t <= 0.5F ? at_a : at_b, labels);
-  if (vertex.segment == SegmentLabel::kNone) {
-    vertex.segment = LabelAt(t <= 0.5F ? at_b : at_a, labels);
+void VertexMaker::Make(BlockIndex block, std::span<const LatticeEdge> edges,
+                       std::vector<MeshVertex>* vertices) {
+  StartBlock(block);
+  vertices->reserve(edges.size());
+  while (!edges.empty()) {
+    const auto some = edges.first(std::min<size_t>(edges.size(), kVertexLanes));
+    for (size_t i = 0; i < some.size(); ++i) LoadLane(some[i], i);
+    PlaceVertices(lanes_);
+    for (size_t i = 0; i < some.size(); ++i) vertices->push_back(MakeVertex(some[i], i));
+    edges = edges.subspan(some.size());
   }
-  if (vertex.segment == SegmentLabel::kNone) vertex.segment = LabelAround(grid, a, b, labels);
+}
+
+void VertexMaker::StartBlock(BlockIndex block) {
+  const std::array<int32_t, 3> index{block.x, block.y, block.z};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    for (size_t i = 0; i < kSlotSide; ++i) {
+      const double first = static_cast<double>(index[axis]) * kBlockSide;
+      centers_[axis][i] = first + static_cast<double>(i) + 0.5;
+      centers_W_[axis][i] = static_cast<float>(centers_[axis][i] * voxel_size_);
+    }
+  }
+}
+
+void VertexMaker::LoadLane(const LatticeEdge& edge, size_t lane) {
+  const float* lower = grid_.At(edge.x, edge.y, edge.z);
+  const float* upper = lower + kStar[2 * static_cast<size_t>(edge.axis) + 2];
+  for (size_t i = 0; i < kStar.size(); ++i) {
+    lanes_.lower[i][lane] = lower[kStar[i]];
+    lanes_.upper[i][lane] = upper[kStar[i]];
+  }
+  lanes_.axis[lane] = edge.axis;
+}
+
+MeshVertex VertexMaker::MakeVertex(const LatticeEdge& edge, size_t lane) const {
+  const float t = lanes_.t[lane];
+  const std::array<int, 3> at{edge.x, edge.y, edge.z};
+  const auto axis = static_cast<size_t>(edge.axis);
+  const auto center = [&](size_t i) { return centers_W_[i][static_cast<size_t>(at[i])]; };
+  MeshVertex vertex;
+  vertex.position_W = {center(0), center(1), center(2)};
+  vertex.position_W[edge.axis] = static_cast<float>(
+      (centers_[axis][static_cast<size_t>(at[axis])] + static_cast<double>(t)) * voxel_size_);
+  vertex.normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
+  const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
+  const CellGrid::Place b =
+      grid_.PlaceOf(edge.x + (axis == 0), edge.y + (axis == 1), edge.z + (axis == 2));
+  vertex.color = ColorOf(a, b, t);
+  const ShownLabel label = LabelOf(edge, a, b, t);
+  vertex.segment = label.segment;
+  vertex.instance = label.instance;
+  vertex.class_id = label.class_id;
   return vertex;
+}
+
+ShownLabel VertexMaker::LabelOf(const LatticeEdge& edge, const CellGrid::Place& a,
+                                const CellGrid::Place& b, float t) const {
+  SegmentLabel label = LabelAt(t <= 0.5F ? a : b);
+  if (label == SegmentLabel::kNone) label = LabelAt(t <= 0.5F ? b : a);
+  if (label == SegmentLabel::kNone) label = LabelAround(edge);
+  return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
+}
+
+SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
+  if (place.voxels == nullptr) return SegmentLabel::kNone;
+  const SurfaceVoxels& voxels = *place.voxels;
+  const auto& entries = voxels.slot_label[static_cast<size_t>(place.offset)];
+  if ((entries[1] | entries[2]) == 0)  // most voxels
+    return entries[0] == 0 ? SegmentLabel::kNone : Canonical(voxels.palette[entries[0] - 1u]);
+  std::array<LabelVote, kVoteSlots> votes;
+  for (int slot = 0; slot < kVoteSlots; ++slot) {
+    LabelVote& vote = votes[static_cast<size_t>(slot)];
+    vote = voxels.Vote(place.offset, slot);
+    vote.label = Canonical(vote.label);
+  }
+  return StrongestLabel(votes);
+}
+
+SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
+  std::array<SegmentLabel, 3 * 3 * 4> around;
+  size_t count = 0;
+  const int high_x = edge.x + 1 + (edge.axis == 0);
+  const int high_y = edge.y + 1 + (edge.axis == 1);
+  const int high_z = edge.z + 1 + (edge.axis == 2);
+  for (int z = edge.z - 1; z <= high_z; ++z) {
+    for (int y = edge.y - 1; y <= high_y; ++y) {
+      for (int x = edge.x - 1; x <= high_x; ++x) {
+        const SegmentLabel label = LabelAt(grid_.PlaceOf(x, y, z));
+        if (label != SegmentLabel::kNone) around[count++] = label;
+      }
+    }
+  }
+  return MostFrequent(std::span(around).first(count));
 }
 
 }  // namespace vismap

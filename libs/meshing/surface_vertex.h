@@ -1,23 +1,48 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "meshing/cell_grid.h"
+#include "meshing/lattice_edge.h"
+#include "meshing/read_out.h"
 
 namespace vismap {
 
-/// An edge of the voxel lattice: from voxel (x, y, z), local to a block, to the next one along
-/// `axis` (0 = x, 1 = y, 2 = z).
-struct LatticeEdge {
-  int x = 0, y = 0, z = 0;
-  int axis = 0;
-};
+/// Makes the vertices of a block, where the surface crosses the edges of its cells: position linear
+/// between the two voxels (kept 1 % off them, so that no triangle collapses), normal from the
+/// interpolated gradient, colour interpolated, and the label of the nearest voxel that has votes: of
+/// the two ends, else the most frequent one among the voxels next to them (ties to the lower label).
+/// A vertex depends on the voxels around its edge only, so every block that has the edge makes the
+/// same one.
+class VertexMaker {
+ public:
+  /// `shown` = what labels show, see ShowLabels. The grid is that of the block at hand.
+  VertexMaker(const CellGrid& grid, double voxel_size, std::span<const ShownLabel> shown)
+      : grid_(grid), voxel_size_(voxel_size), shown_(shown) {}
 
-/// The vertex where the surface crosses an edge: position linear between the two voxels (kept 1 %
-/// off them, so that no triangle collapses), normal from the interpolated gradient, colour
-/// interpolated, and the label of the nearest voxel that has votes: of the two ends, else the most
-/// frequent one among the voxels next to them (ties to the lower label). It depends on the voxels
-/// around the edge only, so every block that has the edge makes the same vertex. Instance and class
-/// are left to the caller.
-MeshVertex MakeSurfaceVertex(const CellGrid& grid, const LatticeEdge& edge, double voxel_size,
-                             const LabelTable& labels);
+  /// One vertex per edge, in their order.
+  void Make(BlockIndex block, std::span<const LatticeEdge> edges, std::vector<MeshVertex>* vertices);
+
+ private:
+  void StartBlock(BlockIndex block);
+  void LoadLane(const LatticeEdge& edge, size_t lane);
+  MeshVertex MakeVertex(const LatticeEdge& edge, size_t lane) const;
+  ShownLabel LabelOf(const LatticeEdge& edge, const CellGrid::Place& a, const CellGrid::Place& b,
+                     float t) const;
+  SegmentLabel LabelAt(const CellGrid::Place& place) const;
+  SegmentLabel LabelAround(const LatticeEdge& edge) const;
+  SegmentLabel Canonical(SegmentLabel label) const {
+    return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;
+  }
+
+  const CellGrid& grid_;
+  double voxel_size_;
+  std::span<const ShownLabel> shown_;
+  VertexLanes lanes_;
+  // Voxel centres of the block per axis: in voxels, and in W [m].
+  std::array<std::array<double, kSlotSide>, 3> centers_;
+  std::array<std::array<float, kSlotSide>, 3> centers_W_;
+};
 
 }  // namespace vismap

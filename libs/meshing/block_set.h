@@ -1,0 +1,41 @@
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volume/block.h"
+
+namespace vismap {
+
+/// A set of blocks, as bits along z: unions and neighbourhoods of thousands of blocks take
+/// microseconds.
+class BlockSet {
+ public:
+  BlockSet() = default;
+  /// In any order, any number of times.
+  explicit BlockSet(std::span<const BlockIndex> blocks);
+
+  /// With every block also those up to `below` lower and `above` higher along each axis; 0 or 1.
+  BlockSet Grown(int below, int above) const;
+  BlockSet Union(const BlockSet& other) const;
+  BlockSet Intersection(const BlockSet& other) const;
+
+  size_t size() const;
+  /// Ascending.
+  std::vector<BlockIndex> Blocks() const;
+
+ private:
+  // The blocks (x, y, 64 z + i) of which bit i is set.
+  struct Run {
+    BlockIndex at;
+    uint64_t bits;
+  };
+  void Append(const BlockIndex& at, uint64_t bits);
+  BlockSet Shifted(const BlockIndex& step) const;
+
+  std::vector<Run> runs_;  // ascending; none without bits
+};
+
+}  // namespace vismap

@@ -1,0 +1,114 @@
+#include "meshing/block_views.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace vismap {
+namespace {
+
+constexpr std::array<uint64_t, kBlockSide> AllBits() {
+  std::array<uint64_t, kBlockSide> bits{};
+  bits.fill(~uint64_t{0});
+  return bits;
+}
+constexpr std::array<uint64_t, kBlockSide> kAllBits = AllBits();
+constexpr BlockView kUnseen;
+
+ObservationGate GateOf(const MeshingOptions& options) {
+  constexpr uint16_t kMost = std::numeric_limits<uint16_t>::max();
+  const double weight = options.min_weight * static_cast<double>(kWeightScale);
+  return {static_cast<uint16_t>(std::clamp(weight, 0.0, static_cast<double>(kMost))),
+          static_cast<uint16_t>(std::clamp<int>(options.min_observations, 0, kMost))};
+}
+
+// Free blocks remember no more than two observations, so no more can be asked of them.
+const uint64_t* ObservedFree(const Block& block, int min_observations) {
+  if (block.all_free) return kAllBits.data();
+  if (!block.free) return nullptr;
+  return min_observations <= 1 ? block.free->once.data() : block.free->twice.data();
+}
+
+void ReadSurface(const Block& block, const ObservationGate& gate, VoxelSigns* signs) {
+  if (!block.surface.packed()) return ReadSigns(*block.surface, gate, *signs);
+  SurfaceVoxels copy;
+  block.surface.CopyTo(&copy);
+  ReadSigns(copy, gate, *signs);
+}
+
+bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {
+  uint64_t all = 0;
+  for (const uint64_t word : bits) all |= word;
+  return all != 0;
+}
+
+}  // namespace
+
+BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks)
+    : views_(blocks.size()) {
+  ParallelFor(blocks.size(), 512, [&](size_t i) {
+    views_[i].index = blocks[i];
+    views_[i].block = map.Find(blocks[i]);
+  });
+}
+
+std::vector<BlockIndex> BlockViews::WithSurface() const {
+  std::vector<BlockIndex> blocks;
+  for (const BlockView& view : views_) {
+    if (view.has_surface()) blocks.push_back(view.index);
+  }
+  return blocks;
+}
+
+void BlockViews::ReadVoxels(const MeshingOptions& options) {
+  const ObservationGate gate = GateOf(options);
+  std::vector<BlockView*> surfaces;
+  for (BlockView& view : views_) {
+    if (view.has_surface()) {
+      surfaces.push_back(&view);
+    } else if (view.block != nullptr) {
+      view.observed = ObservedFree(*view.block, options.min_observations);
+    }
+  }
+  signs_.resize(surfaces.size());
+  ParallelFor(surfaces.size(), 32, [&](size_t i) {
+    ReadSurface(*surfaces[i]->block, gate, &signs_[i]);
+    surfaces[i]->observed = signs_[i].observed.data();
+    if (HasBits(signs_[i].behind)) surfaces[i]->behind = signs_[i].behind.data();
+  });
+}
+
+void NeighbourWalk::GoTo(BlockIndex block) {
+  block_ = block;
+  for (int x = 0; x <= 1; ++x) {
+    for (int y = 0; y <= 1; ++y) FindColumn(x, y);
+  }
+}
+
+void NeighbourWalk::FindLower() {
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      if (x < 0 || y < 0) FindColumn(x, y);
+    }
+  }
+}
+
+void NeighbourWalk::FindColumn(int x, int y) {
+  auto& cursor = cursors_[Slot(x, y, -1) / 3];
+  BlockIndex at{block_.x + x, block_.y + y, block_.z - 1};
+  constexpr ptrdiff_t kFar = 16;
+  if (views_.end() - cursor > kFar && cursor[kFar].index < at) {
+    cursor = std::lower_bound(
+        cursor + kFar, views_.end(), at,
+        [](const BlockView& view, const BlockIndex& index) { return view.index < index; });
+  }
+  while (cursor != views_.end() && cursor->index < at) ++cursor;
+  auto next = cursor;
+  for (int z = -1; z <= 1; ++z, ++at.z) {
+    const bool is_there = next != views_.end() && next->index == at;
+    found_[Slot(x, y, z)] = is_there ? &*next++ : &kUnseen;
+  }
+}
+
+}  // namespace vismap

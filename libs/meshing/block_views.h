@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "meshing/marching_cubes.h"
+#include "meshing/mesh_kernels.h"
+#include "volume/voxel_map.h"
+
+namespace vismap {
+
+/// A block as marching cubes see it.
+struct BlockView {
+  BlockIndex index;
+  const Block* block = nullptr;  ///< nullptr = unseen
+  /// Bits as in VoxelSigns; nullptr = none.
+  const uint64_t* observed = nullptr;
+  const uint64_t* behind = nullptr;
+
+  bool has_surface() const { return block != nullptr && block->surface; }
+};
+
+/// Blocks of a map that are about to be meshed, and those around them: each is looked up and read
+/// once, though up to 27 cells grids need it. The map must not change meanwhile.
+class BlockViews {
+ public:
+  /// `blocks` ascending.
+  BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks);
+
+  /// Those with surface voxels, ascending.
+  std::vector<BlockIndex> WithSurface() const;
+  /// Sets `observed` and `behind`.
+  void ReadVoxels(const MeshingOptions& options);
+
+  const std::vector<BlockView>& views() const { return views_; }
+
+ private:
+  std::vector<BlockView> views_;
+  std::vector<VoxelSigns> signs_;  // of those with surface
+};
+
+/// Finds the 26 neighbours of one block after the other, in ascending order of blocks.
+class NeighbourWalk {
+ public:
+  explicit NeighbourWalk(const std::vector<BlockView>& views) : views_(views) {
+    cursors_.fill(views.begin());
+  }
+
+  /// Slot of the neighbour at (x, y, z), each -1..1.
+  static constexpr size_t Slot(int x, int y, int z) {
+    return static_cast<size_t>((z + 1) + 3 * ((y + 1) + 3 * (x + 1)));
+  }
+  /// Goes to a block; finds it and the seven neighbours that its cells reach into.
+  void GoTo(BlockIndex block);
+  /// Finds the other nineteen.
+  void FindLower();
+  /// Never nullptr; unseen where there are no views. Slots not found are those of an earlier block.
+  const BlockView& At(size_t slot) const { return *found_[slot]; }
+  BlockIndex block() const { return block_; }
+
+ private:
+  void FindColumn(int x, int y);
+
+  const std::vector<BlockView>& views_;
+  BlockIndex block_;
+  // Per column of neighbours along z, the first view that is not below it.
+  std::array<std::vector<BlockView>::const_iterator, 9> cursors_;
+  std::array<const BlockView*, 27> found_{};
+};
+
+}  // namespace vismap

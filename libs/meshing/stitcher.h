@@ -1,0 +1,44 @@
+#pragma once
+
+#include <tsl/robin_map.h>
+
+#include <vector>
+
+#include "meshing/lattice_edge.h"
+#include "meshing/mesh.h"
+
+namespace vismap {
+
+/// The mesh of one block before it is joined with others: edges[i] = where vertex i is.
+struct LocalMesh {
+  Mesh mesh;
+  std::vector<LatticeEdge> edges;
+};
+
+/// Joins block meshes: vertices on the same lattice edge become one.
+class Stitcher {
+ public:
+  void Add(BlockIndex block, const LocalMesh& local);
+  Mesh Take() { return std::move(mesh_); }
+
+ private:
+  // The block that owns an edge, and the edge's slot there.
+  struct Key {
+    BlockIndex block;
+    int slot;
+    bool operator==(const Key&) const = default;
+  };
+  struct KeyHash {
+    size_t operator()(const Key& key) const {
+      return BlockIndexHash()(key.block) ^ (static_cast<size_t>(key.slot) * 0x9E3779B185EBCA87ull);
+    }
+  };
+
+  uint32_t IndexOf(BlockIndex block, LatticeEdge edge, const MeshVertex& vertex);
+
+  Mesh mesh_;
+  std::vector<uint32_t> moved_;
+  tsl::robin_map<Key, uint32_t, KeyHash> shared_;
+};
+
+}  // namespace vismap

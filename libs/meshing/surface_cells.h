@@ -1,0 +1,17 @@
+#pragma once
+
+#include <array>
+
+#include "meshing/block_views.h"
+
+namespace vismap {
+
+/// Cells of a block that the surface passes through: bit x of byte y of word z. A cell reaches from
+/// a voxel to the next one along each axis.
+using CellBits = std::array<uint64_t, kBlockSide>;
+
+/// The cells whose eight corners were all observed, with some behind the surface and some before
+/// it, of the block that the walk is at. False = there are none, and `cells` is not set.
+bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells);
+
+}  // namespace vismap
