@@ -91,6 +91,16 @@ void BlockMesher::MakeVertices(std::vector<MeshVertex>* vertices) {
   vertex_maker_.Make(walk_.block(), edges_, vertices);
 }
 
+inline uint32_t BlockMesher::VertexOn(size_t edge, const LatticeEdge& cell, int cell_slot) {
+  const LatticeEdge& e = kCellEdge[edge];
+  uint16_t& vertex = vertex_of_slot_[static_cast<size_t>(cell_slot + kCellEdgeSlot[edge])];
+  if (vertex == kNoVertex) {
+    vertex = static_cast<uint16_t>(edges_.size());
+    edges_.push_back({e.x + cell.x, e.y + cell.y, e.z + cell.z, e.axis});
+  }
+  return vertex;
+}
+
 void BlockMesher::MeshCell(int x, int y, int z) {
   const float* corner = grid_.At(x, y, z);
   size_t cube = 0;
@@ -103,7 +113,9 @@ void BlockMesher::MeshCell(int x, int y, int z) {
   }
   if (highest >= jump_ && lowest <= -jump_ && CrossesJump(cube, corner)) return;
   const int* row = octomap::triTable[cube];
-  const auto vertex = [&](int i) { return VertexOn(static_cast<size_t>(row[i]), {x, y, z}); };
+  const LatticeEdge cell{x, y, z};
+  const int slot = EdgeSlot(cell);
+  const auto vertex = [&](int i) { return VertexOn(static_cast<size_t>(row[i]), cell, slot); };
   // The tables turn clockwise for corners that are set; ours are set behind the surface.
   for (int i = 0; row[i] >= 0; i += 3) {
     const uint32_t a = vertex(i), b = vertex(i + 2), c = vertex(i + 1);
@@ -118,16 +130,6 @@ bool BlockMesher::CrossesJump(size_t cube, const float* corner) const {
     if (std::max(from, to) >= jump_ && std::min(from, to) <= -jump_) return true;
   }
   return false;
-}
-
-uint32_t BlockMesher::VertexOn(size_t edge, const LatticeEdge& cell) {
-  const LatticeEdge& e = kCellEdge[edge];
-  uint16_t& vertex = vertex_of_slot_[static_cast<size_t>(EdgeSlot(cell) + kCellEdgeSlot[edge])];
-  if (vertex == kNoVertex) {
-    vertex = static_cast<uint16_t>(edges_.size());
-    edges_.push_back({e.x + cell.x, e.y + cell.y, e.z + cell.z, e.axis});
-  }
-  return vertex;
 }
 
 }  // namespace vismap

@@ -34,7 +34,7 @@ class BlockMesher {
  private:
   void MeshCell(int x, int y, int z);
   bool CrossesJump(size_t cube, const float* corner) const;
-  uint32_t VertexOn(size_t edge, const LatticeEdge& cell);
+  uint32_t VertexOn(size_t edge, const LatticeEdge& cell, int cell_slot);
 
   const MeshingJob& job_;
   float jump_;  // in steps of truncation / 32767

@@ -22,6 +22,13 @@ Rgb8 ColorOf(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
   return b.voxels != nullptr ? color(b) : Rgb8{};
 }
 
+// Colours and votes come from all over a block: without this every one of them is waited for.
+void Prefetch(const CellGrid::Place& place) {
+  if (place.voxels == nullptr) return;
+  __builtin_prefetch(&place.voxels->color[static_cast<size_t>(place.offset)]);
+  __builtin_prefetch(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
+}
+
 // The most frequent one; ties to the lower.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
@@ -69,6 +76,12 @@ void VertexMaker::LoadLane(const LatticeEdge& edge, size_t lane) {
     lanes_.upper[i][lane] = upper[kStar[i]];
   }
   lanes_.axis[lane] = edge.axis;
+  const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
+  const CellGrid::Place b = grid_.PlaceOf(edge.x + (edge.axis == 0), edge.y + (edge.axis == 1),
+                                          edge.z + (edge.axis == 2));
+  ends_[lane] = {a, b};
+  Prefetch(a);
+  Prefetch(b);
 }
 
 MeshVertex VertexMaker::MakeVertex(const LatticeEdge& edge, size_t lane) const {
@@ -81,21 +94,19 @@ MeshVertex VertexMaker::MakeVertex(const LatticeEdge& edge, size_t lane) const {
   vertex.position_W[edge.axis] = static_cast<float>(
       (centers_[axis][static_cast<size_t>(at[axis])] + static_cast<double>(t)) * voxel_size_);
   vertex.normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
-  const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
-  const CellGrid::Place b =
-      grid_.PlaceOf(edge.x + (axis == 0), edge.y + (axis == 1), edge.z + (axis == 2));
-  vertex.color = ColorOf(a, b, t);
-  const ShownLabel label = LabelOf(edge, a, b, t);
+  vertex.color = ColorOf(ends_[lane].a, ends_[lane].b, t);
+  const ShownLabel label = LabelOf(edge, lane);
   vertex.segment = label.segment;
   vertex.instance = label.instance;
   vertex.class_id = label.class_id;
   return vertex;
 }
 
-ShownLabel VertexMaker::LabelOf(const LatticeEdge& edge, const CellGrid::Place& a,
-                                const CellGrid::Place& b, float t) const {
-  SegmentLabel label = LabelAt(t <= 0.5F ? a : b);
-  if (label == SegmentLabel::kNone) label = LabelAt(t <= 0.5F ? b : a);
+ShownLabel VertexMaker::LabelOf(const LatticeEdge& edge, size_t lane) const {
+  const auto& [a, b] = ends_[lane];
+  const bool nearer_a = lanes_.t[lane] <= 0.5F;
+  SegmentLabel label = LabelAt(nearer_a ? a : b);
+  if (label == SegmentLabel::kNone) label = LabelAt(nearer_a ? b : a);
   if (label == SegmentLabel::kNone) label = LabelAround(edge);
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }

@@ -28,8 +28,7 @@ class VertexMaker {
   void StartBlock(BlockIndex block);
   void LoadLane(const LatticeEdge& edge, size_t lane);
   MeshVertex MakeVertex(const LatticeEdge& edge, size_t lane) const;
-  ShownLabel LabelOf(const LatticeEdge& edge, const CellGrid::Place& a, const CellGrid::Place& b,
-                     float t) const;
+  ShownLabel LabelOf(const LatticeEdge& edge, size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
@@ -40,6 +39,10 @@ class VertexMaker {
   double voxel_size_;
   std::span<const ShownLabel> shown_;
   VertexLanes lanes_;
+  struct Ends {
+    CellGrid::Place a, b;
+  };
+  std::array<Ends, kVertexLanes> ends_;  // of the edges
   // Voxel centres of the block per axis: in voxels, and in W [m].
   std::array<std::array<double, kSlotSide>, 3> centers_;
   std::array<std::array<float, kSlotSide>, 3> centers_W_;
