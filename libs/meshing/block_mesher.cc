@@ -39,23 +39,18 @@ constexpr std::array<int, 8> CornerSteps() {
 }
 constexpr std::array<int, 8> kCornerStep = CornerSteps();  // in the grid, from the lowest corner
 
-// The edges of a cell as lattice edges relative to its lowest corner.
-constexpr std::array<LatticeEdge, 12> CellEdges() {
-  std::array<LatticeEdge, 12> edges{};
-  for (size_t i = 0; i < edges.size(); ++i) {
+// The edges of a cell, as slots counted from its own.
+constexpr std::array<size_t, 12> CellEdgeSlots() {
+  std::array<size_t, 12> slots{};
+  for (size_t i = 0; i < slots.size(); ++i) {
     const auto &a = kCorner[kEdgeEnds[i][0]], &b = kCorner[kEdgeEnds[i][1]];
-    edges[i] = {std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2]),
-                a[0] != b[0] ? 0 : (a[1] != b[1] ? 1 : 2)};
+    slots[i] = static_cast<size_t>(
+        EdgeSlot({std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2]),
+                  a[0] != b[0] ? 0 : (a[1] != b[1] ? 1 : 2)}));
   }
-  return edges;
-}
-constexpr std::array<LatticeEdge, 12> kCellEdge = CellEdges();
-constexpr std::array<int, 12> CellEdgeSlots() {
-  std::array<int, 12> slots{};
-  for (size_t i = 0; i < slots.size(); ++i) slots[i] = EdgeSlot(kCellEdge[i]);
   return slots;
 }
-constexpr std::array<int, 12> kCellEdgeSlot = CellEdgeSlots();
+constexpr std::array<size_t, 12> kCellEdgeSlot = CellEdgeSlots();
 
 }  // namespace
 
@@ -67,12 +62,11 @@ BlockMesher::BlockMesher(const MeshingJob& job)
   vertex_of_slot_.fill(kNoVertex);
 }
 
-const std::vector<std::array<uint32_t, 3>>& BlockMesher::Find(BlockIndex block) {
-  edges_.clear();
-  triangles_.clear();
+void BlockMesher::Find(BlockIndex block) {
+  vertices_ = triangle_count_ = 0;
   CellBits cells;
   walk_.GoTo(block);
-  if (!FindSurfaceCells(walk_, &cells)) return triangles_;
+  if (!FindSurfaceCells(walk_, &cells)) return;
   walk_.FindLower();
   reader_.Trim(kCopiesKept);
   grid_.Fill(walk_, &reader_);
@@ -82,13 +76,26 @@ const std::vector<std::array<uint32_t, 3>>& BlockMesher::Find(BlockIndex block) 
       MeshCell(cell % kBlockSide, cell / kBlockSide, z);
     }
   }
-  for (const LatticeEdge& edge : edges_)
-    vertex_of_slot_[static_cast<size_t>(EdgeSlot(edge))] = kNoVertex;
-  return triangles_;
+  for (const uint16_t slot : edge_slots()) vertex_of_slot_[slot] = kNoVertex;
 }
 
-void BlockMesher::MakeVertices(std::vector<MeshVertex>* vertices) {
-  vertex_maker_.Make(walk_.block(), edges_, vertices);
+Mesh BlockMesher::MakeMesh() {
+  const auto triangles = std::span(triangles_).first(triangle_count_);
+  Mesh mesh;
+  mesh.triangles.assign(triangles.begin(), triangles.end());
+  vertex_maker_.Make(walk_.block(), edge_slots(), &mesh.vertices);
+  return mesh;
+}
+
+// Free of branches: whether a vertex is new cannot be foreseen.
+inline uint32_t BlockMesher::VertexOn(size_t slot) {
+  const uint16_t known = vertex_of_slot_[slot];
+  const bool is_new = known == kNoVertex;
+  const uint16_t vertex = is_new ? static_cast<uint16_t>(vertices_) : known;
+  slots_[vertices_] = static_cast<uint16_t>(slot);
+  vertices_ += is_new ? 1 : 0;
+  vertex_of_slot_[slot] = vertex;
+  return vertex;
 }
 
 void BlockMesher::MeshCell(int x, int y, int z) {
@@ -103,11 +110,14 @@ void BlockMesher::MeshCell(int x, int y, int z) {
   }
   if (highest >= jump_ && lowest <= -jump_ && CrossesJump(cube, corner)) return;
   const int* row = octomap::triTable[cube];
-  const auto vertex = [&](int i) { return VertexOn(static_cast<size_t>(row[i]), {x, y, z}); };
+  const auto cell_slot = static_cast<size_t>(EdgeSlot({x, y, z}));
+  const auto vertex = [&](int i) {
+    return VertexOn(cell_slot + kCellEdgeSlot[static_cast<size_t>(row[i])]);
+  };
   // The tables turn clockwise for corners that are set; ours are set behind the surface.
   for (int i = 0; row[i] >= 0; i += 3) {
     const uint32_t a = vertex(i), b = vertex(i + 2), c = vertex(i + 1);
-    triangles_.push_back({a, b, c});
+    triangles_[triangle_count_++] = {a, b, c};
   }
 }
 
@@ -118,16 +128,6 @@ bool BlockMesher::CrossesJump(size_t cube, const float* corner) const {
     if (std::max(from, to) >= jump_ && std::min(from, to) <= -jump_) return true;
   }
   return false;
-}
-
-uint32_t BlockMesher::VertexOn(size_t edge, const LatticeEdge& cell) {
-  const LatticeEdge& e = kCellEdge[edge];
-  uint16_t& vertex = vertex_of_slot_[static_cast<size_t>(EdgeSlot(cell) + kCellEdgeSlot[edge])];
-  if (vertex == kNoVertex) {
-    vertex = static_cast<uint16_t>(edges_.size());
-    edges_.push_back({e.x + cell.x, e.y + cell.y, e.z + cell.z, e.axis});
-  }
-  return vertex;
 }
 
 }  // namespace vismap

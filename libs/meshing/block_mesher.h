@@ -25,16 +25,17 @@ class BlockMesher {
  public:
   explicit BlockMesher(const MeshingJob& job);
 
-  /// The surface of a block; good until the next one. The edge of each vertex stands in edges().
-  const std::vector<std::array<uint32_t, 3>>& Find(BlockIndex block);
-  const std::vector<LatticeEdge>& edges() const { return edges_; }
-  /// Makes the vertices of the surface that was found.
-  void MakeVertices(std::vector<MeshVertex>* vertices);
+  /// Finds the surface of a block.
+  void Find(BlockIndex block);
+  /// The surface that was found. The vertices have what their labels show.
+  Mesh MakeMesh();
+  /// Where its vertices are, as numbers of EdgeSlot.
+  std::span<const uint16_t> edge_slots() const { return std::span(slots_).first(vertices_); }
 
  private:
   void MeshCell(int x, int y, int z);
   bool CrossesJump(size_t cube, const float* corner) const;
-  uint32_t VertexOn(size_t edge, const LatticeEdge& cell);
+  uint32_t VertexOn(size_t slot);
 
   const MeshingJob& job_;
   float jump_;  // in steps of truncation / 32767
@@ -43,8 +44,11 @@ class BlockMesher {
   CellGrid grid_;
   VertexMaker vertex_maker_;
   std::array<uint16_t, kEdgeSlots> vertex_of_slot_;  // kNoVertex between blocks
-  std::vector<LatticeEdge> edges_;
-  std::vector<std::array<uint32_t, 3>> triangles_;
+  // Arrays with room for everything, so that nothing is asked on the way.
+  std::array<uint16_t, kEdgeSlots + 1> slots_;  // of the vertices
+  size_t vertices_ = 0;
+  std::array<std::array<uint32_t, 3>, 5 * kBlockVoxels> triangles_;
+  size_t triangle_count_ = 0;
 };
 
 }  // namespace vismap

@@ -30,10 +30,10 @@ const uint64_t* ObservedFree(const Block& block, int min_observations) {
   return min_observations <= 1 ? block.free->once.data() : block.free->twice.data();
 }
 
-void ReadSurface(const Block& block, const ObservationGate& gate, VoxelSigns* signs) {
-  if (!block.surface.packed()) return ReadSigns(*block.surface, gate, *signs);
+void ReadSurface(const BlockView& view, const ObservationGate& gate, VoxelSigns* signs) {
+  if (view.voxels != nullptr) return ReadSigns(*view.voxels, gate, *signs);
   SurfaceVoxels copy;
-  block.surface.CopyTo(&copy);
+  view.block->surface.CopyTo(&copy);
   ReadSigns(copy, gate, *signs);
 }
 
@@ -48,15 +48,19 @@ bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {
 BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks)
     : views_(blocks.size()) {
   ParallelFor(blocks.size(), 512, [&](size_t i) {
-    views_[i].index = blocks[i];
-    views_[i].block = map.Find(blocks[i]);
+    BlockView& view = views_[i];
+    view.index = blocks[i];
+    view.block = map.Find(blocks[i]);
+    if (view.block == nullptr || !view.block->surface) return;
+    view.has_surface = true;
+    view.voxels = view.block->surface.get();
   });
 }
 
 std::vector<BlockIndex> BlockViews::WithSurface() const {
   std::vector<BlockIndex> blocks;
   for (const BlockView& view : views_) {
-    if (view.has_surface()) blocks.push_back(view.index);
+    if (view.has_surface) blocks.push_back(view.index);
   }
   return blocks;
 }
@@ -65,7 +69,7 @@ void BlockViews::ReadVoxels(const MeshingOptions& options) {
   const ObservationGate gate = GateOf(options);
   std::vector<BlockView*> surfaces;
   for (BlockView& view : views_) {
-    if (view.has_surface()) {
+    if (view.has_surface) {
       surfaces.push_back(&view);
     } else if (view.block != nullptr) {
       view.observed = ObservedFree(*view.block, options.min_observations);
@@ -73,7 +77,7 @@ void BlockViews::ReadVoxels(const MeshingOptions& options) {
   }
   signs_.resize(surfaces.size());
   ParallelFor(surfaces.size(), 32, [&](size_t i) {
-    ReadSurface(*surfaces[i]->block, gate, &signs_[i]);
+    ReadSurface(*surfaces[i], gate, &signs_[i]);
     surfaces[i]->observed = signs_[i].observed.data();
     if (HasBits(signs_[i].behind)) surfaces[i]->behind = signs_[i].behind.data();
   });

@@ -12,12 +12,12 @@ namespace vismap {
 /// A block as marching cubes see it.
 struct BlockView {
   BlockIndex index;
-  const Block* block = nullptr;  ///< nullptr = unseen
+  const Block* block = nullptr;           ///< nullptr = unseen
+  const SurfaceVoxels* voxels = nullptr;  ///< nullptr = none, or packed
+  bool has_surface = false;
   /// Bits as in VoxelSigns; nullptr = none.
   const uint64_t* observed = nullptr;
   const uint64_t* behind = nullptr;
-
-  bool has_surface() const { return block != nullptr && block->surface; }
 };
 
 /// Blocks of a map that are about to be meshed, and those around them: each is looked up and read

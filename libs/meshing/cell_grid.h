@@ -36,6 +36,7 @@ class CellGrid {
  private:
   struct Neighbour;
   static int NeighbourOf(int local) { return local >> 3; }
+  void CopyNeighbour(const Neighbour& neighbour, const uint64_t* observed);
   void CopyRows(const Neighbour& neighbour, const SurfaceVoxels& voxels, const uint64_t* observed);
   template <typename Distance>
   void CopyVoxels(const Neighbour& neighbour, const uint64_t* observed, const Distance& distance);

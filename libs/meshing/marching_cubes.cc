@@ -12,14 +12,17 @@
 namespace vismap {
 namespace {
 
-// Calls `take(i, mesher)` for each of some ascending blocks, with its surface found.
+// Calls `take(i, mesher)` with the surface found of each of some ascending blocks.
 template <typename Take>
 void MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job, const Take& take) {
   constexpr size_t kGroup = 64;  // one mesher for so many: neighbours share what it has unpacked
   ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
     BlockMesher mesher(job);
     const size_t end = std::min(blocks.size(), (group + 1) * kGroup);
-    for (size_t i = group * kGroup; i < end; ++i) take(i, mesher.Find(blocks[i]), &mesher);
+    for (size_t i = group * kGroup; i < end; ++i) {
+      mesher.Find(blocks[i]);
+      take(i, &mesher);
+    }
   });
 }
 
@@ -58,10 +61,9 @@ Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> part,
   const std::vector<ShownLabel> shown = ShowSegments(map.labels);
   std::vector<LocalMesh> parts(blocks.size());
   MeshEach(blocks, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
-           [&](size_t i, const auto& triangles, BlockMesher* mesher) {
-             parts[i].mesh.triangles = triangles;
-             parts[i].edges = mesher->edges();
-             mesher->MakeVertices(&parts[i].mesh.vertices);
+           [&](size_t i, BlockMesher* mesher) {
+             const auto slots = mesher->edge_slots();
+             parts[i] = {mesher->MakeMesh(), {slots.begin(), slots.end()}};
            });
   Stitcher stitcher;
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);
@@ -84,11 +86,8 @@ MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed
   delta.revision = map.revision;
   delta.blocks.resize(blocks.size());
   MeshEach(blocks, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
-           [&](size_t i, const auto& triangles, BlockMesher* mesher) {
-             BlockMesh& block = delta.blocks[i];
-             block.block = blocks[i];
-             block.mesh.triangles = triangles;
-             mesher->MakeVertices(&block.mesh.vertices);
+           [&](size_t i, BlockMesher* mesher) {
+             delta.blocks[i] = {blocks[i], mesher->MakeMesh()};
            });
   return delta;
 }

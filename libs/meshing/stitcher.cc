@@ -14,7 +14,7 @@ int ToOwner(int coordinate, int32_t* block) {
 void Stitcher::Add(BlockIndex block, const LocalMesh& local) {
   moved_.resize(local.mesh.vertices.size());
   for (size_t i = 0; i < moved_.size(); ++i)
-    moved_[i] = IndexOf(block, local.edges[i], local.mesh.vertices[i]);
+    moved_[i] = IndexOf(block, EdgeOfSlot(local.edge_slots[i]), local.mesh.vertices[i]);
   for (const auto& [a, b, c] : local.mesh.triangles)
     mesh_.triangles.push_back({moved_[a], moved_[b], moved_[c]});
 }

@@ -9,10 +9,10 @@
 
 namespace vismap {
 
-/// The mesh of one block before it is joined with others: edges[i] = where vertex i is.
+/// The mesh of one block before it is joined with others: edge_slots[i] = lattice edge of vertex i.
 struct LocalMesh {
   Mesh mesh;
-  std::vector<LatticeEdge> edges;
+  std::vector<uint16_t> edge_slots;
 };
 
 /// Joins block meshes: vertices on the same lattice edge become one.

@@ -22,6 +22,13 @@ Rgb8 ColorOf(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
   return b.voxels != nullptr ? color(b) : Rgb8{};
 }
 
+// Colours and votes come from all over a block: without this every one of them is waited for.
+void Prefetch(const CellGrid::Place& place) {
+  if (place.voxels == nullptr) return;
+  __builtin_prefetch(&place.voxels->color[static_cast<size_t>(place.offset)]);
+  __builtin_prefetch(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
+}
+
 // The most frequent one; ties to the lower.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
@@ -37,15 +44,15 @@ SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
 
 }  // namespace
 
-void VertexMaker::Make(BlockIndex block, std::span<const LatticeEdge> edges,
+void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
                        std::vector<MeshVertex>* vertices) {
   StartBlock(block);
   vertices->reserve(edges.size());
   while (!edges.empty()) {
     const auto some = edges.first(std::min<size_t>(edges.size(), kVertexLanes));
-    for (size_t i = 0; i < some.size(); ++i) LoadLane(some[i], i);
+    for (size_t i = 0; i < some.size(); ++i) LoadLane(EdgeOfSlot(some[i]), i);
     PlaceVertices(lanes_);
-    for (size_t i = 0; i < some.size(); ++i) vertices->push_back(MakeVertex(some[i], i));
+    for (size_t i = 0; i < some.size(); ++i) vertices->push_back(MakeVertex(i));
     edges = edges.subspan(some.size());
   }
 }
@@ -69,9 +76,16 @@ void VertexMaker::LoadLane(const LatticeEdge& edge, size_t lane) {
     lanes_.upper[i][lane] = upper[kStar[i]];
   }
   lanes_.axis[lane] = edge.axis;
+  const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
+  const CellGrid::Place b = grid_.PlaceOf(edge.x + (edge.axis == 0), edge.y + (edge.axis == 1),
+                                          edge.z + (edge.axis == 2));
+  origins_[lane] = {edge, a, b};
+  Prefetch(a);
+  Prefetch(b);
 }
 
-MeshVertex VertexMaker::MakeVertex(const LatticeEdge& edge, size_t lane) const {
+MeshVertex VertexMaker::MakeVertex(size_t lane) const {
+  const auto& [edge, a, b] = origins_[lane];
   const float t = lanes_.t[lane];
   const std::array<int, 3> at{edge.x, edge.y, edge.z};
   const auto axis = static_cast<size_t>(edge.axis);
@@ -81,21 +95,19 @@ MeshVertex VertexMaker::MakeVertex(const LatticeEdge& edge, size_t lane) const {
   vertex.position_W[edge.axis] = static_cast<float>(
       (centers_[axis][static_cast<size_t>(at[axis])] + static_cast<double>(t)) * voxel_size_);
   vertex.normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
-  const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
-  const CellGrid::Place b =
-      grid_.PlaceOf(edge.x + (axis == 0), edge.y + (axis == 1), edge.z + (axis == 2));
   vertex.color = ColorOf(a, b, t);
-  const ShownLabel label = LabelOf(edge, a, b, t);
+  const ShownLabel label = LabelOf(lane);
   vertex.segment = label.segment;
   vertex.instance = label.instance;
   vertex.class_id = label.class_id;
   return vertex;
 }
 
-ShownLabel VertexMaker::LabelOf(const LatticeEdge& edge, const CellGrid::Place& a,
-                                const CellGrid::Place& b, float t) const {
-  SegmentLabel label = LabelAt(t <= 0.5F ? a : b);
-  if (label == SegmentLabel::kNone) label = LabelAt(t <= 0.5F ? b : a);
+ShownLabel VertexMaker::LabelOf(size_t lane) const {
+  const auto& [edge, a, b] = origins_[lane];
+  const bool nearer_a = lanes_.t[lane] <= 0.5F;
+  SegmentLabel label = LabelAt(nearer_a ? a : b);
+  if (label == SegmentLabel::kNone) label = LabelAt(nearer_a ? b : a);
   if (label == SegmentLabel::kNone) label = LabelAround(edge);
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }

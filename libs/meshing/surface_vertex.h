@@ -21,15 +21,14 @@ class VertexMaker {
   VertexMaker(const CellGrid& grid, double voxel_size, std::span<const ShownLabel> shown)
       : grid_(grid), voxel_size_(voxel_size), shown_(shown) {}
 
-  /// One vertex per edge, in their order.
-  void Make(BlockIndex block, std::span<const LatticeEdge> edges, std::vector<MeshVertex>* vertices);
+  /// One vertex per edge, in their order. Edges are numbers of EdgeSlot.
+  void Make(BlockIndex block, std::span<const uint16_t> edges, std::vector<MeshVertex>* vertices);
 
  private:
   void StartBlock(BlockIndex block);
   void LoadLane(const LatticeEdge& edge, size_t lane);
-  MeshVertex MakeVertex(const LatticeEdge& edge, size_t lane) const;
-  ShownLabel LabelOf(const LatticeEdge& edge, const CellGrid::Place& a, const CellGrid::Place& b,
-                     float t) const;
+  MeshVertex MakeVertex(size_t lane) const;
+  ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
@@ -40,6 +39,11 @@ class VertexMaker {
   double voxel_size_;
   std::span<const ShownLabel> shown_;
   VertexLanes lanes_;
+  struct Origin {
+    LatticeEdge edge;
+    CellGrid::Place a, b;  // its ends
+  };
+  std::array<Origin, kVertexLanes> origins_;
   // Voxel centres of the block per axis: in voxels, and in W [m].
   std::array<std::array<double, kSlotSide>, 3> centers_;
   std::array<std::array<float, kSlotSide>, 3> centers_W_;
