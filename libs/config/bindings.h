@@ -81,6 +81,11 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("max_unpacked_blocks", options.max_unpacked_blocks);
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
+  bind.Value("carve_frames", options.carve_frames);
+  bind.Value("carve_keep", options.carve_keep);
+  bind.Value("carve_margin_voxels", options.carve_margin_voxels);
+  bind.Value("carve_sigmas", options.carve_sigmas);
+  bind.Value("carve_slope", options.carve_slope);
 }
 
 template <typename Binder>
