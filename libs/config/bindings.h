@@ -102,6 +102,7 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Direction("up_W", config.up_W);
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
+  bind.Value("removed_max_rest", options.removed_max_rest);
   bind.Value("box_outliers", options.box_outliers);
   bind.Value("part_gap_m", options.part_gap);
   bind.Value("min_part_share", options.min_part_share);

@@ -1,6 +1,7 @@
 #include "meshing/objects.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/parallel.h"
 #include "meshing/label_surfaces.h"
@@ -46,6 +47,22 @@ double Score(const ObjectSummary& object, const LabelTable& table, const LabelRe
                     1.0);
 }
 
+// How much of the surface of labels was seen empty since they were last seen, and when last.
+struct Clearing {
+  int64_t voxels = 0;
+  int64_t utime = 0;  // [us]
+};
+
+Clearing ClearingOf(const std::vector<SegmentLabel>& labels, const LabelTable& table) {
+  Clearing clearing;
+  for (const SegmentLabel label : labels) {
+    const LabelRecord& record = table.Record(label);
+    clearing.voxels += record.cleared_voxels;
+    clearing.utime = std::max(clearing.utime, record.cleared_utime);
+  }
+  return clearing;
+}
+
 ObjectSummary FromInstance(InstanceId id, const InstanceReading& reading) {
   ObjectSummary object;
   object.instance = id;
@@ -76,20 +93,37 @@ int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces
   return count;
 }
 
-// Which objects there are; nothing measured yet.
+// Whether an object stands, was removed (then it is marked so), or never was one.
+bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
+                   const ObjectOptions& options, ObjectSummary* object) {
+  const int64_t least =
+      object->discovered() ? options.min_discovered_points : options.min_instance_points;
+  const int64_t points = CountPoints(object->segments, surfaces);
+  const Clearing clearing = ClearingOf(object->segments, table);
+  if (clearing.voxels >= std::max(least, int64_t{1}) &&
+      static_cast<double>(points) <
+          options.removed_max_rest * static_cast<double>(clearing.voxels)) {
+    object->state = ObjectState::kRemoved;
+    object->removed_utime = clearing.utime;
+    return true;
+  }
+  return points >= least;
+}
+
+// Which objects there are and were; nothing measured yet.
 std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
                                        const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
   std::vector<ObjectSummary> objects;
-  for (const auto& [id, reading] : read_out.instances) {
-    if (CountPoints(reading.labels, surfaces) < options.min_instance_points) continue;
-    objects.push_back(FromInstance(id, reading));
-  }
+  const auto list = [&](ObjectSummary object) {
+    if (StandsOrStood(table, surfaces, options, &object)) objects.push_back(std::move(object));
+  };
+  for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
   for (const SegmentLabel label : table.Alive()) {
-    if (read_out.labels[Raw(label)].instance != InstanceId::kNone) continue;
-    if (CountPoints({label}, surfaces) < options.min_discovered_points) continue;
-    objects.push_back(FromSegment(label));
+    if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
   }
+  std::stable_partition(objects.begin(), objects.end(),
+                        [](const ObjectSummary& object) { return !object.removed(); });
   return objects;
 }
 
@@ -134,6 +168,7 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
 
 void MeasureObject(const LabelSurfaces& surfaces, const ObjectOptions& options,
                    ObjectSummary* object) {
+  if (object->removed()) return;
   const std::vector<Eigen::Vector3f> points = PointsOf(*object, surfaces);
   object->box = FitUprightBox(MainParts(points, options.part_gap, options.min_part_share),
                               options.up_W, options.box_outliers);

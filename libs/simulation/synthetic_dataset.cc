@@ -27,15 +27,42 @@ Result<void> SetNumber(std::string_view key, std::string_view text, T low, T hig
   return {};
 }
 
+Result<void> AddChange(std::string_view key, std::string_view value, SyntheticOptions* options) {
+  SyntheticOptions::Change change{.appears = key == "appear"};
+  const size_t at = std::min(value.find('@'), value.size());
+  const std::string_view frame = value.substr(std::min(at + 1, value.size()));
+  const auto id_set =
+      SetNumber(key, value.substr(0, at), uint16_t{1}, uint16_t{65535}, &change.object_id);
+  if (!id_set) return Fail(id_set.error().message + ", as ID@FRAME");
+  const auto frame_set = SetNumber(key, frame, int64_t{1}, int64_t{1000000000}, &change.frame);
+  if (!frame_set) return Fail(frame_set.error().message + ", as ID@FRAME");
+  options->changes.push_back(change);
+  return {};
+}
+
+// All objects that come or go must be there.
+Result<void> CheckChanges(const SyntheticOptions& options) {
+  const Scene scene = MakeScene(options);
+  for (const SyntheticOptions::Change& change : options.changes) {
+    if (FindObject(scene, change.object_id) == nullptr) {
+      return Fail("synthetic: " + options.scene + " has no object " +
+                  std::to_string(change.object_id) + "; its objects are 1.." +
+                  std::to_string(scene.objects.size()));
+    }
+  }
+  return {};
+}
+
 Result<void> SetParameter(std::string_view key, std::string_view value, SyntheticOptions* options) {
   if (key == "frames") return SetNumber(key, value, 1, 100000, &options->frames);
   if (key == "width") return SetNumber(key, value, 16, 4096, &options->width);
   if (key == "rate") return SetNumber(key, value, 0.001, 1000.0, &options->rate);
   if (key == "tours") return SetNumber(key, value, 1, 10000, &options->tours);
   if (key == "seed") return SetNumber(key, value, uint64_t{0}, UINT64_MAX, &options->seed);
+  if (key == "remove" || key == "appear") return AddChange(key, value, options);
   if (key != "noise") {
     return Fail("synthetic: unknown parameter \"" + std::string(key) +
-                "\"; known are frames, width, noise, seed, rate, tours");
+                "\"; known are frames, width, noise, seed, rate, tours, remove, appear");
   }
   if (value != "kinect" && value != "none") {
     return Fail("synthetic: noise is \"" + std::string(value) + "\"; expected kinect or none");
@@ -45,10 +72,16 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
 }
 
 std::string PathOf(const SyntheticOptions& options) {
-  return std::string(kPrefix) + options.scene + "?frames=" + std::to_string(options.frames) +
-         "&width=" + std::to_string(options.width) +
-         "&noise=" + (options.noise ? "kinect" : "none") + "&seed=" + std::to_string(options.seed) +
-         "&rate=" + std::to_string(options.rate) + "&tours=" + std::to_string(options.tours);
+  std::string path =
+      std::string(kPrefix) + options.scene + "?frames=" + std::to_string(options.frames) +
+      "&width=" + std::to_string(options.width) + "&noise=" + (options.noise ? "kinect" : "none") +
+      "&seed=" + std::to_string(options.seed) + "&rate=" + std::to_string(options.rate) +
+      "&tours=" + std::to_string(options.tours);
+  for (const SyntheticOptions::Change& change : options.changes) {
+    path += std::string(change.appears ? "&appear=" : "&remove=") +
+            std::to_string(change.object_id) + "@" + std::to_string(change.frame);
+  }
+  return path;
 }
 
 class SyntheticDataset : public Dataset {
@@ -74,7 +107,8 @@ class SyntheticDataset : public Dataset {
     return headers_[i];
   }
   Result<SensorFrame> Read(size_t i) const override {
-    return RenderFrame(scene_, Header(i), noise_);
+    const FrameHeader header = Header(i);
+    return RenderFrame(SceneInFrame(scene_, header.frame_number), header, noise_);
   }
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
   std::optional<std::string> default_detections_path() const override { return PathOf(options_); }
@@ -106,7 +140,8 @@ class SyntheticDetections : public DetectionSource {
                   ", not that of the sequence, " + std::to_string(truth.camera.width) + "x" +
                   std::to_string(truth.camera.height));
     }
-    return SimulateDetections(scene_, RenderInstances(scene_, truth.camera, truth.T_W_C), header,
+    const Scene shown = SceneInFrame(scene_, header.frame_number);
+    return SimulateDetections(shown, RenderInstances(shown, truth.camera, truth.T_W_C), header,
                               noise_);
   }
 
@@ -141,12 +176,20 @@ Result<SyntheticOptions> ParseSyntheticPath(const std::string& path) {
     const Result<void> set = SetParameter(parameter.substr(0, equals), value, &options);
     if (!set) return Fail(set.error().message);
   }
+  if (const auto checked = CheckChanges(options); !checked) return Fail(checked.error().message);
   return options;
 }
 
 Scene MakeScene(const SyntheticOptions& options) {
   Require(options.scene == "room" || options.scene == "office", "the scenes are room and office");
-  return options.scene == "room" ? MakeRoom() : MakeOffice();
+  Scene scene = options.scene == "room" ? MakeRoom() : MakeOffice();
+  for (const SyntheticOptions::Change& change : options.changes) {
+    for (SceneObject& object : scene.objects) {
+      if (object.id != change.object_id) continue;
+      (change.appears ? object.first_frame : object.end_frame) = change.frame;
+    }
+  }
+  return scene;
 }
 
 std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "datasets/dataset.h"
@@ -12,8 +13,9 @@ namespace vismap {
 
 /// A computed sequence, written
 /// "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10&tours=1"; all parameters
-/// optional, in any order. Scenes are "room" (see room.h) and "office" (see office.h), where 400
-/// frames are the default.
+/// optional, in any order. "remove=ID@FRAME" takes an object away before that frame, and
+/// "appear=ID@FRAME" has it there only from that frame on; both any number of times. Scenes are
+/// "room" (see room.h) and "office" (see office.h), where 400 frames are the default.
 struct SyntheticOptions {
   std::string scene = "room";
   int frames = 80;    ///< on one closed tour of the scene, 1..100000
@@ -21,7 +23,14 @@ struct SyntheticOptions {
   bool noise = true;  ///< "kinect" or "none": sensor and detector errors
   uint64_t seed = 1;
   double rate = 10;  ///< frames a second
-  int tours = 1;     ///< how often the tour is made, 1..10000; the errors are others each time
+  /// An object of the scene that comes or goes.
+  struct Change {
+    uint16_t object_id = 0;
+    int64_t frame = 0;  ///< number of the first frame that shows the change; frames count from 1
+    bool appears = false;
+  };
+  std::vector<Change> changes;
+  int tours = 1;  ///< how often the tour is made, 1..10000; the errors are others each time
 };
 
 /// Whether a path names a computed sequence.

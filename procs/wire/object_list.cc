@@ -27,6 +27,7 @@ object_t EncodeObject(const ObjectSummary& object, const ClassNamer& class_name)
   message.frames = static_cast<int32_t>(object.frames);
   message.first_utime = object.first_utime;
   message.last_utime = object.last_utime;
+  message.removed_utime = object.removed_utime;
   return message;
 }
 
@@ -58,6 +59,8 @@ Result<ObjectSummary> DecodeObject(const object_t& message) {
   object.frames = static_cast<uint32_t>(std::max(message.frames, 0));
   object.first_utime = message.first_utime;
   object.last_utime = message.last_utime;
+  object.removed_utime = message.removed_utime;
+  object.state = message.removed_utime != 0 ? ObjectState::kRemoved : ObjectState::kPresent;
   return object;
 }
 

@@ -17,7 +17,7 @@ struct ObjectList {
   int64_t utime = 0;  ///< of the newest frame contained [us]
   std::string map_id;
   int64_t revision = 0;
-  std::vector<ObjectSummary> objects;  ///< instances ascending, then discovered ones
+  std::vector<ObjectSummary> objects;  ///< instances ascending, then discovered, then removed ones
 };
 
 /// Structure (floor, walls) is left out: the message lists things.

@@ -218,7 +218,8 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
 }
 
 TEST(ObjectsJson, EmptyListsAreLists) {
-  EXPECT_EQ(ObjectsJson("m", {}, {}), "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[]}\n");
+  EXPECT_EQ(ObjectsJson("m", {}, {}),
+            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"removed\":[]}\n");
 }
 
 }  // namespace
