@@ -8,6 +8,7 @@ namespace vismap::config {
 // for writing. A binder has
 //   Value(key, member)        for double, int, bool, std::string, enums (same order in both) and
 //                             lists of strings,
+//   Classes(key, member)      for lists of classes, by COCO name or number,
 //   Direction(key, member)    for three numbers of unit length or none,
 //   Sensor(key, noise model)  for the presets of noise models,
 //   Section(key, body)        for a message; calls body(binder of the message).
@@ -61,6 +62,8 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("split_min_mask_part", options.split_min_mask_part);
   bind.Value("split_min_px", options.split_min_pixels);
   bind.Value("split_min_rest_px", options.split_min_rest_pixels);
+  bind.Classes("leave_out_classes", options.leave_out_classes);
+  bind.Value("leave_out_margin_px", options.leave_out_margin);
 }
 
 template <typename Binder>

@@ -28,11 +28,21 @@ void AddHistory(const LabelRecord& record, ObjectSummary* object) {
   object->frames = std::max(object->frames, record.frames);
 }
 
+// How much of each label there is, or, with `former`, was before it was seen empty.
+std::vector<double> SizesOf(const LabelTable& table, const LabelSurfaces& surfaces, bool former) {
+  std::vector<double> sizes;
+  for (const LabelSurface& surface : surfaces)
+    sizes.push_back(static_cast<double>(surface.vertices));
+  for (size_t l = 1; former && l < sizes.size() && l <= table.records().size(); ++l)
+    sizes[l] += table.records()[l - 1].cleared_voxels;
+  return sizes;
+}
+
 double Score(const ObjectSummary& object, const LabelTable& table, const LabelReadOut& read_out,
-             const LabelSurfaces& surfaces) {
+             const std::vector<double>& sizes) {
   double confidence = 0, points = 0, confirmations = 0;
   for (const SegmentLabel label : object.segments) {
-    const auto size = static_cast<double>(surfaces[Raw(label)].vertices);
+    const double size = sizes[Raw(label)];
     confidence += size * static_cast<double>(read_out.labels[Raw(label)].confidence);
     points += size;
     const auto& evidence = table.Record(label).instance_evidence;
@@ -63,12 +73,16 @@ Clearing ClearingOf(const std::vector<SegmentLabel>& labels, const LabelTable& t
   return clearing;
 }
 
+void SetClass(const InstanceReading& reading, ObjectSummary* object) {
+  object->class_id = reading.class_id;
+  object->class_probability = reading.class_probability;
+}
+
 ObjectSummary FromInstance(InstanceId id, const InstanceReading& reading) {
   ObjectSummary object;
   object.instance = id;
   object.segments = reading.labels;
-  object.class_id = reading.class_id;
-  object.class_probability = reading.class_probability;
+  SetClass(reading, &object);
   return object;
 }
 
@@ -150,10 +164,10 @@ LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
 
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
-  std::vector<double> sizes;
-  for (const LabelSurface& surface : surfaces)
-    sizes.push_back(static_cast<double>(surface.vertices));
+  const std::vector<double> sizes = SizesOf(table, surfaces, false);
+  const std::vector<double> former_sizes = SizesOf(table, surfaces, true);
   const LabelReadOut read_out = ReadLabels(table, sizes);
+  const LabelReadOut former = ReadLabels(table, former_sizes);
   std::vector<ObjectSummary> objects = ListObjects(table, read_out, surfaces, options);
   for (ObjectSummary& object : objects) {
     for (const SegmentLabel label : object.segments) {
@@ -161,7 +175,9 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
       object.area += surfaces[Raw(label)].area;
     }
     object.points = CountPoints(object.segments, surfaces);
-    if (!object.discovered()) object.score = Score(object, table, read_out, surfaces);
+    if (object.discovered()) continue;
+    if (object.removed()) SetClass(former.instances.at(object.instance), &object);
+    object.score = Score(object, table, read_out, object.removed() ? former_sizes : sizes);
   }
   return objects;
 }

@@ -29,7 +29,7 @@ struct SyntheticOptions {
     int64_t frame = 0;  ///< number of the first frame that shows the change; frames count from 1
     bool appears = false;
   };
-  std::vector<Change> changes;
+  std::vector<Change> changes = {};
   int tours = 1;  ///< how often the tour is made, 1..10000; the errors are others each time
 };
 
