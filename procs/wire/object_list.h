@@ -23,8 +23,8 @@ struct ObjectList {
 /// Structure (floor, walls) is left out: the message lists things.
 object_list_t Encode(const ObjectList& list, const ClassNamer& class_name);
 
-/// Fails, naming the object, on ids and scores out of range and boxes that are not finite. Class
-/// probabilities, areas and structure do not travel.
+/// Fails, naming the object, on ids and scores out of range and boxes that are not finite.
+/// Structure does not travel.
 Result<ObjectList> Decode(const object_list_t& message);
 
 }  // namespace vismap
