@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <string_view>
 
 #include "datasets/class_names.h"
@@ -47,11 +48,12 @@ bool Fits(const ObjectSummary& object, const ObjectQuery& query) {
 }
 
 std::string KnownInstances(std::span<const ObjectSummary> objects) {
-  std::string known;
+  std::set<InstanceId> ids;
   for (const ObjectSummary& object : objects) {
-    if (object.discovered()) continue;
-    known += (known.empty() ? "" : ", ") + std::to_string(Raw(object.instance));
+    if (!object.discovered()) ids.insert(object.instance);
   }
+  std::string known;
+  for (const InstanceId id : ids) known += (known.empty() ? "" : ", ") + std::to_string(Raw(id));
   return known.empty() ? "none" : known;
 }
 

@@ -21,8 +21,8 @@ std::string IdOf(const nlohmann::json& object) {
 /// "chair 0.93, couch 0.07": the likeliest first, three at most.
 std::string Probabilities(const nlohmann::json& object) {
   std::vector<std::pair<double, int>> shares;
-  for (const auto& [id, share] :
-       object.value("class_probabilities", nlohmann::json::object()).items())
+  const auto all = object.value("class_probabilities", nlohmann::json::object());
+  for (const auto& [id, share] : all.items())
     shares.emplace_back(-share.get<double>(), std::stoi(id));
   std::sort(shares.begin(), shares.end());
   std::string text;
