@@ -85,6 +85,7 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
   bind.Value("carve_frames", options.carve_frames);
+  bind.Value("free_frames", options.free_frames);
   bind.Value("carve_keep", options.carve_keep);
   bind.Value("carve_margin_voxels", options.carve_margin_voxels);
   bind.Value("carve_sigmas", options.carve_sigmas);

@@ -8,7 +8,7 @@ namespace vismap {
 /// How much nearer than the measured depths space counts as clear.
 struct ClearDepthOptions {
   float margin = 0.04F;  ///< at least [m]
-  float sigmas = 4;     ///< and so many standard deviations of the depth
+  float sigmas = 4;      ///< and so many standard deviations of the depth
 };
 
 /// Up to which depth space is surely empty at each pixel [m]; 0 = nothing is sure. `pyramid` is

@@ -106,12 +106,15 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
              static_cast<float>(options.vote_distance_voxels * grid.voxel_size),
              static_cast<float>(2 * grid.voxel_size),  // all that a mesh vertex can lie between
              options.free_space};
-  max_weight_ = static_cast<float>(options.max_weight) * kWeightScale;
+  // No limit: more than any weight, since that of a frame is at least a step.
+  weights_ = {
+      static_cast<float>(options.max_weight) * kWeightScale,
+      options.free_frames > 0 ? std::max(static_cast<float>(options.free_frames), 1.0F) : 65536.0F};
   if (options.carve_frames <= 0) return;
-  clear_depth_ = ClearDepth(
-      pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
-      {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size),
-       .sigmas = static_cast<float>(options.carve_sigmas)});
+  clear_depth_ =
+      ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
+                 {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size),
+                  .sigmas = static_cast<float>(options.carve_sigmas)});
 }
 
 VoxelBits FrameProjection::CarveWhatIsPassed(const ProjectedVoxels& projected,
@@ -164,7 +167,7 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& pro
   if (outcome.voxels_updated == 0) return outcome;
   const VoxelBits turning = CarveWhatIsPassed(projected, samples, voxels);
   alignas(64) VoxelArray<float> shares;
-  FuseDistances(samples, limits_.truncation, max_weight_, voxels, shares);
+  FuseDistances(samples, limits_.truncation, weights_, voxels, shares);
   ForEach(turning, [&](size_t i) {
     if (voxels.distance[i] > 0) ++outcome.cleared[StrongestLabel(voxels, i)];
   });

@@ -49,7 +49,7 @@ class FrameProjection {
   Eigen::Vector3d t_C_W_;
   double voxel_size_;
   MeasurementLimits limits_;
-  float max_weight_;  // in steps
+  WeightLimits weights_;
   CarvingLimits carving_;
   Image<float> clear_depth_;  // empty without carving
 };

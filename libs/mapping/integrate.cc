@@ -126,6 +126,8 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
   check(options.carve_frames >= 0 && options.carve_frames <= 100,
         "integration: carve_frames must be 0 (no carving) to 100");
+  check(options.free_frames >= 0 && options.free_frames <= 10000,
+        "integration: free_frames must be 0 (no limit) to 10000");
   check(options.carve_keep > 0 && options.carve_keep < 1,
         "integration: carve_keep must be between 0 and 1");
   check(options.carve_margin_voxels >= 2 && options.carve_margin_voxels <= 1000,

@@ -41,7 +41,10 @@ struct IntegrationOptions {
   // a few wrong frames move no surface, and the heaviest one is gone after
   // ln(max_weight / weight of a frame) / -ln(carve_keep) + carve_frames + 2 frames.
   double carve_frames = 2.0;  ///< weight left, in frames like the present one; 0 = no carving
-  double carve_keep = 0.2;    ///< share of its weight that a voxel keeps each time, (0, 1)
+  /// A voxel far before any surface keeps no more weight than so many frames like the present one,
+  /// so that what is put there later appears as fast; 0 = no such limit.
+  double free_frames = 10.0;
+  double carve_keep = 0.2;           ///< share of its weight that a voxel keeps each time, (0, 1)
   double carve_margin_voxels = 4.0;  ///< rays must end so far behind the voxel ...
   double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth (Nguyen 2012)
   double carve_slope = 8.0;  ///< ... and so much farther per metre of its distance: a ray closer to

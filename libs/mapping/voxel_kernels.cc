@@ -99,17 +99,24 @@ VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const f
   }
 }
 
+// Mean distances from here on are those of free space: nine tenths of the truncation.
+constexpr float kFreeSteps = 29490.0F;
+
 VISMAP_VECTOR_CLONES void Fuse(const float* distance_in, const float* weight_in, float scale,
-                               float max_weight, int16_t* distances, uint16_t* weights,
-                               uint8_t* observations, float* shares) {
+                               float max_weight, float free_frames, int16_t* distances,
+                               uint16_t* weights, uint8_t* observations, float* shares) {
   for (int i = 0; i < kBlockVoxels; ++i) {
     const float old_weight = weights[i], weight = weight_in[i], old_distance = distances[i];
     const float share = weight / std::max(old_weight + weight, 1.0F);
     const float fused = old_distance + share * (distance_in[i] * scale - old_distance);
     // Rounding to nearest by truncation of a positive number; exact for values that do not change.
     distances[i] = static_cast<int16_t>(static_cast<int32_t>(fused + 32768.5F) - 32768);
-    weights[i] = static_cast<uint16_t>(
-        static_cast<int32_t>(std::min(old_weight + weight, max_weight) + 0.5F));
+    const float sum = std::min(old_weight + weight, max_weight);
+    const float cap = free_frames * weight;
+    const float bounded = cap < sum ? cap : sum;
+    const float at_free = weight > 0 ? bounded : sum;
+    const float left = fused >= kFreeSteps ? at_free : sum;
+    weights[i] = static_cast<uint16_t>(static_cast<int32_t>(left + 0.5F));
     const int count = observations[i] + (weight > 0 ? 1 : 0);
     observations[i] = static_cast<uint8_t>(std::min(count, 255));
     shares[i] = share;
@@ -212,10 +219,11 @@ uint8_t UnionOf(const VoxelArray<uint8_t>& flags) {
   return static_cast<uint8_t>(all);
 }
 
-void FuseDistances(const VoxelSamples& samples, float truncation, float max_weight,
+void FuseDistances(const VoxelSamples& samples, float truncation, const WeightLimits& limits,
                    SurfaceVoxels& voxels, VoxelArray<float>& shares) {
-  Fuse(samples.distance.data(), samples.weight.data(), 32767.0F / truncation, max_weight,
-       voxels.distance.data(), voxels.weight.data(), voxels.observations.data(), shares.data());
+  Fuse(samples.distance.data(), samples.weight.data(), 32767.0F / truncation, limits.most,
+       limits.free_frames, voxels.distance.data(), voxels.weight.data(), voxels.observations.data(),
+       shares.data());
 }
 
 bool MayCarve(const VoxelSamples& samples, float truncation, const CarvingLimits& limits,

@@ -68,9 +68,15 @@ VoxelBits VoxelsWith(const VoxelArray<uint8_t>& flags, uint8_t mask);
 /// All bits that some voxel has set.
 uint8_t UnionOf(const VoxelArray<uint8_t>& flags);
 
+/// Caps of a voxel's weight.
+struct WeightLimits {
+  float most;         ///< in steps
+  float free_frames;  ///< from nine tenths of the truncation on: times the frame's own weight
+};
+
 /// Weighted running mean of distances and weights, and the count of observations. `shares` = how
 /// much of each new mean is this frame's, [0, 1].
-void FuseDistances(const VoxelSamples& samples, float truncation, float max_weight,
+void FuseDistances(const VoxelSamples& samples, float truncation, const WeightLimits& limits,
                    SurfaceVoxels& voxels, VoxelArray<float>& shares);
 
 /// When a frame clears a voxel, and how fast.

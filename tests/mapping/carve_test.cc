@@ -84,6 +84,23 @@ TEST(Carving, WhatWasRemovedIsGoneAfterAFewFramesHoweverLongItStood) {
   }
 }
 
+TEST(Carving, WhatComesBackAppearsAfterAFewFramesHoweverLongItWasAway) {
+  for (const int away : {10, 300}) {
+    World world;
+    world.SeeOften(WithPlate(), 30);
+    const int whole = world.Inside();
+    world.SeeOften(LookAtWall(kWall), away);
+    ASSERT_EQ(world.Inside(), 0);
+    int frames = 0;
+    while (world.Inside() < 0.9 * whole && frames < 100) {
+      world.See(WithPlate());
+      ++frames;
+    }
+    std::printf("away for %3d frames: back in %d\n", away, frames);
+    EXPECT_LE(frames, 25) << away;
+  }
+}
+
 TEST(Carving, WithoutItAGhostStays) {
   World world;
   world.options.carve_frames = 0;

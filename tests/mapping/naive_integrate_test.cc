@@ -34,6 +34,7 @@ IntegrationOptions RandomOptions(RandomNumbers* random) {
   options.vote_distance_voxels = random->Real(0.5, 3);
   options.merge_frames = random->Whole(0, 3);
   options.carve_frames = random->Real(0, 3);
+  options.free_frames = random->Chance(0.3) ? 0 : random->Real(0.5, 5);
   options.carve_keep = random->Real(0.1, 0.9);
   options.carve_margin_voxels = random->Real(2, 8);
   options.carve_slope = random->Real(0, 8);

@@ -160,13 +160,16 @@ SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, int offset) {
 
 /// The running means of distance and colour, and the counts.
 StoredVoxel FuseVoxel(StoredVoxel voxel, const Sample& sample, const Image<Rgb8>& colors,
-                      double max_weight, float truncation) {
+                      const IntegrationOptions& options, float truncation) {
   const float old_weight = voxel.weight, old_distance = voxel.distance;
   const float sum = old_weight + sample.weight, share = sample.weight / std::max(sum, 1.0F);
   const float fused =
       old_distance + share * (sample.distance * (32767.0F / truncation) - old_distance);
   voxel.distance = static_cast<int16_t>(static_cast<int>(fused + 32768.5F) - 32768);
-  voxel.weight = static_cast<uint16_t>(std::min(sum, F(max_weight) * kWeightScale) + 0.5F);
+  float weight = std::min(sum, F(options.max_weight) * kWeightScale);
+  if (options.free_frames > 0 && sample.weight > 0 && fused >= 29490)
+    weight = std::min(weight, std::max(F(options.free_frames), 1.0F) * sample.weight);
+  voxel.weight = static_cast<uint16_t>(weight + 0.5F);
   if (sample.weight > 0)
     voxel.observations = static_cast<uint8_t>(std::min(voxel.observations + 1, 255));
   if (sample.colors && !colors.empty()) {
@@ -212,8 +215,7 @@ bool FuseBlock(const SegmentedFrame& frame, const FrameAssociation& association,
     const bool was_inside = voxel.weight > 0 && voxel.distance <= 0;
     const bool may_turn = was_inside && sample->passed > 0 && options.carve_frames > 0;
     CarveVoxel(options, truncation, &voxel, &*sample);
-    WriteVoxel(voxels, offset,
-               FuseVoxel(voxel, *sample, frame.frame.color, options.max_weight, truncation));
+    WriteVoxel(voxels, offset, FuseVoxel(voxel, *sample, frame.frame.color, options, truncation));
     const SegmentLabel was = StrongestLabel(voxels, offset);
     if (may_turn && voxels.distance[static_cast<size_t>(offset)] > 0 && was != SegmentLabel::kNone)
       ++delta->cleared[was];
