@@ -42,7 +42,7 @@ struct ObjectOptions {
   int min_instance_points = 10;     ///< instances with fewer surface vertices are left out
   int min_discovered_points = 100;  ///< the same for segments without an instance
   /// Removed: less surface is left [points] than this part of what was seen empty since the object
-  /// was last seen [voxels], which is at least as much as the two numbers above ask for.
+  /// was last seen [voxels], which is at least as much as the two numbers above ask for. 0 = never.
   double removed_max_rest = 0.5;
   double box_outliers = 0.01;        ///< share of the points that a box may leave outside per axis
   double part_gap = 0.05;            ///< parts of an object farther from it than this [m] ...
