@@ -43,9 +43,9 @@ void ExpectSame(const std::vector<ObjectSummary>& a, const std::vector<ObjectSum
     EXPECT_EQ(a[i].points, b[i].points);
     EXPECT_NEAR(a[i].score, b[i].score, 1e-9);
     EXPECT_NEAR(a[i].area, b[i].area, 1e-9);
+    EXPECT_EQ(a[i].is_structure, b[i].is_structure);
     // Boxes are fitted to an even pick of the points of a large label.
     EXPECT_TRUE(a[i].box.size.isApprox(b[i].box.size, a[i].points > 3000 ? 0.02 : 1e-6));
-    EXPECT_EQ(a[i].is_structure, b[i].is_structure);
   }
 }
 
@@ -84,8 +84,13 @@ TEST(ObjectTracker, SeesThatSomethingWasRemovedLargeOrSmall) {
       const FrameAssociation association = Associate(frame, {map.voxels, map.labels}, {});
       tracker.NoteChanges(map, IntegrateFrame(frame, association, {}, &map));
       const auto objects = tracker.Summarize(map, AllPlaces(map), {}, ObjectOptions{});
-      ExpectSame(objects, SummarizeObjects(map, ObjectOptions{}));
-      if (i == 7) EXPECT_FALSE(objects.back().removed());
+      const auto all = SummarizeObjects(map, ObjectOptions{});
+      ASSERT_EQ(objects.size(), all.size());
+      for (size_t j = 0; j < all.size(); ++j) {  // surfaces of large ones lag
+        EXPECT_EQ(objects[j].segments, all[j].segments);
+        EXPECT_EQ(objects[j].state, all[j].state);
+      }
+      EXPECT_TRUE(i > 7 || !objects.back().removed());
     }
     const ObjectSummary plate = tracker.Summarize(map, AllPlaces(map), {}, ObjectOptions{}).back();
     EXPECT_TRUE(plate.removed());
