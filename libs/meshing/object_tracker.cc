@@ -13,6 +13,7 @@ constexpr size_t kLargeBlocks = 200;
 constexpr size_t kMaxBlocks = 300;  // looked at per label
 constexpr size_t kBlocksAtOnce = 600;
 constexpr double kGrowth = 1.1;
+constexpr double kCleared = 0.1;  // seen empty, of the surface
 
 void Thin(std::vector<Eigen::Vector3f>* points) {
   if (points->size() <= kMaxPoints) return;
@@ -53,7 +54,10 @@ std::vector<SegmentLabel> ObjectTracker::LabelsToMeasure(const SemanticMap& map,
   for (const SegmentLabel label : alive) {
     const size_t blocks = places(label).size(), before = blocks_measured_[Raw(label)];
     const bool large = blocks > kLargeBlocks;
-    if (large && static_cast<double>(blocks) < kGrowth * static_cast<double>(before)) {
+    const bool grew = static_cast<double>(blocks) >= kGrowth * static_cast<double>(before);
+    const bool shrank = map.labels.Record(label).cleared_voxels >
+                        kCleared * static_cast<double>(surfaces_[Raw(label)].vertices);
+    if (large && !grew && !shrank) {
       later.insert(label);
     } else {
       due.push_back(label);
@@ -114,6 +118,7 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map, cons
     records.push_back(&measured_[key]);
   }
   ParallelFor(objects.size(), 1, [&](size_t i) {
+    if (objects[i].removed()) return;
     Measured& record = *records[i];
     if (record.from != from[i]) {
       MeasureObject(surfaces_, options, &objects[i]);

@@ -72,6 +72,8 @@ std::vector<std::string> Validate(const RefineOptions& options) {
                   "split_min_mask_part must be in [0, 1]");
   problems.Unless(options.split_min_pixels >= 1, "split_min_pixels must be at least 1");
   problems.Unless(options.split_min_rest_pixels >= 1, "split_min_rest_pixels must be at least 1");
+  problems.Unless(InRange(options.leave_out_margin, 0, 100),
+                  "leave_out_margin_px must be in [0, 100]");
   return std::move(problems).list();
 }
 

@@ -1,5 +1,7 @@
 #include "session/outputs.h"
 
+#include <array>
+#include <cstdio>
 #include <set>
 #include <system_error>
 
@@ -40,6 +42,24 @@ PlyInfo InfoFor(const MapMetadata& metadata, const Mesh& mesh) {
   return info;
 }
 
+std::string NameOf(const ObjectSummary& object) {
+  return ObjectFileName(object,
+                        object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id));
+}
+
+std::string PointsText(const Mesh& mesh) {
+  std::string text;
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const Eigen::Vector3f& p = vertex.position_W;
+    const auto& [r, g, b] = vertex.color;
+    std::array<char, 128> line{};
+    std::snprintf(line.data(), line.size(), "%.5f %.5f %.5f %d %d %d\n", static_cast<double>(p.x()),
+                  static_cast<double>(p.y()), static_cast<double>(p.z()), int{r}, int{g}, int{b});
+    text += line.data();
+  }
+  return text;
+}
+
 }  // namespace
 
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options) {
@@ -77,9 +97,7 @@ Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& pr
   for (size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSummary& object = products.objects[i];
     if (meshes[i].triangles.empty() || (object.discovered() && object.is_structure)) continue;
-    const std::string class_name =
-        object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id);
-    const std::string name = ObjectFileName(object, class_name) + ".ply";
+    const std::string name = NameOf(object) + ".ply";
     const Result<void> saved = WritePly(folder / name, meshes[i], InfoFor(metadata, meshes[i]));
     if (!saved) return tl::unexpected(saved.error());
     written.insert(name);
@@ -87,6 +105,24 @@ Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& pr
   if (const Result<void> cleaned = RemoveStaleMeshes(folder, written); !cleaned)
     return tl::unexpected(cleaned.error());
   return static_cast<int>(written.size());
+}
+
+Result<std::vector<fs::path>> WriteSelectedObjects(const MapMetadata& metadata,
+                                                   const MapProducts& products,
+                                                   const fs::path& folder) {
+  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
+  const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
+  std::vector<fs::path> files;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].triangles.empty()) continue;
+    const fs::path file = folder / NameOf(products.objects[i]);
+    const auto mesh = WritePly(file.string() + ".ply", meshes[i], InfoFor(metadata, meshes[i]));
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto points = WriteFileAtomically(file.string() + ".xyz", PointsText(meshes[i]));
+    if (!points) return tl::unexpected(points.error());
+    files.insert(files.end(), {file.string() + ".ply", file.string() + ".xyz"});
+  }
+  return files;
 }
 
 Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,

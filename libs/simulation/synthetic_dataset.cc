@@ -43,7 +43,8 @@ class SyntheticDataset : public Dataset {
   }
   Result<SensorFrame> Read(size_t i) const override {
     FrameHeader given = Header(i);
-    SensorFrame frame = RenderFrame(scene_, true_headers_[i], noise_);
+    SensorFrame frame =
+        RenderFrame(SceneInFrame(scene_, given.frame_number), true_headers_[i], noise_);
     frame.header = std::move(given);
     return frame;
   }
@@ -97,7 +98,8 @@ class SyntheticDetections : public DetectionSource {
                   ", not that of the sequence, " + std::to_string(truth.camera.width) + "x" +
                   std::to_string(truth.camera.height));
     }
-    return SimulateDetections(scene_, RenderInstances(scene_, truth.camera, truth.T_W_C), header,
+    const Scene shown = SceneInFrame(scene_, header.frame_number);
+    return SimulateDetections(shown, RenderInstances(shown, truth.camera, truth.T_W_C), header,
                               noise_);
   }
 
@@ -122,7 +124,14 @@ class SyntheticDetections : public DetectionSource {
 
 Scene MakeScene(const SyntheticOptions& options) {
   Require(options.scene == "room" || options.scene == "office", "the scenes are room and office");
-  return options.scene == "room" ? MakeRoom() : MakeOffice();
+  Scene scene = options.scene == "room" ? MakeRoom() : MakeOffice();
+  for (const SyntheticOptions::Change& change : options.changes) {
+    for (SceneObject& object : scene.objects) {
+      if (object.id != change.object_id) continue;
+      (change.appears ? object.first_frame : object.end_frame) = change.frame;
+    }
+  }
+  return scene;
 }
 
 std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {

@@ -31,6 +31,33 @@ Result<void> SetNoise(std::string_view value, SyntheticOptions* options) {
   return {};
 }
 
+Result<void> AddChange(std::string_view key, std::string_view value, SyntheticOptions* options) {
+  SyntheticOptions::Change change{.appears = key == "appear"};
+  const size_t at = std::min(value.find('@'), value.size());
+  const std::string_view frame = value.substr(std::min(at + 1, value.size()));
+  const auto id_set =
+      SetNumber(key, value.substr(0, at), uint16_t{1}, uint16_t{65535}, &change.object_id);
+  if (!id_set) return Fail(id_set.error().message + ", as ID@FRAME");
+  const auto frame_set = SetNumber(key, frame, int64_t{1}, int64_t{1000000000}, &change.frame);
+  if (!frame_set) return Fail(frame_set.error().message + ", as ID@FRAME");
+  options->changes.push_back(change);
+  return {};
+}
+
+/// All objects that come or go must be there.
+Result<void> CheckChanges(const SyntheticOptions& options) {
+  if (options.changes.empty()) return {};
+  const Scene scene = MakeScene(options);
+  for (const SyntheticOptions::Change& change : options.changes) {
+    if (FindObject(scene, change.object_id) == nullptr) {
+      return Fail("synthetic: " + options.scene + " has no object " +
+                  std::to_string(change.object_id) + "; its objects are 1.." +
+                  std::to_string(scene.objects.size()));
+    }
+  }
+  return {};
+}
+
 Result<void> SetParameter(std::string_view key, std::string_view value, SyntheticOptions* o) {
   if (key == "frames") return SetNumber(key, value, 1, 100000, &o->frames);
   if (key == "width") return SetNumber(key, value, 16, 4096, &o->width);
@@ -44,9 +71,10 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "detect_every") return SetNumber(key, value, 1, 100000, &o->detect_every);
   if (key == "pose_noise") return SetNumber(key, value, 0.0, 1.0, &o->pose_noise);
   if (key == "depth_noise") return SetNumber(key, value, 0.0, 10.0, &o->depth_noise);
+  if (key == "remove" || key == "appear") return AddChange(key, value, o);
   return Fail("synthetic: unknown parameter \"" + std::string(key) +
               "\"; known are frames, width, noise, seed, rate, tours, detection_rate, "
-              "class_confusion, mask_noise, detect_every, pose_noise, depth_noise");
+              "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear");
 }
 
 /// The shortest text that is read as the same number.
@@ -79,6 +107,7 @@ Result<SyntheticOptions> ParseSyntheticPath(const std::string& path) {
     const Result<void> set = SetParameter(parameter.substr(0, equals), value, &options);
     if (!set) return Fail(set.error().message);
   }
+  if (const Result<void> there = CheckChanges(options); !there) return Fail(there.error().message);
   return options;
 }
 
@@ -90,6 +119,10 @@ std::string SyntheticPath(const SyntheticOptions& options) {
                      "&tours=" + Text(options.tours);
   if (options.detection_rate) path += "&detection_rate=" + Text(*options.detection_rate);
   if (options.mask_noise) path += "&mask_noise=" + Text(*options.mask_noise);
+  for (const SyntheticOptions::Change& change : options.changes) {
+    path += std::string(change.appears ? "&appear=" : "&remove=") + Text(change.object_id) + "@" +
+            Text(change.frame);
+  }
   return path + "&class_confusion=" + Text(options.class_confusion) +
          "&detect_every=" + Text(options.detect_every) + "&pose_noise=" + Text(options.pose_noise) +
          "&depth_noise=" + Text(options.depth_noise);
