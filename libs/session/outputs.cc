@@ -110,7 +110,7 @@ Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& pr
 Result<std::vector<fs::path>> WriteSelectedObjects(const MapMetadata& metadata,
                                                    const MapProducts& products,
                                                    const fs::path& folder) {
-  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
+  if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
   const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
   std::vector<fs::path> files;
   for (size_t i = 0; i < meshes.size(); ++i) {
