@@ -300,7 +300,9 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
     JoinCoplanarRegions(surface, camera, options.coplanar_sigmas, &regions);
   JoinSmallRegions(surface, camera, min_pixels, options.join_angle_deg * std::numbers::pi / 180,
                    &regions);
-  return NumberRegions(regions);
+  SegmentImage image = NumberRegions(regions);
+  image.ambiguous = std::move(strength);
+  return image;
 }
 
 }  // namespace vismap::naive
