@@ -49,9 +49,9 @@ class MeshPublisher {
   MeshingOptions options_;
   Bus* bus_;
   std::string map_id_;
-  int64_t revision_ = -1;          // of the last update
-  std::vector<BlockIndex> dirty_;  // changed since, unsorted
-  std::vector<ShownLabel> shown_;  // by label, at the last update
+  int64_t revision_ = -1;                                // of the last update
+  std::vector<BlockIndex> dirty_;                        // changed since, unsorted
+  std::vector<ShownLabel> shown_;                        // by label, at the last update
   tsl::robin_set<BlockIndex, BlockIndexHash> surfaces_;  // blocks with one, at the last update
   LabelPlaces places_;
   ChangeLog log_;

@@ -242,7 +242,8 @@ TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
   SegmentedFrame split = LookAtWall(1.5);
   testing::SplitAtColumn(70, split);
   testing::Detect(0, 0, ClassId{62}, split);
-  for (int i = 0; i < 4; ++i) Fuse(split, map);  // seen once only, it would be outvoted before it could merge
+  for (int i = 0; i < 4; ++i)
+    Fuse(split, map);  // seen once only, it would be outvoted before it could merge
   int merged = 0;
   for (int i = 0; i < 6; ++i) merged += static_cast<int>(Fuse(LookAtWall(1.5), map).merged.size());
   EXPECT_EQ(merged, 1);
