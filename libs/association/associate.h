@@ -32,8 +32,9 @@ struct FrameAssociation {
 
 struct AssociationOptions {
   int min_overlap_points = 20;  ///< tau_pi of the paper: more points than this, or a new label
-  double max_distance_voxels =
-      1.0;               ///< a point counts for a label if |sdf| at its voxel is below this
+  /// A point counts for a label if |sdf| at its voxel is below this. The published code's 1 loses
+  /// labels when poses are off by more than a voxel.
+  double max_distance_voxels = 2.0;
   int pixel_stride = 2;  ///< every n-th pixel each way is looked up; counts are scaled by n^2
   double min_range =
       0.1;  ///< nearer and farther points are not looked up, as they are not integrated [m]

@@ -91,6 +91,8 @@ SegmentLabel LabelTable::Merge(SegmentLabel a, SegmentLabel b) {
     to.first_utime = to.frames > 0 ? std::min(to.first_utime, from.first_utime) : from.first_utime;
     to.last_utime = to.frames > 0 ? std::max(to.last_utime, from.last_utime) : from.last_utime;
   }
+  to.cleared_voxels += from.cleared_voxels;
+  to.cleared_utime = std::max(to.cleared_utime, from.cleared_utime);
   to.frames += from.frames;
   to.frames_with_detector += from.frames_with_detector;
   to.pixels += from.pixels;

@@ -18,6 +18,8 @@ struct LabelRecord {
   uint32_t frames_with_detector = 0;        ///< of those, frames that a detector had looked at
   uint64_t pixels = 0;                      ///< sum over those frames of its size in the image
   int64_t first_utime = 0, last_utime = 0;  ///< [us]
+  uint32_t cleared_voxels = 0;  ///< of its surface that were seen empty since it was last observed
+  int64_t cleared_utime = 0;    ///< when last; 0 = none were [us]
   std::map<InstanceId, float> instance_evidence;  ///< the paper's Phi(l, m)
   std::map<ClassId, float> class_evidence;        ///< the paper's Psi(l, c)
   friend bool operator==(const LabelRecord&, const LabelRecord&) = default;

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 namespace vismap {
 namespace {
@@ -117,6 +118,13 @@ Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, ui
   }
   bytes.resize(filled);
   return bytes;
+}
+
+Result<void> CreateFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return Fail("cannot create the folder " + folder.string() + ": " + error.message());
+  return {};
 }
 
 }  // namespace vismap

@@ -18,6 +18,10 @@ namespace vismap {
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 
+/// Makes a folder and those above it, where they are missing. The Error names it and the system's
+/// reason.
+Result<void> CreateFolder(const std::filesystem::path& folder);
+
 /// The whole content of a regular file. Fails, naming the path and the system's reason, when it
 /// cannot be read or is larger than `max_bytes`.
 Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path,

@@ -8,6 +8,7 @@ namespace vismap::config {
 // for writing. A binder has
 //   Value(key, member)        for double, int, bool, std::string, enums (same order in both) and
 //                             lists of strings,
+//   Classes(key, member)      for lists of classes, by COCO name or number,
 //   Direction(key, member)    for three numbers of unit length or none,
 //   Sensor(key, noise model)  for the presets of noise models,
 //   Section(key, body)        for a message; calls body(binder of the message).
@@ -56,11 +57,14 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("min_score", options.min_score);
   bind.Value("resolve_overlaps", options.resolve_overlaps);
   bind.Value("max_depth_extent", options.max_depth_extent);
+  bind.Value("fold_min_score", options.fold_min_score);
   bind.Value("split", options.split);
   bind.Value("split_min_score", options.split_min_score);
   bind.Value("split_min_mask_part", options.split_min_mask_part);
   bind.Value("split_min_px", options.split_min_pixels);
   bind.Value("split_min_rest_px", options.split_min_rest_pixels);
+  bind.Classes("leave_out_classes", options.leave_out_classes);
+  bind.Value("leave_out_margin_px", options.leave_out_margin);
 }
 
 template <typename Binder>
@@ -81,6 +85,12 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("max_unpacked_blocks", options.max_unpacked_blocks);
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
+  bind.Value("carve_frames", options.carve_frames);
+  bind.Value("free_frames", options.free_frames);
+  bind.Value("carve_keep", options.carve_keep);
+  bind.Value("carve_margin_voxels", options.carve_margin_voxels);
+  bind.Value("carve_sigmas", options.carve_sigmas);
+  bind.Value("carve_slope", options.carve_slope);
 }
 
 template <typename Binder>
@@ -97,6 +107,7 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Direction("up_W", config.up_W);
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
+  bind.Value("removed_max_rest", options.removed_max_rest);
   bind.Value("box_outliers", options.box_outliers);
   bind.Value("part_gap_m", options.part_gap);
   bind.Value("min_part_share", options.min_part_share);

@@ -8,6 +8,7 @@
 #include "base/require.h"
 #include "config/bindings.h"
 #include "config/config.h"
+#include "datasets/class_names.h"
 #include "options.pb.h"
 
 namespace vismap {
@@ -53,6 +54,21 @@ class Reader {
     } else {
       static_assert(std::is_enum_v<T>);
       member = static_cast<T>(reflection().GetEnumValue(message_, field));
+    }
+  }
+
+  void Classes(const char* key, std::vector<ClassId>& member) {
+    std::vector<std::string> names;
+    Value(key, names);
+    if (!names.empty()) member.clear();
+    for (const std::string& name : names) {
+      const std::optional<ClassId> class_id = ParseClass(name);
+      if (!class_id || *class_id == ClassId::kUnknown) {
+        problems_->push_back(path_ + key + ": '" + name +
+                             "' is neither a COCO class nor a number in [1, 65535]");
+      } else {
+        member.push_back(*class_id);
+      }
     }
   }
 
@@ -124,6 +140,14 @@ class Writer {
     } else {
       static_assert(std::is_enum_v<T>);
       reflection().SetEnumValue(message_, field, static_cast<int>(member));
+    }
+  }
+
+  void Classes(const char* key, const std::vector<ClassId>& member) {
+    for (const ClassId class_id : member) {
+      const bool named = ClassFromName(ClassName(class_id)).has_value();
+      reflection().AddString(message_, FieldOf(*message_, key),
+                             named ? ClassName(class_id) : std::to_string(Raw(class_id)));
     }
   }
 

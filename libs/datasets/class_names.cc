@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 
 namespace vismap {
 namespace {
@@ -50,6 +51,13 @@ std::optional<ClassId> ClassFromName(std::string_view name) {
   const auto found = std::find(kNames.begin(), kNames.end(), name);
   if (found == kNames.end()) return std::nullopt;
   return static_cast<ClassId>(found - kNames.begin());
+}
+
+std::optional<ClassId> ParseClass(std::string_view text) {
+  uint16_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error == std::errc() && end == text.data() + text.size()) return static_cast<ClassId>(id);
+  return ClassFromName(text);
 }
 
 }  // namespace vismap

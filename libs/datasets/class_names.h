@@ -14,4 +14,7 @@ std::string ClassName(ClassId id);
 /// The class with this COCO name (case matters, as in COCO: "dining table", "tv"), if any.
 std::optional<ClassId> ClassFromName(std::string_view name);
 
+/// A class as people write it: its COCO name, or its id, [0, 65535].
+std::optional<ClassId> ParseClass(std::string_view text);
+
 }  // namespace vismap

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 
 #include "base/digest.h"
 #include "base/parallel.h"
@@ -160,21 +159,25 @@ std::string OccupancyMap::Digest() const {
   return digest.Hex();
 }
 
+void Extend(const CellBox& more, std::optional<CellBox>* box) {
+  if (!*box) *box = more;
+  CellBox& whole = **box;
+  whole.min = {std::min(whole.min.x, more.min.x), std::min(whole.min.y, more.min.y),
+               std::min(whole.min.z, more.min.z)};
+  whole.max = {std::max(whole.max.x, more.max.x), std::max(whole.max.y, more.max.y),
+               std::max(whole.max.z, more.max.z)};
+}
+
+CellBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy) {
+  const CellBox local = KnownInBlock(occupancy);
+  const VoxelIndex first{kBlockSide * index.x, kBlockSide * index.y, kBlockSide * index.z};
+  return {{first.x + local.min.x, first.y + local.min.y, first.z + local.min.z},
+          {first.x + local.max.x, first.y + local.max.y, first.z + local.max.z}};
+}
+
 std::optional<CellBox> OccupancyMap::KnownCells() const {
-  if (blocks_.empty()) return std::nullopt;
-  constexpr int32_t kMin = std::numeric_limits<int32_t>::min();
-  constexpr int32_t kMax = std::numeric_limits<int32_t>::max();
-  CellBox box{{kMax, kMax, kMax}, {kMin, kMin, kMin}};
-  for (const auto& [index, occupancy] : blocks_) {
-    const CellBox local = KnownInBlock(occupancy);
-    const auto grow = [](int32_t block, int32_t low, int32_t high, int32_t* min, int32_t* max) {
-      *min = std::min(*min, kBlockSide * block + low);
-      *max = std::max(*max, kBlockSide * block + high);
-    };
-    grow(index.x, local.min.x, local.max.x, &box.min.x, &box.max.x);
-    grow(index.y, local.min.y, local.max.y, &box.min.y, &box.max.y);
-    grow(index.z, local.min.z, local.max.z, &box.min.z, &box.max.z);
-  }
+  std::optional<CellBox> box;
+  for (const auto& [index, occupancy] : blocks_) Extend(KnownCellsOf(index, occupancy), &box);
   return box;
 }
 

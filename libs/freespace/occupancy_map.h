@@ -29,6 +29,12 @@ struct CellBox {
   friend bool operator==(const CellBox&, const CellBox&) = default;
 };
 
+/// Grows a box so that it holds another; none holds nothing.
+void Extend(const CellBox& more, std::optional<CellBox>* box);
+
+/// The smallest box around the cells of a block that are not unknown, which there must be.
+CellBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy);
+
 /// Occupancy of the whole map, by blocks of 8x8x8 cells. A cell is a voxel of the map, or a larger
 /// cube where a coarser map was made of it. Kept up to date by deltas: from a SemanticMap in the
 /// same process, or from another process.
@@ -37,7 +43,9 @@ class OccupancyMap {
   using Table = tsl::robin_map<BlockIndex, BlockOccupancy, BlockIndexHash>;
 
   /// `cell_size` [m].
-  explicit OccupancyMap(double cell_size) : cell_size_(cell_size) {}
+  explicit OccupancyMap(double cell_size) : cell_size_(cell_size) {
+    blocks_.max_load_factor(kBlockTableLoad);
+  }
 
   double cell_size() const { return cell_size_; }
   size_t size() const { return blocks_.size(); }  ///< blocks of which anything is known

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/require.h"
+#include "geometry/depth_steps.h"
 #include "geometry/fit_normals.h"
 #include "geometry/surface_kernels.h"
 #include "geometry/window_normals.h"
@@ -107,7 +108,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   Require(depth.width() == camera.width && depth.height() == camera.height,
           "a depth image has the size of its camera");
   SurfaceMap out = UnsetSurface(camera.width, camera.height);
-  const SurfaceConstants constants = MakeConstants(camera, options);
+  SurfaceConstants constants = MakeConstants(camera, options);
   const auto rows = static_cast<size_t>(camera.height);
   InverseDepth inverse{Image<float>::Unset(camera.width, camera.height),
                        Image<float>::Unset(camera.width, camera.height)};
@@ -118,6 +119,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
          inverse.w.row(v), inverse.sigma.row(v), out.depth_sigma.row(v), out.radius.row(v)},
         constants, static_cast<float>((v - camera.cy) / camera.fy), camera.width);
   });
+  constants.jump = static_cast<float>(JumpSigmas(inverse.w, inverse.sigma, options.jump_sigmas));
   ParallelFor(rows, kRowGrain,
               [&](size_t row) { JoinRow(inverse, constants, static_cast<int>(row), &out); });
   ComputeReach(&out);

@@ -25,7 +25,9 @@ struct SurfaceOptions {
   double normal_sigma_deg = 7.0;  ///< the window grows with noise until normals are this good [deg]
   int min_radius = 2;             ///< of the window [px at width 640]
   int max_radius = 10;            ///< of the window [px at width 640], at most 31
-  double jump_sigmas = 5.0;       ///< neighbours whose inverse depths differ by more are not joined
+  /// Neighbours whose inverse depths differ by more are not joined; images that are noisier than
+  /// the model stretch it, see JumpSigmas.
+  double jump_sigmas = 5.0;
   double max_incidence_deg = 84;  ///< steeper surfaces count as depth jumps [deg]
 
   // kWindowCovariance (Grinvald 2019, published code)

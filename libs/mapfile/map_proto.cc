@@ -39,6 +39,8 @@ void PutRecord(const vismap::LabelRecord& record, LabelRecord* proto) {
   proto->set_pixels(record.pixels);
   proto->set_first_utime(record.first_utime);
   proto->set_last_utime(record.last_utime);
+  proto->set_cleared_voxels(record.cleared_voxels);
+  proto->set_cleared_utime(record.cleared_utime);
   PutEvidence(record.instance_evidence, proto->mutable_instances(),
               proto->mutable_instance_evidence());
   PutEvidence(record.class_evidence, proto->mutable_classes(), proto->mutable_class_evidence());
@@ -55,6 +57,8 @@ Result<vismap::LabelRecord> TakeRecord(const LabelRecord& proto, size_t label) {
   record.pixels = proto.pixels();
   record.first_utime = proto.first_utime();
   record.last_utime = proto.last_utime();
+  record.cleared_voxels = proto.cleared_voxels();
+  record.cleared_utime = proto.cleared_utime();
   auto instances = TakeEvidence<InstanceId>(proto.instances(), proto.instance_evidence());
   if (!instances) return tl::unexpected(instances.error());
   record.instance_evidence = std::move(*instances);

@@ -24,8 +24,11 @@ class DepthPyramid {
   /// nearby may be included.
   DepthRange Bound(int u0, int v0, int u1, int v1) const;
 
- private:
+  /// Pixels (u, v) lie in tile (v >> kTileShift, u >> kTileShift).
   static constexpr int kTileShift = 2;
+  const Image<DepthRange>& tiles() const { return levels_.front(); }
+
+ private:
   std::vector<Image<DepthRange>> levels_;
 };
 

@@ -1,7 +1,9 @@
 #include "mapping/fuse_block.h"
 
+#include <algorithm>
 #include <bit>
 
+#include "mapping/clear_depth.h"
 #include "volume/label_votes.h"
 
 namespace vismap {
@@ -62,11 +64,37 @@ void ForEach(const VoxelBits& bits, const Visit& visit) {
   }
 }
 
+// Of a voxel's distance, in truncations: what is farther from the surface goes by itself.
+constexpr float kCarvedPart = 0.75F;
+
+CarvingLimits LimitsOf(const IntegrationOptions& options, const VoxelGridOptions& grid) {
+  const auto truncation = static_cast<float>(grid.truncation_voxels * grid.voxel_size);
+  const auto margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size);
+  return {.frames = static_cast<float>(options.carve_frames),
+          .keep = static_cast<float>(options.carve_keep),
+          .slope = static_cast<float>(options.carve_slope),
+          .max_distance = kCarvedPart * truncation,
+          .min_measured = 0.99F * std::min(margin, truncation)};  // less for rounding
+}
+
+SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, size_t i) {
+  LabelVote best;
+  for (int slot = 0; slot < kVoteSlots; ++slot) {
+    const LabelVote vote = voxels.Vote(static_cast<int>(i), slot);
+    if (vote.votes > best.votes) best = vote;
+  }
+  return best.label;
+}
+
 }  // namespace
 
-FrameProjection::FrameProjection(const SegmentedFrame& frame, std::vector<SegmentLabel> labels,
+FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid,
+                                 std::vector<SegmentLabel> labels,
                                  const IntegrationOptions& options, const VoxelGridOptions& grid)
-    : frame_(frame), labels_(std::move(labels)), voxel_size_(grid.voxel_size) {
+    : frame_(frame),
+      labels_(std::move(labels)),
+      voxel_size_(grid.voxel_size),
+      carving_(LimitsOf(options, grid)) {
   const Pose T_C_W = frame.frame.header.T_W_C.inverse();
   R_C_W_ = T_C_W.linear();
   t_C_W_ = T_C_W.translation();
@@ -78,7 +106,23 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, std::vector<Segmen
              static_cast<float>(options.vote_distance_voxels * grid.voxel_size),
              static_cast<float>(2 * grid.voxel_size),  // all that a mesh vertex can lie between
              options.free_space};
-  max_weight_ = static_cast<float>(options.max_weight) * kWeightScale;
+  // No limit: more than any weight, since that of a frame is at least a step.
+  weights_ = {
+      static_cast<float>(options.max_weight) * kWeightScale,
+      options.free_frames > 0 ? std::max(static_cast<float>(options.free_frames), 1.0F) : 65536.0F};
+  if (options.carve_frames <= 0) return;
+  clear_depth_ =
+      ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
+                 {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size),
+                  .sigmas = static_cast<float>(options.carve_sigmas)});
+}
+
+VoxelBits FrameProjection::CarveWhatIsPassed(const ProjectedVoxels& projected,
+                                             VoxelSamples& samples, SurfaceVoxels& voxels) const {
+  if (clear_depth_.empty() || !MayCarve(samples, limits_.truncation, carving_, voxels)) return {};
+  alignas(64) VoxelArray<float> clear;
+  LookUpDepth(projected, clear_depth_.data(), clear);
+  return CarveVoxels(projected, clear, limits_.truncation, carving_, samples, voxels);
 }
 
 void FrameProjection::BlendColors(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
@@ -114,17 +158,22 @@ int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int3
   return evicted;
 }
 
-FrameProjection::Outcome FrameProjection::FuseSurface(const VoxelSamples& samples,
-                                                      const VoxelArray<int32_t>& pixel,
+FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& projected,
+                                                      VoxelSamples& samples,
                                                       SurfaceVoxels& voxels) const {
   Outcome outcome;
   for (const uint64_t word : VoxelsWith(samples.flags, kNearSurface | kSeenFree))
     outcome.voxels_updated += std::popcount(word);
   if (outcome.voxels_updated == 0) return outcome;
+  const VoxelBits turning = CarveWhatIsPassed(projected, samples, voxels);
   alignas(64) VoxelArray<float> shares;
-  FuseDistances(samples, limits_.truncation, max_weight_, voxels, shares);
-  BlendColors(samples, pixel, shares, voxels);
-  outcome.votes_evicted = Vote(samples, pixel, voxels);
+  FuseDistances(samples, limits_.truncation, weights_, voxels, shares);
+  ForEach(turning, [&](size_t i) {
+    if (voxels.distance[i] > 0) ++outcome.cleared[StrongestLabel(voxels, i)];
+  });
+  outcome.cleared.erase(SegmentLabel::kNone);
+  BlendColors(samples, projected.pixel, shares, voxels);
+  outcome.votes_evicted = Vote(samples, projected.pixel, voxels);
   outcome.changed = true;
   return outcome;
 }
@@ -133,7 +182,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
                                                Block& block) const {
   if (view == BlockView::kWhollyFree && !block.surface) {
     static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
-    return {MarkFree(kAll, block), 0, 0};
+    return {.changed = MarkFree(kAll, block)};
   }
   const Eigen::Vector3d first_W =
       Eigen::Vector3d(index.x, index.y, index.z) * (kBlockSide * voxel_size_) +
@@ -149,7 +198,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
   const uint8_t said = UnionOf(samples.flags);
   if (said == 0) return {};
   if (!block.surface && !(said & kNearSurface)) {
-    return {MarkFree(VoxelsWith(samples.flags, kSeenFree), block), 0, 0};
+    return {.changed = MarkFree(VoxelsWith(samples.flags, kSeenFree), block)};
   }
   block.surface.Unpack();
   if (!block.surface) {
@@ -157,7 +206,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
     block.free.reset();
     block.all_free = false;
   }
-  return FuseSurface(samples, voxels.pixel, *block.surface);
+  return FuseSurface(voxels, samples, *block.surface);
 }
 
 }  // namespace vismap

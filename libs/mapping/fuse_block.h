@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
+#include "mapping/depth_pyramid.h"
 #include "mapping/integrate.h"
 #include "mapping/visible_blocks.h"
 #include "mapping/voxel_kernels.h"
@@ -13,15 +15,17 @@ namespace vismap {
 /// of voxels.
 class FrameProjection {
  public:
-  /// `labels`: the persistent label of each of the frame's segments.
-  FrameProjection(const SegmentedFrame& frame, std::vector<SegmentLabel> labels,
-                  const IntegrationOptions& options, const VoxelGridOptions& grid);
+  /// `labels`: the persistent label of each of the frame's segments. `pyramid`: of its depth.
+  FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid,
+                  std::vector<SegmentLabel> labels, const IntegrationOptions& options,
+                  const VoxelGridOptions& grid);
 
   /// What a frame did to one block.
   struct Outcome {
     bool changed = false;
     int64_t voxels_updated = 0;
     int64_t votes_evicted = 0;
+    std::map<SegmentLabel, uint32_t> cleared = {};  ///< see MapDelta
   };
 
   /// Projects the voxels of the block at `index` into the frame and updates `block`, which may turn
@@ -30,8 +34,10 @@ class FrameProjection {
   Outcome Fuse(BlockIndex index, BlockView view, Block& block) const;
 
  private:
-  Outcome FuseSurface(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
+  Outcome FuseSurface(const ProjectedVoxels& projected, VoxelSamples& samples,
                       SurfaceVoxels& voxels) const;
+  VoxelBits CarveWhatIsPassed(const ProjectedVoxels& projected, VoxelSamples& samples,
+                              SurfaceVoxels& voxels) const;
   void BlendColors(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                    const VoxelArray<float>& shares, SurfaceVoxels& voxels) const;
   int64_t Vote(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
@@ -43,7 +49,9 @@ class FrameProjection {
   Eigen::Vector3d t_C_W_;
   double voxel_size_;
   MeasurementLimits limits_;
-  float max_weight_;  // in steps
+  WeightLimits weights_;
+  CarvingLimits carving_;
+  Image<float> clear_depth_;  // empty without carving
 };
 
 }  // namespace vismap

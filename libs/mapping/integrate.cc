@@ -28,6 +28,8 @@ void CountEvidence(const SegmentedFrame& frame, const FrameAssociation& associat
     record.first_utime = record.frames == 0 ? utime : std::min(record.first_utime, utime);
     record.last_utime = record.frames == 0 ? utime : std::max(record.last_utime, utime);
     ++record.frames;
+    record.cleared_voxels = 0;  // it is there
+    record.cleared_utime = 0;
     if (frame.had_detections) ++record.frames_with_detector;
     record.pixels += static_cast<uint64_t>(segment.pixels);
     if (match.instance == InstanceId::kNone) continue;
@@ -72,6 +74,15 @@ void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBloc
     delta.changed_blocks.push_back(item.target.index);
     delta.voxels_updated += item.outcome.voxels_updated;
     delta.votes_evicted += item.outcome.votes_evicted;
+    for (const auto& [label, count] : item.outcome.cleared) delta.cleared[label] += count;
+  }
+}
+
+void NoteCleared(const MapDelta& delta, int64_t utime, LabelTable& labels) {
+  for (const auto& [label, count] : delta.cleared) {
+    LabelRecord& record = labels.MutableRecord(labels.Canonical(label));
+    record.cleared_voxels += count;
+    record.cleared_utime = std::max(record.cleared_utime, utime);
   }
 }
 
@@ -113,6 +124,18 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   check(options.vote_distance_voxels > 0, "integration: vote_distance_voxels must be positive");
   check(options.max_unpacked_blocks >= 0, "integration: max_unpacked_blocks must be 0 or more");
   check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
+  check(options.carve_frames >= 0 && options.carve_frames <= 100,
+        "integration: carve_frames must be 0 (no carving) to 100");
+  check(options.free_frames >= 0 && options.free_frames <= 10000,
+        "integration: free_frames must be 0 (no limit) to 10000");
+  check(options.carve_keep > 0 && options.carve_keep < 1,
+        "integration: carve_keep must be between 0 and 1");
+  check(options.carve_margin_voxels >= 2 && options.carve_margin_voxels <= 1000,
+        "integration: carve_margin_voxels must be 2..1000");
+  check(options.carve_sigmas >= 0 && options.carve_sigmas <= 100,
+        "integration: carve_sigmas must be 0..100");
+  check(options.carve_slope >= 0 && options.carve_slope <= 1000,
+        "integration: carve_slope must be 0..1000");
   return problems;
 }
 
@@ -135,7 +158,8 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   const VisibilityOptions visibility{map->voxels.block_size(), map->voxels.truncation(),
                                      options.min_range,        options.max_range,
                                      options.free_space_range, options.free_space};
-  const FrameProjection projection(frame, std::move(labels), options, map->voxels.options());
+  const FrameProjection projection(frame, pyramid, std::move(labels), options,
+                                   map->voxels.options());
   const auto may_change = [&](const VisibleBlock& target) {
     if (target.view == BlockView::kMixed) return true;
     // Seen empty once more: nothing that a block without surface could still learn.
@@ -147,6 +171,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
              map->voxels, delta);
   if (revision > kPackAfter)
     map->voxels.PackUnused(revision - kPackAfter, static_cast<size_t>(options.max_unpacked_blocks));
+  NoteCleared(delta, header.utime, map->labels);
   MergeLabels(association, options.merge_frames, map->labels, delta);
 
   map->last_utime = std::max(map->last_utime, header.utime);

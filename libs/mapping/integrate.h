@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,8 @@ struct MapDelta {
   std::vector<std::pair<SegmentLabel, SegmentLabel>> merged;  ///< (dead, survivor), in order
   int64_t voxels_updated = 0;
   int64_t votes_evicted = 0;  ///< label votes lost to full slots
+  /// Voxels of each label that were inside or on a surface and turned out to be free; ascending.
+  std::map<SegmentLabel, uint32_t> cleared;
 };
 
 struct IntegrationOptions {
@@ -32,6 +35,20 @@ struct IntegrationOptions {
   double vote_distance_voxels = 1.0;  ///< labels are voted for within this distance of the surface
   double merge_frames =
       3.0;  ///< net frames seen together after which two labels are merged; 0 = never
+
+  // Carving: what was removed or moved goes when the camera sees past where it stood. A voxel that
+  // rays clearly pass first only loses weight; its distance changes once little weight is left. So
+  // a few wrong frames move no surface, and the heaviest one is gone after
+  // ln(max_weight / weight of a frame) / -ln(carve_keep) + carve_frames + 2 frames.
+  double carve_frames = 2.0;  ///< weight left, in frames like the present one; 0 = no carving
+  /// A voxel far before any surface keeps no more weight than so many frames like the present one,
+  /// so that what is put there later appears as fast; 0 = no such limit.
+  double free_frames = 10.0;
+  double carve_keep = 0.2;           ///< share of its weight that a voxel keeps each time, (0, 1)
+  double carve_margin_voxels = 4.0;  ///< rays must end so far behind the voxel ...
+  double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth (Nguyen 2012)
+  double carve_slope = 8.0;  ///< ... and so much farther per metre of its distance: a ray closer to
+                             ///< parallel to the surface may have missed it
 };
 
 /// All problems of the options, as sentences; empty = fine.

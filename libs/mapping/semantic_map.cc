@@ -60,6 +60,10 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
   digest.Add(record.pixels);
   digest.Add(record.first_utime);
   digest.Add(record.last_utime);
+  if (record.cleared_voxels > 0) {  // maps from before there was carving keep their hash
+    digest.Add(record.cleared_voxels);
+    digest.Add(record.cleared_utime);
+  }
   digest.Add(record.instance_evidence.size());
   for (const auto& [instance, evidence] : record.instance_evidence) {
     digest.Add(instance);

@@ -99,20 +99,72 @@ VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const f
   }
 }
 
+// Mean distances from here on are those of free space: nine tenths of the truncation.
+constexpr float kFreeSteps = 29490.0F;
+
 VISMAP_VECTOR_CLONES void Fuse(const float* distance_in, const float* weight_in, float scale,
-                               float max_weight, int16_t* distances, uint16_t* weights,
-                               uint8_t* observations, float* shares) {
+                               float max_weight, float free_frames, int16_t* distances,
+                               uint16_t* weights, uint8_t* observations, float* shares) {
   for (int i = 0; i < kBlockVoxels; ++i) {
     const float old_weight = weights[i], weight = weight_in[i], old_distance = distances[i];
     const float share = weight / std::max(old_weight + weight, 1.0F);
     const float fused = old_distance + share * (distance_in[i] * scale - old_distance);
     // Rounding to nearest by truncation of a positive number; exact for values that do not change.
     distances[i] = static_cast<int16_t>(static_cast<int32_t>(fused + 32768.5F) - 32768);
-    weights[i] = static_cast<uint16_t>(
-        static_cast<int32_t>(std::min(old_weight + weight, max_weight) + 0.5F));
+    const float sum = std::min(old_weight + weight, max_weight);
+    const float cap = free_frames * weight;
+    const float bounded = cap < sum ? cap : sum;
+    const float at_free = weight > 0 ? bounded : sum;
+    const float left = fused >= kFreeSteps ? at_free : sum;
+    weights[i] = static_cast<uint16_t>(static_cast<int32_t>(left + 0.5F));
     const int count = observations[i] + (weight > 0 ? 1 : 0);
     observations[i] = static_cast<uint8_t>(std::min(count, 255));
     shares[i] = share;
+  }
+}
+
+// Whether any voxel has a frame's weight, one of its own, a distance below a limit and a measured
+// one from another limit on.
+VISMAP_VECTOR_CLONES int32_t CountPassable(const float* distance_in, const float* weight_in,
+                                           float min_measured, float max_distance,
+                                           const int16_t* distances, const uint16_t* weights) {
+  int32_t count = 0;
+  for (int i = 0; i < kBlockVoxels; ++i) {
+    const float old_distance = distances[i], old_weight = weights[i];
+    const int32_t measured = distance_in[i] >= min_measured ? 1 : 0;
+    const int32_t said = weight_in[i] > 0 ? measured : 0;
+    const int32_t known = old_weight > 0 ? said : 0;
+    count += old_distance < max_distance ? known : 0;
+  }
+  return count;
+}
+
+VISMAP_VECTOR_CLONES void Carve(const float* z, const float* clear, float metres,
+                                const CarvingLimits& limits, float* weight_in,
+                                const int16_t* distances, uint16_t* weights,
+                                uint8_t* __restrict turning) {
+  const float frames = limits.frames, keep = limits.keep, slope = limits.slope;
+  const float max_distance = limits.max_distance;
+  for (int i = 0; i < kBlockVoxels; ++i) {
+    const float distance = static_cast<float>(distances[i]) * metres;
+    const float old_weight = weights[i], weight = weight_in[i];
+    const float before = distance > 0 ? distance : 0.0F;
+    const float behind = clear[i] - z[i];
+    const float near_here = distance < max_distance ? 1.0F : 0.0F;
+    const float said = weight > 0 ? near_here : 0.0F;
+    const float known = old_weight > 0 ? said : 0.0F;
+    const float passed = behind > slope * before ? known : 0.0F;
+    const float least = frames * weight, most = least + 2.0F * weight;
+    const float heavy = old_weight > most ? passed : 0.0F;
+    const float kept = old_weight * keep;
+    const float weakened = kept > least ? kept : least;
+    const float capped = old_weight < least ? old_weight : least;
+    const float light = passed > heavy ? capped : old_weight;
+    const float left = heavy > 0 ? weakened : light;
+    weights[i] = static_cast<uint16_t>(static_cast<int32_t>(left + 0.5F));
+    weight_in[i] = heavy > 0 ? 0.0F : weight;
+    const float inside = distance <= 0 ? passed - heavy : 0.0F;
+    turning[i] = static_cast<uint8_t>(static_cast<int32_t>(inside));
   }
 }
 
@@ -167,10 +219,27 @@ uint8_t UnionOf(const VoxelArray<uint8_t>& flags) {
   return static_cast<uint8_t>(all);
 }
 
-void FuseDistances(const VoxelSamples& samples, float truncation, float max_weight,
+void FuseDistances(const VoxelSamples& samples, float truncation, const WeightLimits& limits,
                    SurfaceVoxels& voxels, VoxelArray<float>& shares) {
-  Fuse(samples.distance.data(), samples.weight.data(), 32767.0F / truncation, max_weight,
-       voxels.distance.data(), voxels.weight.data(), voxels.observations.data(), shares.data());
+  Fuse(samples.distance.data(), samples.weight.data(), 32767.0F / truncation, limits.most,
+       limits.free_frames, voxels.distance.data(), voxels.weight.data(), voxels.observations.data(),
+       shares.data());
+}
+
+bool MayCarve(const VoxelSamples& samples, float truncation, const CarvingLimits& limits,
+              const SurfaceVoxels& voxels) {
+  return CountPassable(samples.distance.data(), samples.weight.data(), limits.min_measured,
+                       limits.max_distance * (32767.0F / truncation), voxels.distance.data(),
+                       voxels.weight.data()) > 0;
+}
+
+VoxelBits CarveVoxels(const ProjectedVoxels& projected, const VoxelArray<float>& clear,
+                      float truncation, const CarvingLimits& limits, VoxelSamples& samples,
+                      SurfaceVoxels& voxels) {
+  alignas(64) VoxelArray<uint8_t> turning;
+  Carve(projected.z.data(), clear.data(), truncation / 32767.0F, limits, samples.weight.data(),
+        voxels.distance.data(), voxels.weight.data(), turning.data());
+  return VoxelsWith(turning, 1);
 }
 
 }  // namespace vismap

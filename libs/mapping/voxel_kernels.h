@@ -68,9 +68,37 @@ VoxelBits VoxelsWith(const VoxelArray<uint8_t>& flags, uint8_t mask);
 /// All bits that some voxel has set.
 uint8_t UnionOf(const VoxelArray<uint8_t>& flags);
 
+/// Caps of a voxel's weight.
+struct WeightLimits {
+  float most;         ///< in steps
+  float free_frames;  ///< from nine tenths of the truncation on: times the frame's own weight
+};
+
 /// Weighted running mean of distances and weights, and the count of observations. `shares` = how
 /// much of each new mean is this frame's, [0, 1].
-void FuseDistances(const VoxelSamples& samples, float truncation, float max_weight,
+void FuseDistances(const VoxelSamples& samples, float truncation, const WeightLimits& limits,
                    SurfaceVoxels& voxels, VoxelArray<float>& shares);
+
+/// When a frame clears a voxel, and how fast.
+struct CarvingLimits {
+  float frames;        ///< see IntegrationOptions::carve_frames; 0 = never
+  float keep;          ///< share of the weight kept
+  float slope;         ///< per metre of the voxel's distance, see IntegrationOptions::carve_slope
+  float max_distance;  ///< only voxels nearer to the surface, or behind it [m]
+  float min_measured;  ///< no voxel is passed that is measured nearer to the surface [m]
+};
+
+/// Whether some voxel that the frame speaks of may be carved: measured farther from the surface
+/// than it is, and not far before the surface in the map.
+bool MayCarve(const VoxelSamples& samples, float truncation, const CarvingLimits& limits,
+              const SurfaceVoxels& voxels);
+
+/// Weakens the voxels that are clearly passed by rays: with `clear` = depth up to which space is
+/// clear at each voxel's pixel [m]; 0 = none. Those with much weight lose most of it, and the frame
+/// says no more of them; the others keep at most `frames` times the frame's weight. Returns the
+/// voxels of the latter that are inside or on a surface.
+VoxelBits CarveVoxels(const ProjectedVoxels& projected, const VoxelArray<float>& clear,
+                      float truncation, const CarvingLimits& limits, VoxelSamples& samples,
+                      SurfaceVoxels& voxels);
 
 }  // namespace vismap

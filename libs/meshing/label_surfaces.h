@@ -25,7 +25,7 @@ LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels);
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options);
 
-/// Sets box and structure of an object.
+/// Sets box and structure of an object; of one that was removed neither.
 void MeasureObject(const LabelSurfaces& surfaces, const ObjectOptions& options,
                    ObjectSummary* object);
 

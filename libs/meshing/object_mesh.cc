@@ -11,6 +11,7 @@ constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
 std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
   std::vector<uint32_t> owner;
   for (uint32_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].removed()) continue;
     for (const SegmentLabel label : objects[i].segments) {
       if (Raw(label) >= owner.size()) owner.resize(size_t{Raw(label)} + 1, kNobody);
       owner[Raw(label)] = i;

@@ -11,7 +11,7 @@ namespace vismap {
 /// The mesh of each object, cut out of the mesh of the whole map: a triangle goes to the object
 /// that most of its corners belong to (all three different: the one of its first corner), so that
 /// the pieces of all objects and of the rest fit together without gaps. Triangles of nobody in
-/// `objects` are left out.
+/// `objects` are left out, as is what remains of removed ones (their meshes are empty).
 std::vector<Mesh> CutObjects(const Mesh& mesh, std::span<const ObjectSummary> objects);
 
 /// Name of an object in files and tables: "instance_7_chair", "segment_12". Letters, digits,

@@ -8,15 +8,19 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxPoints = 3000;  // kept per label, for boxes
+constexpr size_t kMaxPoints = 2000;  // kept per label, for boxes
 constexpr size_t kLargeBlocks = 200;
+constexpr size_t kMaxBlocks = 300;  // looked at per label
+constexpr size_t kBlocksAtOnce = 600;
 constexpr double kGrowth = 1.1;
+constexpr double kCleared = 0.1;  // seen empty, of the surface
 
 void Thin(std::vector<Eigen::Vector3f>* points) {
   if (points->size() <= kMaxPoints) return;
   const size_t stride = (points->size() + kMaxPoints - 1) / kMaxPoints;
   std::vector<Eigen::Vector3f> picked;
   for (size_t i = 0; i < points->size(); i += stride) picked.push_back((*points)[i]);
+  picked.shrink_to_fit();
   *points = std::move(picked);
 }
 
@@ -50,7 +54,10 @@ std::vector<SegmentLabel> ObjectTracker::LabelsToMeasure(const SemanticMap& map,
   for (const SegmentLabel label : alive) {
     const size_t blocks = places(label).size(), before = blocks_measured_[Raw(label)];
     const bool large = blocks > kLargeBlocks;
-    if (large && static_cast<double>(blocks) < kGrowth * static_cast<double>(before)) {
+    const bool grew = static_cast<double>(blocks) >= kGrowth * static_cast<double>(before);
+    const bool shrank = map.labels.Record(label).cleared_voxels >
+                        kCleared * static_cast<double>(surfaces_[Raw(label)].vertices);
+    if (large && !grew && !shrank) {
       later.insert(label);
     } else {
       due.push_back(label);
@@ -60,21 +67,38 @@ std::vector<SegmentLabel> ObjectTracker::LabelsToMeasure(const SemanticMap& map,
   return due;
 }
 
-void ObjectTracker::MeasureLabels(const SemanticMap& map, const std::vector<SegmentLabel>& labels,
+// Some labels at a time, so that the surface of few blocks at once is in memory.
+void ObjectTracker::MeasureLabels(const SemanticMap& map, std::span<const SegmentLabel> labels,
                                   const Places& places, const MeshingOptions& meshing) {
+  for (size_t done = 0; done < labels.size();) {
+    size_t count = 0;
+    for (size_t blocks = 0; done + count < labels.size() && blocks < kBlocksAtOnce; ++count)
+      blocks += std::min(places(labels[done + count]).size(), kMaxBlocks);
+    MeasureTogether(map, labels.subspan(done, count), places, meshing);
+    done += count;
+  }
+}
+
+void ObjectTracker::MeasureTogether(const SemanticMap& map, std::span<const SegmentLabel> labels,
+                                    const Places& places, const MeshingOptions& meshing) {
   std::vector<BlockIndex> blocks;
+  std::vector<size_t> strides;
   for (const SegmentLabel label : labels) {
     const auto of_label = places(label);
-    blocks.insert(blocks.end(), of_label.begin(), of_label.end());
+    // Of large labels an even pick of blocks stands for all.
+    strides.push_back(std::max<size_t>(1, (of_label.size() + kMaxBlocks - 1) / kMaxBlocks));
+    for (size_t i = 0; i < of_label.size(); i += strides.back()) blocks.push_back(of_label[i]);
     blocks_measured_[Raw(label)] = of_label.size();
   }
   LabelSurfaces fresh =
       CollectSurfaces(ExtractMeshOf(map, std::move(blocks), meshing), surfaces_.size());
-  for (const SegmentLabel label : labels) {
-    LabelSurface& surface = surfaces_[Raw(label)];
-    surface = std::move(fresh[Raw(label)]);
+  for (size_t i = 0; i < labels.size(); ++i) {
+    LabelSurface& surface = surfaces_[Raw(labels[i])];
+    surface = std::move(fresh[Raw(labels[i])]);
+    surface.vertices *= static_cast<int64_t>(strides[i]);
+    surface.area *= static_cast<double>(strides[i]);
     Thin(&surface.points_W);
-    ++versions_[Raw(label)];
+    ++versions_[Raw(labels[i])];
   }
 }
 
@@ -94,6 +118,7 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map, cons
     records.push_back(&measured_[key]);
   }
   ParallelFor(objects.size(), 1, [&](size_t i) {
+    if (objects[i].removed()) return;
     Measured& record = *records[i];
     if (record.from != from[i]) {
       MeasureObject(surfaces_, options, &objects[i]);

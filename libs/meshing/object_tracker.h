@@ -15,9 +15,9 @@ namespace vismap {
 
 /// The objects of a growing map, kept up to date with work that depends on what has changed and not
 /// on the size of the map: only labels of changed blocks are measured anew, and large ones, floors
-/// and walls, only when they have grown by a tenth. So boxes of large objects may lag a little
-/// behind SummarizeObjects; everything else differs by small pieces of surface that that leaves
-/// out.
+/// and walls, only when they have grown by a tenth or a tenth was seen empty. So boxes of large
+/// objects may lag a little behind SummarizeObjects; everything else differs by small pieces of
+/// surface that that leaves out.
 class ObjectTracker {
  public:
   /// Blocks where a label, or one merged into it, has votes.
@@ -41,8 +41,10 @@ class ObjectTracker {
   using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
 
   std::vector<SegmentLabel> LabelsToMeasure(const SemanticMap& map, const Places& places);
-  void MeasureLabels(const SemanticMap& map, const std::vector<SegmentLabel>& labels,
+  void MeasureLabels(const SemanticMap& map, std::span<const SegmentLabel> labels,
                      const Places& places, const MeshingOptions& meshing);
+  void MeasureTogether(const SemanticMap& map, std::span<const SegmentLabel> labels,
+                       const Places& places, const MeshingOptions& meshing);
 
   std::set<SegmentLabel> changed_;
   LabelSurfaces surfaces_;

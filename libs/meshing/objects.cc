@@ -1,6 +1,7 @@
 #include "meshing/objects.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/parallel.h"
 #include "meshing/label_surfaces.h"
@@ -27,11 +28,21 @@ void AddHistory(const LabelRecord& record, ObjectSummary* object) {
   object->frames = std::max(object->frames, record.frames);
 }
 
+// How much of each label there is, or, with `former`, was before it was seen empty.
+std::vector<double> SizesOf(const LabelTable& table, const LabelSurfaces& surfaces, bool former) {
+  std::vector<double> sizes;
+  for (const LabelSurface& surface : surfaces)
+    sizes.push_back(static_cast<double>(surface.vertices));
+  for (size_t l = 1; former && l < sizes.size() && l <= table.records().size(); ++l)
+    sizes[l] += table.records()[l - 1].cleared_voxels;
+  return sizes;
+}
+
 double Score(const ObjectSummary& object, const LabelTable& table, const LabelReadOut& read_out,
-             const LabelSurfaces& surfaces) {
+             const std::vector<double>& sizes) {
   double confidence = 0, points = 0, confirmations = 0;
   for (const SegmentLabel label : object.segments) {
-    const auto size = static_cast<double>(surfaces[Raw(label)].vertices);
+    const double size = sizes[Raw(label)];
     confidence += size * static_cast<double>(read_out.labels[Raw(label)].confidence);
     points += size;
     const auto& evidence = table.Record(label).instance_evidence;
@@ -46,12 +57,32 @@ double Score(const ObjectSummary& object, const LabelTable& table, const LabelRe
                     1.0);
 }
 
+// How much of the surface of labels was seen empty since they were last seen, and when last.
+struct Clearing {
+  int64_t voxels = 0;
+  int64_t utime = 0;  // [us]
+};
+
+Clearing ClearingOf(const std::vector<SegmentLabel>& labels, const LabelTable& table) {
+  Clearing clearing;
+  for (const SegmentLabel label : labels) {
+    const LabelRecord& record = table.Record(label);
+    clearing.voxels += record.cleared_voxels;
+    clearing.utime = std::max(clearing.utime, record.cleared_utime);
+  }
+  return clearing;
+}
+
+void SetClass(const InstanceReading& reading, ObjectSummary* object) {
+  object->class_id = reading.class_id;
+  object->class_probability = reading.class_probability;
+}
+
 ObjectSummary FromInstance(InstanceId id, const InstanceReading& reading) {
   ObjectSummary object;
   object.instance = id;
   object.segments = reading.labels;
-  object.class_id = reading.class_id;
-  object.class_probability = reading.class_probability;
+  SetClass(reading, &object);
   return object;
 }
 
@@ -76,20 +107,37 @@ int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces
   return count;
 }
 
-// Which objects there are; nothing measured yet.
+// Whether an object stands, was removed (then it is marked so), or never was one.
+bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
+                   const ObjectOptions& options, ObjectSummary* object) {
+  const int64_t least =
+      object->discovered() ? options.min_discovered_points : options.min_instance_points;
+  const int64_t points = CountPoints(object->segments, surfaces);
+  const Clearing clearing = ClearingOf(object->segments, table);
+  if (clearing.voxels >= std::max(least, int64_t{1}) &&
+      static_cast<double>(points) <
+          options.removed_max_rest * static_cast<double>(clearing.voxels)) {
+    object->state = ObjectState::kRemoved;
+    object->removed_utime = clearing.utime;
+    return true;
+  }
+  return points >= least;
+}
+
+// Which objects there are and were; nothing measured yet.
 std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
                                        const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
   std::vector<ObjectSummary> objects;
-  for (const auto& [id, reading] : read_out.instances) {
-    if (CountPoints(reading.labels, surfaces) < options.min_instance_points) continue;
-    objects.push_back(FromInstance(id, reading));
-  }
+  const auto list = [&](ObjectSummary object) {
+    if (StandsOrStood(table, surfaces, options, &object)) objects.push_back(std::move(object));
+  };
+  for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
   for (const SegmentLabel label : table.Alive()) {
-    if (read_out.labels[Raw(label)].instance != InstanceId::kNone) continue;
-    if (CountPoints({label}, surfaces) < options.min_discovered_points) continue;
-    objects.push_back(FromSegment(label));
+    if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
   }
+  std::stable_partition(objects.begin(), objects.end(),
+                        [](const ObjectSummary& object) { return !object.removed(); });
   return objects;
 }
 
@@ -116,10 +164,10 @@ LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
 
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
-  std::vector<double> sizes;
-  for (const LabelSurface& surface : surfaces)
-    sizes.push_back(static_cast<double>(surface.vertices));
+  const std::vector<double> sizes = SizesOf(table, surfaces, false);
+  const std::vector<double> former_sizes = SizesOf(table, surfaces, true);
   const LabelReadOut read_out = ReadLabels(table, sizes);
+  const LabelReadOut former = ReadLabels(table, former_sizes);
   std::vector<ObjectSummary> objects = ListObjects(table, read_out, surfaces, options);
   for (ObjectSummary& object : objects) {
     for (const SegmentLabel label : object.segments) {
@@ -127,13 +175,16 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
       object.area += surfaces[Raw(label)].area;
     }
     object.points = CountPoints(object.segments, surfaces);
-    if (!object.discovered()) object.score = Score(object, table, read_out, surfaces);
+    if (object.discovered()) continue;
+    if (object.removed()) SetClass(former.instances.at(object.instance), &object);
+    object.score = Score(object, table, read_out, object.removed() ? former_sizes : sizes);
   }
   return objects;
 }
 
 void MeasureObject(const LabelSurfaces& surfaces, const ObjectOptions& options,
                    ObjectSummary* object) {
+  if (object->removed()) return;
   const std::vector<Eigen::Vector3f> points = PointsOf(*object, surfaces);
   object->box = FitUprightBox(MainParts(points, options.part_gap, options.min_part_share),
                               options.up_W, options.box_outliers);

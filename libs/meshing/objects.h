@@ -9,6 +9,12 @@
 
 namespace vismap {
 
+/// Whether a thing still stands where the map had it.
+enum class ObjectState : uint8_t {
+  kPresent,
+  kRemoved,  ///< the camera saw past where it stood; little or no surface of it is left
+};
+
 /// One thing in the map as users see it: an instance that a detector named, or a discovered
 /// segment.
 struct ObjectSummary {
@@ -22,16 +28,22 @@ struct ObjectSummary {
   OrientedBox box;          ///< of its main parts, without outliers
   uint32_t frames = 0;      ///< in which its best-seen segment was observed
   int64_t first_utime = 0;  ///< [us]
-  int64_t last_utime = 0;   ///< [us]
+  int64_t last_utime = 0;   ///< of the last frame that saw it there [us]
+  ObjectState state = ObjectState::kPresent;
+  int64_t removed_utime = 0;  ///< of the frame that found it gone; 0 = present [us]
   bool is_structure = false;  ///< a large plane: floor, wall, ceiling, perhaps a table top
 
   bool discovered() const { return instance == InstanceId::kNone; }
+  bool removed() const { return state == ObjectState::kRemoved; }
 };
 
 struct ObjectOptions {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< unit; third axis of the boxes
-  int min_instance_points = 10;      ///< instances with fewer surface vertices are left out
-  int min_discovered_points = 100;   ///< the same for segments without an instance
+  int min_instance_points = 10;     ///< instances with fewer surface vertices are left out
+  int min_discovered_points = 100;  ///< the same for segments without an instance
+  /// Removed: less surface is left [points] than this part of what was seen empty since the object
+  /// was last seen [voxels], which is at least as much as the two numbers above ask for. 0 = never.
+  double removed_max_rest = 0.5;
   double box_outliers = 0.01;        ///< share of the points that a box may leave outside per axis
   double part_gap = 0.05;            ///< parts of an object farther from it than this [m] ...
   double min_part_share = 0.1;       ///< ... with less than this share of it are not in its box
@@ -40,9 +52,10 @@ struct ObjectOptions {
   double structure_area = 1.0;       ///< ... with at least this surface [m^2]
 };
 
-/// Instances in ascending order, then discovered segments in ascending order. Segments without any
-/// label are nobody's. `mesh` is the mesh of this map (ExtractMesh), from which the surface is
-/// read.
+/// Instances in ascending order, then discovered segments in ascending order; then what was
+/// removed, in the same order: with class, history and what is left of the surface, without box.
+/// Segments without any label are nobody's. `mesh` is the mesh of this map (ExtractMesh), from
+/// which the surface is read.
 ///
 /// The class of an instance is the argmax over classes of sum over its labels of Psi(l, c) times
 /// vertices of l (ALGORITHM 4.6), ties to the lower class. The score is the product of: the share

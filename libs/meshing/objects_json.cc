@@ -37,13 +37,17 @@ Json ToJson(const ObjectSummary& object, const ClassNamer& class_name) {
   json["segments"] = Json::array();
   for (const SegmentLabel label : object.segments) json["segments"].push_back(Raw(label));
   json["points"] = object.points;
-  json["center"] = ToJson(object.box.center_W);
-  json["size"] = ToJson(object.box.size);
-  json["orientation"] = ToJson(object.box.R_W_B);
+  if (!object.removed()) {
+    json["center"] = ToJson(object.box.center_W);
+    json["size"] = ToJson(object.box.size);
+    json["orientation"] = ToJson(object.box.R_W_B);
+  }
   json["frames"] = object.frames;
   json["area"] = Rounded(object.area);
   json["first_utime"] = object.first_utime;
   json["last_utime"] = object.last_utime;
+  json["state"] = object.removed() ? "removed" : "present";
+  if (object.removed()) json["removed_utime"] = object.removed_utime;
   if (object.discovered()) {
     json["structure"] = object.is_structure;
   } else {
@@ -67,13 +71,14 @@ std::string Lines(const std::vector<Json>& list) {
 
 std::string ObjectsJson(const std::string& map_id, std::span<const ObjectSummary> objects,
                         const ClassNamer& class_name) {
-  std::vector<Json> named, discovered;
+  std::vector<Json> named, discovered, removed;
   for (const ObjectSummary& object : objects) {
-    (object.discovered() ? discovered : named).push_back(ToJson(object, class_name));
+    auto& list = object.removed() ? removed : object.discovered() ? discovered : named;
+    list.push_back(ToJson(object, class_name));
   }
   const std::string id = Json(map_id).dump(-1, ' ', false, Json::error_handler_t::replace);
   return "{\"map_id\":" + id + ",\n\"objects\":" + Lines(named) +
-         ",\n\"discovered\":" + Lines(discovered) + "}\n";
+         ",\n\"discovered\":" + Lines(discovered) + ",\n\"removed\":" + Lines(removed) + "}\n";
 }
 
 }  // namespace vismap

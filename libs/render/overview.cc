@@ -50,7 +50,7 @@ void NameObjects(std::span<const ObjectSummary> objects, const ClassNamer& class
                  const View& view, Image<Rgb8>* image) {
   const cv::Mat mat = AsMat(image);
   for (const ObjectSummary& object : objects) {
-    if (object.discovered()) continue;
+    if (object.discovered() || object.removed()) continue;
     const auto pixel = ProjectToView(view, object.box.center_W);
     if (!pixel) continue;
     const std::string name = NameOf(object.class_id, class_name);
@@ -124,6 +124,7 @@ std::vector<LegendEntry> MakeLegend(std::span<const ObjectSummary> objects, Colo
   std::map<ClassId, Group> classes;
   Group unnamed, unknown, structure;
   for (const ObjectSummary& object : objects) {
+    if (object.removed()) continue;
     Group& group = object.is_structure                    ? structure
                    : object.discovered()                  ? unknown
                    : object.class_id == ClassId::kUnknown ? unnamed

@@ -63,6 +63,8 @@ class Refiner {
   void Split();
   void Match();
   void DropSeenThrough();
+  /// Gives pixels on folds to the object in whose mask they lie.
+  void TakeFolds();
 
  private:
   /// Pixels per segment that belong to mask k.
@@ -71,6 +73,8 @@ class Refiner {
   bool Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const;
   int32_t Scaled(int pixels_at_vga) const;
   double SideInMetres(const Mask& mask, double depth) const;
+  bool OnOneSurface(int v, int u, int y, int x) const;
+  void TakeFoldsOf(int32_t k);
 
   template <typename Visit>
   void ForPixelsOf(int32_t k, const Visit& visit) const {
@@ -187,6 +191,45 @@ void Refiner::DropSeenThrough() {
   }
 }
 
+bool Refiner::OnOneSurface(int v, int u, int y, int x) const {
+  constexpr float kStep = 0.02F;  // of the depth, from pixel to pixel: a fold has none, a jump more
+  const float a = out_.frame.depth(v, u), b = out_.frame.depth(y, x);
+  return std::abs(a - b) <= kStep * std::min(a, b);
+}
+
+void Refiner::TakeFoldsOf(int32_t k) {
+  const auto mine = [&](SegmentIndex segment) {
+    return segment != SegmentIndex::kNone && Raw(out_.segments[At(segment)].detection) == k;
+  };
+  std::vector<std::pair<int, int>> open;  // pixels of the object, from which it grows
+  ForPixelsOf(k, [&](int v, int u) {
+    if (mine(out_.image.index(v, u)) && out_.image.ambiguous(v, u) > 1) open.emplace_back(v, u);
+  });
+  const Mask& mask = set_.detections[At(k)].mask;
+  for (size_t next = 0; next < open.size(); ++next) {  // `open` grows
+    const auto [v, u] = open[next];
+    for (const auto& [dv, du] : {std::pair{0, 1}, {1, 0}, {0, -1}, {-1, 0}}) {
+      const int y = v + dv, x = u + du;
+      if (!out_.image.index.Contains(y, x) || out_.image.ambiguous(y, x) <= 1) continue;
+      if (!mask.Contains(y, x) || (!owner_.empty() && owner_(y, x) != k)) continue;
+      SegmentIndex& segment = out_.image.index(y, x);
+      if (segment == SegmentIndex::kNone || mine(segment) || !OnOneSurface(v, u, y, x)) continue;
+      FrameSegment& loser = out_.segments[At(segment)];
+      if (loser.detection != DetectionIndex::kNone || loser.pixels <= 1) continue;
+      --loser.pixels;
+      segment = out_.image.index(v, u);
+      ++out_.segments[At(segment)].pixels;
+      open.emplace_back(y, x);
+    }
+  }
+}
+
+void Refiner::TakeFolds() {
+  for (const int32_t k : order_) {
+    if (set_.detections[At(k)].score >= options_.fold_min_score) TakeFoldsOf(k);
+  }
+}
+
 }  // namespace
 
 SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
@@ -199,11 +242,16 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
   for (const SegmentIndex segment : out.image.index.pixels()) {
     if (segment != SegmentIndex::kNone) ++out.segments[At(segment)].pixels;
   }
-  if (detections == nullptr) return out;
+  if (detections == nullptr) {
+    out.image.ambiguous = {};
+    return out;
+  }
   Refiner refiner(*detections, options, &out);
   if (options.split) refiner.Split();
   refiner.Match();
   if (options.max_depth_extent > 0) refiner.DropSeenThrough();
+  if (options.fold_min_score <= 1 && !out.image.ambiguous.empty()) refiner.TakeFolds();
+  out.image.ambiguous = {};
   return out;
 }
 

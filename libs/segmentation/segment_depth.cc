@@ -111,7 +111,7 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
     return SegmentAsPublished(surface, min_pixels, options);
   }
   const Image<uint8_t> links = LinkImage(surface.joined);
-  const Image<uint8_t> strength = EdgeStrength(surface, links, options);
+  Image<uint8_t> strength = EdgeStrength(surface, links, options);
   Regions regions = ConnectedRegions(surface.radius, links, strength,
                                      ScaledPixels(options.min_seed_pixels, camera));
   FloodRegions(surface.radius, links, strength, &regions.image);
@@ -125,7 +125,9 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
     std::iota(hosts.begin(), hosts.end(), 0);
   }
   JoinSmallRegions(graph, min_pixels, options.join_angle_deg * std::numbers::pi / 180, &hosts);
-  return PaintSegments(graph, hosts, camera.width);
+  SegmentImage image = PaintSegments(graph, hosts, camera.width);
+  image.ambiguous = std::move(strength);
+  return image;
 }
 
 }  // namespace vismap

@@ -5,8 +5,9 @@
 
 namespace vismap {
 
-/// The whole stage: surface, segments, detections. `detections` = nullptr: no detector looked at
-/// this frame.
+/// The whole stage: what is left out goes, then surface, segments, detections. `detections` =
+/// nullptr: no detector looked at this frame. The depth of the result is NaN where things were left
+/// out.
 SegmentedFrame SegmentFrame(RgbdFrame frame, const DetectionSet* detections,
                             const SegmentationStageOptions& options);
 

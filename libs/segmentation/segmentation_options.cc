@@ -33,6 +33,7 @@ SegmentationStageOptions PublishedOptions() {
   options.refine.max_depth_extent = 0;
   options.refine.resolve_overlaps = false;
   options.refine.split = false;
+  options.refine.fold_min_score = 2;
   return options;
 }
 
@@ -65,11 +66,14 @@ std::vector<std::string> Validate(const RefineOptions& options) {
   problems.Unless(InRange(options.min_score, 0, 1), "min_score must be in [0, 1]");
   problems.Unless(InRange(options.max_depth_extent, 0, 100),
                   "max_depth_extent must be in [0, 100]");
+  problems.Unless(InRange(options.fold_min_score, 0, 2), "fold_min_score must be in [0, 2]");
   problems.Unless(InRange(options.split_min_score, 0, 1), "split_min_score must be in [0, 1]");
   problems.Unless(InRange(options.split_min_mask_part, 0, 1),
                   "split_min_mask_part must be in [0, 1]");
   problems.Unless(options.split_min_pixels >= 1, "split_min_pixels must be at least 1");
   problems.Unless(options.split_min_rest_pixels >= 1, "split_min_rest_pixels must be at least 1");
+  problems.Unless(InRange(options.leave_out_margin, 0, 100),
+                  "leave_out_margin_px must be in [0, 100]");
   return std::move(problems).list();
 }
 

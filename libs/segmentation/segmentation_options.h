@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/ids.h"
 #include "geometry/surface_options.h"
 
 namespace vismap {
@@ -44,11 +45,17 @@ struct RefineOptions {
   /// larger side in metres are seen through gaps of the object, or hide it: they get no detection.
   /// 0 = off.
   double max_depth_extent = 1.5;
+  /// Pixels on a fold go to the object whose mask they lie in, if they hang together with it; only
+  /// masks with at least this score take any. Above 1 = off.
+  double fold_min_score = 0.5;
   bool split = true;                 ///< good masks may split segments
   double split_min_score = 0.7;      ///< only masks with at least this score split
   double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the one segment
   int split_min_pixels = 300;        ///< of the part cut out [px at 640x480, scaled by area]
   int split_min_rest_pixels = 500;   ///< of the part left [px at 640x480, scaled by area]
+  /// Detections of these classes are taken out of the frame: things that move, such as people.
+  std::vector<ClassId> leave_out_classes;
+  int leave_out_margin = 6;  ///< their masks are grown by this first [px at 640 wide, scaled]
 };
 
 /// Options of the whole stage: depth image in, segmented frame out.

@@ -12,6 +12,9 @@ namespace vismap {
 struct SegmentImage {
   Image<SegmentIndex> index;
   int segment_count = 0;
+  /// Not 0 where a fold made geometry guess to which of two segments the pixel belongs; may be
+  /// empty. Refinement lets masks decide there; it does not travel.
+  Image<uint8_t> ambiguous{};
 };
 
 /// What is known of one segment of a frame.

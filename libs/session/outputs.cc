@@ -1,5 +1,7 @@
 #include "session/outputs.h"
 
+#include <array>
+#include <cstdio>
 #include <set>
 #include <system_error>
 
@@ -8,21 +10,12 @@
 #include "meshing/object_mesh.h"
 #include "meshing/objects_json.h"
 #include "meshing/ply.h"
-#include "render/overview.h"
-#include "render/png.h"
 #include "session/map_session.h"
 
 namespace vismap {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<void> MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return Fail("cannot create the folder " + folder.string() + ": " + error.message());
-  return {};
-}
 
 // Removes what an earlier run left, so that the folder shows this map's objects and no others.
 Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::string>& current) {
@@ -47,6 +40,24 @@ PlyInfo InfoFor(const MapMetadata& metadata, const Mesh& mesh) {
   }
   for (const ClassId id : classes) info.class_names[id] = ClassName(id);
   return info;
+}
+
+std::string NameOf(const ObjectSummary& object) {
+  return ObjectFileName(object,
+                        object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id));
+}
+
+std::string PointsText(const Mesh& mesh) {
+  std::string text;
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const Eigen::Vector3f& p = vertex.position_W;
+    const auto& [r, g, b] = vertex.color;
+    std::array<char, 128> line{};
+    std::snprintf(line.data(), line.size(), "%.5f %.5f %.5f %d %d %d\n", static_cast<double>(p.x()),
+                  static_cast<double>(p.y()), static_cast<double>(p.z()), int{r}, int{g}, int{b});
+    text += line.data();
+  }
+  return text;
 }
 
 }  // namespace
@@ -80,15 +91,13 @@ std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products
 
 Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
                               const fs::path& folder) {
-  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
+  if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
   const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
   std::set<std::string> written;
   for (size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSummary& object = products.objects[i];
     if (meshes[i].triangles.empty() || (object.discovered() && object.is_structure)) continue;
-    const std::string class_name =
-        object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id);
-    const std::string name = ObjectFileName(object, class_name) + ".ply";
+    const std::string name = NameOf(object) + ".ply";
     const Result<void> saved = WritePly(folder / name, meshes[i], InfoFor(metadata, meshes[i]));
     if (!saved) return tl::unexpected(saved.error());
     written.insert(name);
@@ -98,41 +107,27 @@ Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& pr
   return static_cast<int>(written.size());
 }
 
+Result<std::vector<fs::path>> WriteSelectedObjects(const MapMetadata& metadata,
+                                                   const MapProducts& products,
+                                                   const fs::path& folder) {
+  if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
+  const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
+  std::vector<fs::path> files;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].triangles.empty()) continue;
+    const fs::path file = folder / NameOf(products.objects[i]);
+    const auto mesh = WritePly(file.string() + ".ply", meshes[i], InfoFor(metadata, meshes[i]));
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto points = WriteFileAtomically(file.string() + ".xyz", PointsText(meshes[i]));
+    if (!points) return tl::unexpected(points.error());
+    files.insert(files.end(), {file.string() + ".ply", file.string() + ".xyz"});
+  }
+  return files;
+}
+
 Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
                        const fs::path& path) {
   return WritePly(path, products.mesh, InfoFor(metadata, products.mesh));
-}
-
-Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
-                              const MapProducts& products, const OutputOptions& options,
-                              const fs::path& folder) {
-  if (const Result<void> made = MakeFolder(folder); !made) return tl::unexpected(made.error());
-  Result<SaveInfo> saved = SaveMap(map, metadata, folder / "map.vismap");
-  if (!saved) return saved;
-  if (const auto done = WriteMesh(metadata, products, folder / "mesh.ply"); !done)
-    return tl::unexpected(done.error());
-  if (const auto done =
-          WriteFileAtomically(folder / "objects.json", ObjectsText(metadata, products));
-      !done) {
-    return tl::unexpected(done.error());
-  }
-  if (const auto done = WriteObjectMeshes(metadata, products, folder / "objects"); !done) {
-    return tl::unexpected(done.error());
-  }
-  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
-    const Result<OctreeBytes> octree = MakeOctree(map, options, unknown);
-    if (!octree) return tl::unexpected(octree.error());
-    const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
-    if (const auto done = WriteOctree(folder / name, *octree); !done)
-      return tl::unexpected(done.error());
-  }
-  OverviewOptions overview;
-  overview.up_W = ObjectOptionsFor(metadata, options).up_W;
-  const Image<Rgb8> picture =
-      RenderMapOverview(products.mesh, products.objects, ClassName, metadata.map_id, overview);
-  if (const auto done = WritePng(folder / "map.png", picture); !done)
-    return tl::unexpected(done.error());
-  return saved;
 }
 
 }  // namespace vismap

@@ -46,6 +46,12 @@ std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products
 Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
                               const std::filesystem::path& folder);
 
+/// Mesh and points of the objects of the products that have a surface, as NAME.ply (see ply.h) and
+/// NAME.xyz (a line "x y z r g b" per vertex, metres in W) in `folder`, which is created. Other
+/// files there stay. Returns the files.
+Result<std::vector<std::filesystem::path>> WriteSelectedObjects(
+    const MapMetadata& metadata, const MapProducts& products, const std::filesystem::path& folder);
+
 /// mesh.ply of the products.
 Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
                        const std::filesystem::path& path);

@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "base/require.h"
 #include "codecs/color_codec.h"
-#include "simulation/random.h"
+#include "simulation/noise_field.h"
 #include "simulation/simulate.h"
 
 namespace vismap {
@@ -13,41 +13,19 @@ namespace {
 
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
-/// Normal numbers on a grid of `spacing` pixels, interpolated between, with deviation 1 everywhere.
-class NoiseField {
- public:
-  NoiseField(int width, int height, int spacing, uint64_t key)
-      : spacing_(spacing), nodes_(width / spacing + 2, height / spacing + 2) {
-    for (size_t i = 0; i < nodes_.size(); ++i) nodes_.data()[i] = Normal(Mix(key, i));
-  }
-
-  double At(int v, int u) const {
-    const int j = v / spacing_, i = u / spacing_;
-    const double b = static_cast<double>(v % spacing_) / spacing_;
-    const double a = static_cast<double>(u % spacing_) / spacing_;
-    const double mean = (1 - b) * ((1 - a) * nodes_(j, i) + a * nodes_(j, i + 1)) +
-                        b * ((1 - a) * nodes_(j + 1, i) + a * nodes_(j + 1, i + 1));
-    const double variance = (a * a + (1 - a) * (1 - a)) * (b * b + (1 - b) * (1 - b));
-    return mean / std::sqrt(variance);
-  }
-
- private:
-  int spacing_;
-  Image<double> nodes_;
-};
-
 /// Axial deviation of a Kinect [m], Nguyen 2012.
 double AxialDeviation(double z) { return 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4); }
 
 /// Depth of the nearest disparity that the sensor can tell, after an error of deviation 1 times
-/// `error`; both together have the axial deviation.
-double Measure(double z, double error, double focal_baseline, double step) {
+/// `error`; both together have `scale` times the axial deviation. NaN beyond the last step.
+double Measure(double z, double error, double focal_baseline, double step, double scale) {
   const double depth_step = z * z * step / focal_baseline;
-  const double deviation = AxialDeviation(z);
+  const double deviation = scale * AxialDeviation(z);
   const double rest = deviation * deviation - depth_step * depth_step / 12;
   const double seen = z + error * std::sqrt(std::max(rest, 0.0));
   if (step == 0) return seen;
-  return focal_baseline / (std::floor(focal_baseline / seen / step + 0.5) * step);
+  const double steps = std::floor(focal_baseline / seen / step + 0.5);
+  return steps > 0 ? focal_baseline / (steps * step) : double{kNoReturn};
 }
 
 /// Depth steps from a pixel to its neighbours along a row or column [m]; NaN beyond the image.
@@ -87,6 +65,7 @@ Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camer
                            const DepthNoise& noise, uint64_t frame) {
   if (!noise.enabled) return depth;
   Require(noise.correlation >= 1, "noise varies over at least one pixel");
+  Require(noise.scale >= 0, "the scale of the depth noise is not negative");
   const uint64_t key = Mix(noise.seed, frame);
   const NoiseField field(depth.width(), depth.height(), noise.correlation, Mix(key, 1));
   const uint64_t dropout_key = Mix(key, 2);
@@ -104,8 +83,8 @@ Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camer
       } else if (ViewCosine(camera, v, u, z, across.Slope(), down.Slope()) < noise.grazing_cosine) {
         continue;
       }
-      noisy(v, u) = static_cast<float>(
-          Measure(z, field.At(v, u), camera.fx * noise.baseline, noise.disparity_step));
+      noisy(v, u) = static_cast<float>(Measure(z, field.At(v, u), camera.fx * noise.baseline,
+                                               noise.scale * noise.disparity_step, noise.scale));
     }
   });
   return noisy;

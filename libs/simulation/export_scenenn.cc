@@ -95,12 +95,13 @@ SeenSurface WriteFrames(const SyntheticOptions& options, const Scene& scene,
                         SceneNnWriter* writer) {
   const auto dataset = MakeSyntheticDataset(options, {});
   const auto detections = MakeSyntheticDetections(options);
+  const std::vector<FrameHeader> headers = MakeHeaders(options);
   SeenSurface seen;
   for (size_t i = 0; i < dataset->size() && writer->status(); ++i) {
-    const FrameHeader header = dataset->Header(i);
+    const FrameHeader& header = headers[i];
     const int number = static_cast<int>(header.frame_number);
     Rendering image = Render(scene, header.camera, header.T_W_C);
-    writer->AddFrame(header, dataset->Read(i)->depth, {".png", PngColor(image.color)});
+    writer->AddFrame(dataset->Header(i), dataset->Read(i)->depth, {".png", PngColor(image.color)});
     writer->Write(Format("mask/mask_image%05d.png", number), EncodePng16(image.object_ids));
     writer->AddDetections(*detections->ForFrame(header));
     seen.AddView(header, std::move(image));

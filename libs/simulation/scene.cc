@@ -56,4 +56,13 @@ const SceneObject* FindObject(const Scene& scene, uint16_t id) {
   return found == scene.objects.end() ? nullptr : &*found;
 }
 
+Scene SceneInFrame(const Scene& scene, int64_t frame_number) {
+  Scene shown{scene.name, {}};
+  for (const SceneObject& object : scene.objects) {
+    if (frame_number >= object.first_frame && frame_number < object.end_frame)
+      shown.objects.push_back(object);
+  }
+  return shown;
+}
+
 }  // namespace vismap

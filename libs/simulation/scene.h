@@ -5,6 +5,7 @@
 // simulate.h. The truth of every test that needs one; not part of what runs on a robot.
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ struct SceneObject {
   ObjectKind kind = ObjectKind::kUnknown;
   Rgb8 color;
   std::vector<Shape> shapes;
+  int64_t first_frame = 0;        ///< it is there in frames with numbers from here ...
+  int64_t end_frame = INT64_MAX;  ///< ... to below here
 };
 
 /// All objects; free space is where no object is.
@@ -58,6 +61,9 @@ double SignedDistance(const SceneObject& object, const Eigen::Vector3d& p_W);
 
 /// Smallest axis-aligned box in the world that holds the object.
 Eigen::AlignedBox3d BoundingBox(const SceneObject& object);
+
+/// The scene with those objects only that are there in this frame.
+Scene SceneInFrame(const Scene& scene, int64_t frame_number);
 
 /// The object with this id, or null.
 const SceneObject* FindObject(const Scene& scene, uint16_t id);

@@ -4,6 +4,7 @@
 
 #include "geometry/frame.h"
 #include "segmentation/detections.h"
+#include "simulation/mask_noise.h"
 #include "simulation/scene.h"
 
 namespace vismap {
@@ -22,6 +23,7 @@ Rendering Render(const Scene& scene, const PinholeCamera& camera, const Pose& T_
 struct DepthNoise {
   bool enabled = true;
   uint64_t seed = 1;              ///< another seed, other errors; the same seed, the same errors
+  double scale = 1;               ///< of noise and disparity steps; 0 = exact but for dropouts
   double baseline = 0.075;        ///< projector to camera [m], of the Kinect
   double disparity_step = 0.125;  ///< disparities are measured in such steps [px]
   int correlation = 4;            ///< errors vary over so many pixels, as matching windows do; >= 1
@@ -31,8 +33,9 @@ struct DepthNoise {
   double max_depth = 8.0;         ///< no return beyond [m]
 };
 
-/// Depth with errors: axial deviation 0.0012 + 0.0019 (z - 0.4)^2 [m] in total (Nguyen 2012), made
-/// of correlated noise and disparity steps; dropouts as given. `frame` makes frames differ.
+/// Depth with errors: axial deviation `scale` times 0.0012 + 0.0019 (z - 0.4)^2 [m] in total
+/// (Nguyen 2012), made of correlated noise and disparity steps; dropouts as given. `frame` makes
+/// frames differ.
 Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camera,
                            const DepthNoise& noise, uint64_t frame);
 
@@ -47,8 +50,10 @@ Image<uint16_t> RenderInstances(const Scene& scene, const PinholeCamera& camera,
 struct DetectorNoise {
   uint64_t seed = 1;
   double miss_rate = 0.1;  ///< probability that an object is not detected in a frame
-  int max_mask_error = 2;  ///< masks are grown or shrunk by up to so many pixels
-  int min_pixels = 150;    ///< smaller objects are not detected, at 640x480; scales with the image
+  /// Probability that a detection carries another one of the scene's classes.
+  double class_confusion = 0;
+  MaskNoise mask;
+  int min_pixels = 150;  ///< smaller objects are not detected, at 640x480; scales with the image
 };
 
 /// Detections of the known objects in an instance image, one per object, in order of their ids.

@@ -1,55 +1,18 @@
 #include "simulation/synthetic_dataset.h"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "base/require.h"
 #include "simulation/office.h"
+#include "simulation/pose_noise.h"
+#include "simulation/random.h"
 #include "simulation/room.h"
 
 namespace vismap {
 namespace {
 
-constexpr std::string_view kPrefix = "synthetic:";
-constexpr int kOfficeFrames = 400;  // steps of about 0.3 m, or 13 degrees where the view turns
-
-template <typename T>
-Result<void> SetNumber(std::string_view key, std::string_view text, T low, T high, T* value) {
-  T number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !(number >= low) ||
-      !(number <= high)) {
-    return Fail("synthetic: " + std::string(key) + " is \"" + std::string(text) + "\"; expected " +
-                std::to_string(low) + ".." + std::to_string(high));
-  }
-  *value = number;
-  return {};
-}
-
-Result<void> SetParameter(std::string_view key, std::string_view value, SyntheticOptions* options) {
-  if (key == "frames") return SetNumber(key, value, 1, 100000, &options->frames);
-  if (key == "width") return SetNumber(key, value, 16, 4096, &options->width);
-  if (key == "rate") return SetNumber(key, value, 0.001, 1000.0, &options->rate);
-  if (key == "tours") return SetNumber(key, value, 1, 10000, &options->tours);
-  if (key == "seed") return SetNumber(key, value, uint64_t{0}, UINT64_MAX, &options->seed);
-  if (key != "noise") {
-    return Fail("synthetic: unknown parameter \"" + std::string(key) +
-                "\"; known are frames, width, noise, seed, rate, tours");
-  }
-  if (value != "kinect" && value != "none") {
-    return Fail("synthetic: noise is \"" + std::string(value) + "\"; expected kinect or none");
-  }
-  options->noise = value == "kinect";
-  return {};
-}
-
-std::string PathOf(const SyntheticOptions& options) {
-  return std::string(kPrefix) + options.scene + "?frames=" + std::to_string(options.frames) +
-         "&width=" + std::to_string(options.width) +
-         "&noise=" + (options.noise ? "kinect" : "none") + "&seed=" + std::to_string(options.seed) +
-         "&rate=" + std::to_string(options.rate) + "&tours=" + std::to_string(options.tours);
-}
+constexpr uint64_t kPoseKey = 0x706f7365;  // apart from what else is drawn for a frame
 
 class SyntheticDataset : public Dataset {
  public:
@@ -57,46 +20,75 @@ class SyntheticDataset : public Dataset {
       : options_(options), scene_(MakeScene(options)) {
     noise_.enabled = options.noise;
     noise_.seed = options.seed;
+    noise_.scale = options.depth_noise;
     Require(selection.stride >= 1, "the stride of a data set is at least 1");
     const std::vector<FrameHeader> all = MakeHeaders(options);
     for (size_t i = 0; i < all.size(); i += static_cast<size_t>(selection.stride)) {
       if (selection.max_frames > 0 && size() == static_cast<size_t>(selection.max_frames)) break;
-      headers_.push_back(all[i]);
-      headers_.back().camera_id = selection.camera_id;
+      true_headers_.push_back(all[i]);
+      true_headers_.back().camera_id = selection.camera_id;
     }
   }
 
   std::string name() const override { return options_.scene; }
   std::string format() const override { return "synthetic"; }
-  size_t size() const override { return headers_.size(); }
+  size_t size() const override { return true_headers_.size(); }
   FrameHeader Header(size_t i) const override {
     Require(i < size(), "the index of a frame is below the number of frames");
-    return headers_[i];
+    FrameHeader header = true_headers_[i];
+    header.T_W_C =
+        AddPoseNoise(header.T_W_C, {.deviation = options_.pose_noise},
+                     Mix(Mix(options_.seed, kPoseKey), static_cast<uint64_t>(header.frame_number)));
+    return header;
   }
   Result<SensorFrame> Read(size_t i) const override {
-    return RenderFrame(scene_, Header(i), noise_);
+    FrameHeader given = Header(i);
+    SensorFrame frame =
+        RenderFrame(SceneInFrame(scene_, given.frame_number), true_headers_[i], noise_);
+    frame.header = std::move(given);
+    return frame;
   }
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
-  std::optional<std::string> default_detections_path() const override { return PathOf(options_); }
+  std::optional<std::string> default_detections_path() const override {
+    return SyntheticPath(options_);
+  }
 
  private:
   SyntheticOptions options_;
   Scene scene_;
   DepthNoise noise_;
-  std::vector<FrameHeader> headers_;
+  std::vector<FrameHeader> true_headers_;
   std::vector<SkippedFrame> skipped_;
 };
+
+MaskNoise MaskNoiseOf(const SyntheticOptions& options) {
+  MaskNoise noise;
+  noise.max_growth = options.mask_noise.value_or(options.noise ? noise.max_growth : 0);
+  noise.max_shift = std::max(noise.max_growth - MaskNoise{}.max_growth, 0);
+  noise.waver = 0.5 * noise.max_shift;
+  return noise;
+}
+
+DetectorNoise DetectorNoiseOf(const SyntheticOptions& options) {
+  DetectorNoise noise;
+  noise.seed = options.seed;
+  if (!options.noise) noise.miss_rate = 0;
+  if (options.detection_rate) noise.miss_rate = 1 - *options.detection_rate;
+  noise.class_confusion = options.class_confusion;
+  noise.mask = MaskNoiseOf(options);
+  return noise;
+}
 
 class SyntheticDetections : public DetectionSource {
  public:
   explicit SyntheticDetections(const SyntheticOptions& options)
-      : scene_(MakeScene(options)), headers_(MakeHeaders(options)) {
-    noise_.seed = options.seed;
-    if (!options.noise) noise_.miss_rate = noise_.max_mask_error = 0;
-  }
+      : scene_(MakeScene(options)),
+        headers_(MakeHeaders(options)),
+        noise_(DetectorNoiseOf(options)),
+        detect_every_(options.detect_every) {}
 
   Result<DetectionSet> ForFrame(const FrameHeader& header) const override {
-    if (header.frame_number < 1 || header.frame_number > static_cast<int64_t>(headers_.size())) {
+    if (!IsOurs(header) || !LookedAt(header)) {
       return DetectionSet{header.utime, header.camera_id, header.frame_number, {}};
     }
     const FrameHeader& truth = headers_[static_cast<size_t>(header.frame_number - 1)];
@@ -106,47 +98,40 @@ class SyntheticDetections : public DetectionSource {
                   ", not that of the sequence, " + std::to_string(truth.camera.width) + "x" +
                   std::to_string(truth.camera.height));
     }
-    return SimulateDetections(scene_, RenderInstances(scene_, truth.camera, truth.T_W_C), header,
+    const Scene shown = SceneInFrame(scene_, header.frame_number);
+    return SimulateDetections(shown, RenderInstances(shown, truth.camera, truth.T_W_C), header,
                               noise_);
+  }
+
+  bool LookedAt(const FrameHeader& header) const override {
+    return !IsOurs(header) || (header.frame_number - 1) % detect_every_ == 0;
   }
 
   int64_t size() const override { return -1; }
 
  private:
+  bool IsOurs(const FrameHeader& header) const {
+    return header.frame_number >= 1 && header.frame_number <= static_cast<int64_t>(headers_.size());
+  }
+
   Scene scene_;
   std::vector<FrameHeader> headers_;
   DetectorNoise noise_;
+  int detect_every_;
 };
 
 }  // namespace
 
-bool IsSyntheticPath(const std::string& path) { return path.starts_with(kPrefix); }
-
-Result<SyntheticOptions> ParseSyntheticPath(const std::string& path) {
-  Require(IsSyntheticPath(path), "the path of a computed sequence begins with synthetic:");
-  std::string_view rest = std::string_view(path).substr(kPrefix.size());
-  const size_t question = std::min(rest.find('?'), rest.size());
-  SyntheticOptions options;
-  options.scene = rest.substr(0, question);
-  if (options.scene != "room" && options.scene != "office") {
-    return Fail("synthetic: unknown scene \"" + options.scene + "\"; known are room, office");
-  }
-  if (options.scene == "office") options.frames = kOfficeFrames;
-  rest.remove_prefix(std::min(question + 1, rest.size()));
-  while (!rest.empty()) {
-    const std::string_view parameter = rest.substr(0, rest.find('&'));
-    rest.remove_prefix(std::min(parameter.size() + 1, rest.size()));
-    const size_t equals = std::min(parameter.find('='), parameter.size());
-    const std::string_view value = parameter.substr(std::min(equals + 1, parameter.size()));
-    const Result<void> set = SetParameter(parameter.substr(0, equals), value, &options);
-    if (!set) return Fail(set.error().message);
-  }
-  return options;
-}
-
 Scene MakeScene(const SyntheticOptions& options) {
   Require(options.scene == "room" || options.scene == "office", "the scenes are room and office");
-  return options.scene == "room" ? MakeRoom() : MakeOffice();
+  Scene scene = options.scene == "room" ? MakeRoom() : MakeOffice();
+  for (const SyntheticOptions::Change& change : options.changes) {
+    for (SceneObject& object : scene.objects) {
+      if (object.id != change.object_id) continue;
+      (change.appears ? object.first_frame : object.end_frame) = change.frame;
+    }
+  }
+  return scene;
 }
 
 std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {

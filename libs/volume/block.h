@@ -44,6 +44,9 @@ struct BlockIndexHash {
   }
 };
 
+/// How full tables of blocks get before they grow: a map of a floor has hundreds of thousands.
+inline constexpr float kBlockTableLoad = 0.8F;
+
 /// Evidence that a voxel belongs to a segment: how many frames said so. label kNone = empty slot.
 struct LabelVote {
   SegmentLabel label = SegmentLabel::kNone;
@@ -52,6 +55,11 @@ struct LabelVote {
 
 /// Dense voxels of a block that a surface passes through or near (within the truncation distance).
 struct SurfaceVoxels {
+  // From slabs of their own: packed voxels, which come and go beside them, would else leave gaps in
+  // the heap that nothing fits into.
+  static void* operator new(size_t size);
+  static void operator delete(void* voxels) noexcept;
+
   /// Truncated signed distance in steps of truncation / 32767; positive toward the camera.
   std::array<int16_t, kBlockVoxels> distance{};
   /// Integration weight in steps of 1/kWeightScale (1 = one observation at 1 m); 0 = never

@@ -87,8 +87,9 @@ VoxelIndex VoxelMap::VoxelAt(const Eigen::Vector3d& p_W) const {
 
 VoxelMapMemory MeasureMemory(const VoxelMap& map) {
   VoxelMapMemory memory;
+  memory.table_bytes =
+      map.table().bucket_count() * (sizeof(VoxelMap::Table::value_type) + 2 * sizeof(uint32_t));
   for (const auto& [index, block] : map.table()) {
-    memory.table_bytes += sizeof(index) + sizeof(block);
     if (block.surface) {
       ++memory.surface_blocks;
       if (block.surface.packed()) {

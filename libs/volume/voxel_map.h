@@ -31,7 +31,9 @@ class VoxelMap {
  public:
   using Table = tsl::robin_map<BlockIndex, Block, BlockIndexHash>;
 
-  explicit VoxelMap(const VoxelGridOptions& options) : options_(options) {}
+  explicit VoxelMap(const VoxelGridOptions& options) : options_(options) {
+    blocks_.max_load_factor(kBlockTableLoad);
+  }
 
   double voxel_size() const { return options_.voxel_size; }
   double block_size() const { return options_.voxel_size * kBlockSide; }

@@ -1,6 +1,7 @@
 #include "depth_segmenter/segmenter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -18,12 +19,30 @@ namespace {
 constexpr double kPatienceCheck = 0.05;   // how often frames that wait are looked at [s]
 constexpr double kWaitWorthSaying = 0.5;  // [s]
 
-/// Whether two messages show the same images from the same place, whoever sent them and when.
-bool SameImages(const rgbd_frame_t& a, const rgbd_frame_t& b) {
+/// Whether two messages show the same colours and space from the same place, whoever sent them and
+/// when. Depth is not looked at.
+bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
   return KeyOf(a) == KeyOf(b) && a.width == b.width && a.height == b.height &&
          a.depth_unit_m == b.depth_unit_m &&
          std::equal(std::begin(a.T_W_C), std::end(a.T_W_C), std::begin(b.T_W_C)) &&
-         a.depth == b.depth && a.color == b.color;
+         a.color == b.color;
+}
+
+/// The message of a frame without the depth that segmentation has left out.
+rgbd_frame_t WithoutLeftOut(const rgbd_frame_t& message, SensorFrame sensor,
+                            const Image<float>& kept) {
+  bool changed = false;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    uint16_t& depth = sensor.depth.data()[i];
+    if (!std::isnan(kept.data()[i]) || depth == 0 || depth == 65535) continue;
+    depth = 0;
+    changed = true;
+  }
+  rgbd_frame_t result = message;
+  if (!changed) return result;
+  result.depth = Encode(sensor).depth;
+  result.depth_size = static_cast<int32_t>(result.depth.size());
+  return result;
 }
 
 }  // namespace
@@ -69,13 +88,18 @@ Result<void> Segmenter::OnDetections(const detections_t& message) {
 }
 
 bool Segmenter::AnswerAgain(const rgbd_frame_t& message) {
-  const auto answer =
-      std::find_if(answers_.begin(), answers_.end(),
-                   [&](const segmented_frame_t& a) { return SameImages(a.frame, message); });
+  const auto answer = std::find_if(answers_.begin(), answers_.end(), [&](const Answer& a) {
+    return a.depth == message.depth && SameButDepth(a.message.frame, message);
+  });
   if (answer == answers_.end()) return false;
-  answer->frame = message;  // what must be committed before it may have changed
+  // What must be committed before it may have changed.
+  rgbd_frame_t& frame = answer->message.frame;
+  std::vector<uint8_t> depth = std::move(frame.depth);
+  frame = message;
+  frame.depth = std::move(depth);
+  frame.depth_size = static_cast<int32_t>(frame.depth.size());
   status_.Count("frames_answered_again");
-  bus_.Publish(kSegmentedFrameChannel, *answer);
+  bus_.Publish(kSegmentedFrameChannel, answer->message);
   return true;
 }
 
@@ -102,7 +126,7 @@ void Segmenter::SegmentWaiting() {
     status_.Count("frames");
     status_.Count("segments", answer->n_segments);
     bus_.Publish(kSegmentedFrameChannel, *answer);
-    answers_.push_back(std::move(*answer));
+    answers_.push_back({joined->frame.depth, std::move(*answer)});
     if (answers_.size() > options_.max_cached) answers_.pop_front();
   }
   ShowState();
@@ -129,9 +153,11 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
                                       "; the frame goes on without them");
     }
   }
-  return Encode(
-      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, options_.stage),
-      joined.frame);
+  const SegmentedFrame segmented =
+      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, options_.stage);
+  if (!detections || options_.stage.refine.leave_out_classes.empty())
+    return Encode(segmented, joined.frame);
+  return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));
 }
 
 void Segmenter::ShowState() {

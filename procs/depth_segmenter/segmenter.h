@@ -46,7 +46,12 @@ class Segmenter {
   Status& status_;
   Peers peers_;
   FrameDetectionJoin join_;
-  std::deque<segmented_frame_t> answers_;  // the newest few
+  /// What a frame was answered with.
+  struct Answer {
+    std::vector<uint8_t> depth;  ///< as the frame came; the answer's may lack what was left out
+    segmented_frame_t message;
+  };
+  std::deque<Answer> answers_;  // the newest few
 };
 
 }  // namespace vismap

@@ -3,7 +3,7 @@
 #include <tsl/robin_map.h>
 
 #include <cstdint>
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "volume/block.h"
@@ -11,17 +11,24 @@
 namespace vismap {
 
 /// When each block last changed in a stream of updates, so that a follower which missed some of
-/// them is sent the blocks it lacks and no others.
+/// them is sent the blocks it lacks and no others. Bounded: what changed longest ago is forgotten.
 class ChangeLog {
  public:
-  void Record(int64_t revision, BlockIndex block) { last_change_[block] = revision; }
-  void Clear() { last_change_.clear(); }
+  explicit ChangeLog(size_t max_blocks = 100000) : max_blocks_(max_blocks) {}
 
-  /// Blocks that changed after `revision`, ascending.
-  std::vector<BlockIndex> Since(int64_t revision) const;
+  void Record(int64_t revision, BlockIndex block);
+  /// Forgets everything; nothing had changed before.
+  void Clear();
+
+  /// Blocks that changed after `revision`, ascending; nullopt when that is forgotten.
+  std::optional<std::vector<BlockIndex>> Since(int64_t revision) const;
 
  private:
+  void ForgetOldest();
+
+  size_t max_blocks_;
   tsl::robin_map<BlockIndex, int64_t, BlockIndexHash> last_change_;
+  int64_t complete_after_ = INT64_MIN;  // changes up to this revision are forgotten
 };
 
 }  // namespace vismap

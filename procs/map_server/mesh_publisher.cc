@@ -70,13 +70,13 @@ void MeshPublisher::PublishChanges(const SemanticMap& map) {
 void MeshPublisher::PublishAll(const SemanticMap& map) {
   dirty_.clear();
   shown_ = ShowLabels(map.labels);
-  log_.Clear();
   revision_ = map.revision;
   MeshDelta delta = MeshBlocks(map, map.voxels.SortedIndices(), options_);
-  // Whoever has an older state of this map must hear of all blocks again.
-  for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
+  // Whoever has an older state of this map must hear of all surfaces again, and of their ends.
+  for (const BlockIndex& block : surfaces_) log_.Record(map.revision, block);
   surfaces_.clear();
   KeepWhatFollowersLack(&delta.blocks);
+  for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
   Publish(map, -1, std::move(delta.blocks));
 }
 
@@ -84,11 +84,12 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
   if (position.map_id != map_id_ || position.revision < 0 || position.revision > revision_)
     return PublishAll(map);
   PublishChanges(map);
-  const std::vector<BlockIndex> changed = log_.Since(position.revision);
-  MeshDelta delta = MeshBlocks(map, changed, options_);
+  const auto changed = log_.Since(position.revision);
+  if (!changed) return PublishAll(map);
+  MeshDelta delta = MeshBlocks(map, *changed, options_);
   // Blocks around those that are asked for are made, too: the follower has them.
   std::erase_if(delta.blocks, [&](const BlockMesh& block) {
-    return !std::binary_search(changed.begin(), changed.end(), block.block);
+    return !std::binary_search(changed->begin(), changed->end(), block.block);
   });
   Publish(map, position.revision, std::move(delta.blocks));
 }

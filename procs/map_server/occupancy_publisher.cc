@@ -36,9 +36,10 @@ void OccupancyPublisher::PublishSince(const FollowerPosition& position) {
       position.revision > position_.revision) {
     return PublishSnapshot();
   }
+  const auto changed = log_.Since(position.revision);
+  if (!changed) return PublishSnapshot();
   OccupancyDelta delta{occupancy_.cell_size(), false, {}};
-  for (const BlockIndex& block : log_.Since(position.revision))
-    delta.blocks.emplace_back(block, occupancy_.At(block));
+  for (const BlockIndex& block : *changed) delta.blocks.emplace_back(block, occupancy_.At(block));
   Publish(position.revision, std::move(delta));
 }
 

@@ -7,6 +7,7 @@
 #include "meshing/ply.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "session/object_query.h"
 #include "session/statistics.h"
 #include "wire/octree_message.h"
 
@@ -92,10 +93,18 @@ Result<MapServer::Answer> MapServer::AnswerReset(const map_request_t&) {
   return Answer{"the map is empty now; it is map " + map_id(), "", {}};
 }
 
-Result<MapServer::Answer> MapServer::AnswerObjects(const map_request_t&) {
-  const std::vector<ObjectSummary> objects = PublishObjects(AllObjects());
-  return Answer{std::to_string(objects.size()) + " objects and segments", "json",
-                Bytes(ObjectsJson(map_id(), objects, ClassName))};
+Result<MapServer::Answer> MapServer::AnswerObjects(const map_request_t& request) {
+  Result<ObjectQuery> query = ParseObjectQuery(request.argument);
+  if (!query) return tl::unexpected(query.error());
+  if (request.has_bbx) {
+    query->region_W =
+        Eigen::AlignedBox3d(Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W));
+  }
+  const Result<std::vector<ObjectSummary>> objects =
+      SelectObjects(PublishObjects(AllObjects()), *query);
+  if (!objects) return tl::unexpected(objects.error());
+  return Answer{std::to_string(objects->size()) + " objects and segments", "json",
+                Bytes(ObjectsJson(map_id(), *objects, ClassName))};
 }
 
 Result<MapServer::Answer> MapServer::AnswerMesh(const map_request_t& request) {

@@ -1,45 +1,19 @@
 #include "map_tool/commands.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "datasets/class_names.h"
 #include "map_tool/compare_runs.h"
+#include "map_tool/live_map.h"
 #include "map_tool/map_diff.h"
-#include "map_tool/server_client.h"
 #include "render/overview.h"
 #include "render/png.h"
 #include "session/statistics.h"
 
 namespace vismap {
 namespace {
-
-constexpr const char* kLive = "live";
-
-// The answer of a running server, or why the program ends.
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, const std::string& verb,
-                                                 const std::string& path = "",
-                                                 const std::string& argument = "") {
-  // The process number keeps two callers apart, so that each gets its own answer.
-  const auto bus = OpenBus(context.options, context.options.name + "-" + std::to_string(getpid()),
-                           &context.stop);
-  if (!bus) return ExitWith(ExitCode::kFailed, bus.error().message);
-  map_request_t request{};
-  request.verb = verb;
-  request.path = path;
-  request.argument = argument;
-  Result<map_reply_t> reply = Ask(**bus, request, arguments.timeout);
-  if (!reply) return ExitWith(ExitCode::kFailed, reply.error().message);
-  return std::move(*reply);
-}
-
-std::string PayloadText(const map_reply_t& reply) {
-  return {reply.payload.begin(), reply.payload.end()};
-}
 
 // Statistics of a map file or of the live map, as JSON text.
 tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& arguments,
@@ -52,26 +26,6 @@ tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& argume
   const Result<LoadedMap> loaded = LoadMap(arguments.map);
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   return StatisticsJson(loaded->map, loaded->metadata);
-}
-
-void PrintObjects(const nlohmann::json& list) {
-  std::printf("%8s  %-16s %5s  %7s  %-22s %-24s %s\n", "instance", "class", "score", "points",
-              "size [m]", "center [m]", "frames");
-  for (const auto& object : list.at("objects")) {
-    const auto& size = object.at("size");
-    const auto& center = object.at("center");
-    std::printf(
-        "%8d  %-16s %5.2f  %7d  %5.2f x %5.2f x %5.2f  (%6.2f, %6.2f, %6.2f)  %d\n",
-        object.at("instance").get<int>(), object.at("class_name").get<std::string>().c_str(),
-        object.at("score").get<double>(), object.at("points").get<int>(), size[0].get<double>(),
-        size[1].get<double>(), size[2].get<double>(), center[0].get<double>(),
-        center[1].get<double>(), center[2].get<double>(), object.at("frames").get<int>());
-  }
-  int things = 0, structure = 0;
-  for (const auto& segment : list.at("discovered"))
-    ++(segment.value("structure", false) ? structure : things);
-  std::printf("%d discovered segments without a class, %d of structure (--json lists them)\n",
-              things, structure);
 }
 
 Coloring ColoringOf(const std::string& name) {
@@ -129,40 +83,6 @@ Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context) {
   const auto statistics = Statistics(arguments, context);
   if (!statistics) return tl::unexpected(statistics.error());
   std::printf("%s\n", nlohmann::json::parse(*statistics).at("hash").get<std::string>().c_str());
-  return {};
-}
-
-Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context) {
-  std::string text;
-  if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "objects");
-    if (!reply) return tl::unexpected(reply.error());
-    text = PayloadText(*reply);
-  } else {
-    const Result<LoadedMap> loaded = LoadMap(arguments.map);
-    if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-    text = ObjectsText(loaded->metadata, MakeProducts(loaded->map, loaded->metadata,
-                                                      OutputOptionsOf(arguments.config)));
-  }
-  if (arguments.json) {
-    std::printf("%s\n", text.c_str());
-  } else {
-    PrintObjects(nlohmann::json::parse(text));
-  }
-  return {};
-}
-
-Outcome RunExport(const MapToolArguments& arguments, ProcessContext&) {
-  const Result<LoadedMap> loaded = LoadMap(arguments.map);
-  if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-  const OutputOptions options = OutputOptionsOf(arguments.config);
-  const MapProducts products = MakeProducts(loaded->map, loaded->metadata, options);
-  const auto written =
-      WriteOutputs(loaded->map, loaded->metadata, products, options, arguments.out);
-  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  PrintObjects(nlohmann::json::parse(ObjectsText(loaded->metadata, products)));
-  std::printf("map hash %s\nresults in %s\n", loaded->map_hash.c_str(),
-              std::filesystem::absolute(arguments.out).c_str());
   return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "runtime/main.h"
@@ -13,7 +14,8 @@ struct MapToolArguments {
   std::string coloring = "instance";  ///< of render
   std::string view = "overview";      ///< of render
   bool json = false;                  ///< machine-readable output
-  std::string ground_truth, objects, classes;  ///< of evaluate
+  std::string ground_truth, objects, classes;         ///< of evaluate
+  std::optional<std::string> id, class_name, region;  ///< of objects and export: which
   int frames = 0;       ///< of follow: enough once the map has so many; 0 = never
   double timeout = 60;  ///< patience with a running server [s]
   VismapConfig config;

@@ -65,7 +65,7 @@ Result<MapInput> ReadMap(const MapToolArguments& arguments) {
   input.map.scores.emplace();
   for (const ObjectSummary& object : products.objects) {
     // as objects.json has it, so that a map and its mesh get the same figures
-    if (!object.discovered())
+    if (!object.discovered() && !object.removed())
       (*input.map.scores)[object.instance] = std::round(object.score * 1e6) / 1e6;
   }
   input.occupancy = ClassifyMap(loaded->map, options.occupancy);

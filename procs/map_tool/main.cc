@@ -59,12 +59,22 @@ void AddCommands(CLI::App& app, Command* command) {
   CLI::App* objects = Add(app, command, "objects", "The objects of a map", RunObjects);
   takes_map(objects, kFileOrLive);
   objects->add_flag("--json", arguments.json, "As JSON, discovered segments included");
+  objects->add_option("--id", arguments.id, "Only this: an instance (7) or a segment (s12)");
+  objects->add_option("--class", arguments.class_name, "Only this class: COCO name or id");
+  objects->add_option("--region", arguments.region,
+                      "Only what reaches into the box x0,y0,z0,x1,y1,z1 [m]");
 
-  CLI::App* files =
-      Add(app, command, "export",
-          "Mesh, objects, octrees and picture of a saved map, into a folder", RunExport);
+  CLI::App* files = Add(
+      app, command, "export",
+      "Mesh, objects, octrees and picture of a saved map, into a folder; with --object, --class "
+      "or --region only mesh (.ply) and points (.xyz) of these objects",
+      RunExport);
   takes_map(files, "Saved map (.vismap)");
   files->add_option("--out", arguments.out, "Folder for the results")->required();
+  files->add_option("--object", arguments.id, "Only this: an instance (7) or a segment (s12)");
+  files->add_option("--class", arguments.class_name, "Only this class: COCO name or id");
+  files->add_option("--region", arguments.region,
+                    "Only what reaches into the box x0,y0,z0,x1,y1,z1 [m]");
   CLI::App* render = Add(app, command, "render", "A picture of a saved map", RunRender);
   takes_map(render, "Saved map (.vismap)");
   render->add_option("--out", arguments.out, "PNG file")->required();

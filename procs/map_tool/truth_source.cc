@@ -35,6 +35,7 @@ Result<TruthSource> ComputeTruth(const std::string& path) {
   Result<SyntheticOptions> options = ParseSyntheticPath(path);
   if (!options) return tl::unexpected(options.error());
   TruthSource source;
+  options->pose_noise = 0;  // the truth is seen from where the camera was
   source.depth = MakeSyntheticDataset(*options, {});
   options->tours = 1;  // all tours see the same
   const auto scene = std::make_shared<const Scene>(MakeScene(*options));

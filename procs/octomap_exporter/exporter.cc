@@ -51,22 +51,33 @@ void Exporter::OnTimer() {
   export_due_ = end + std::max(config_.octomap_exporter.period, 4 * (end - start));
 }
 
-Result<OctreeBytes> Exporter::Build(UnknownPolicy unknown) const {
+Result<void> Exporter::BringUpToDate() {
+  const OccupancyMap& map = *follower_.occupancy();
+  const OccupancyChanges changes = follower_.TakeChanges();
+  if (octree_ && !changes.everywhere) {
+    octree_->Update(map, changes.blocks);
+    return {};
+  }
+  octree_.reset();
   OctreeOptions options;
   options.resolution = config_.octree.resolution;
   options.free_fraction = config_.octree.free_fraction;
-  options.unknown = unknown;
-  return BuildOctree(*follower_.occupancy(), options);
+  Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), options);
+  if (!builder) return tl::unexpected(builder.error());
+  octree_.emplace(std::move(*builder));
+  octree_->Update(map, map.SortedIndices());
+  return {};
 }
 
 Result<std::string> Exporter::Export() {
   if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
   const StageTimer timer(status_, "export");
+  if (const Result<void> done = BringUpToDate(); !done) return tl::unexpected(done.error());
   OctreeMessage message{
       follower_.utime(),       follower_.position().map_id, follower_.position().revision,
       config_.grid.voxel_size, config_.free_space,          {}};
   message.voxel_size = follower_.occupancy()->cell_size();
-  Result<OctreeBytes> octree = Build(config_.octomap_exporter.unknown);
+  Result<OctreeBytes> octree = octree_->Build(config_.octomap_exporter.unknown);
   if (!octree) return tl::unexpected(octree.error());
   message.octree = std::move(*octree);
   bus_->Publish(kOctomapChannel, Encode(message));
@@ -74,11 +85,14 @@ Result<std::string> Exporter::Export() {
   exported_ = follower_.position();
   if (config_.octomap_exporter.output_folder.empty())
     return std::to_string(message.octree.nodes) + " nodes published";
+  return WriteFiles();
+}
 
+Result<std::string> Exporter::WriteFiles() {
   const std::filesystem::path folder =
       std::filesystem::absolute(config_.octomap_exporter.output_folder);
   for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
-    const Result<OctreeBytes> tree = Build(unknown);
+    const Result<OctreeBytes> tree = octree_->Build(unknown);
     if (!tree) return tl::unexpected(tree.error());
     const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
     const Result<void> written = WriteOctree(folder / name, *tree);

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vismap/map_delta_t.hpp>
 #include <vismap/map_request_t.hpp>
 
 #include "config/config.h"
+#include "freespace/octree_builder.h"
 #include "runtime/bus.h"
 #include "runtime/catch_up.h"
 #include "runtime/status.h"
@@ -30,12 +32,14 @@ class Exporter {
   Result<void> OnDelta(const map_delta_t& message);
   void OnRequest(const map_request_t& request);
   void OnTimer();
-  Result<OctreeBytes> Build(UnknownPolicy unknown) const;
+  Result<void> BringUpToDate();
+  Result<std::string> WriteFiles();
 
   VismapConfig config_;
   Bus* bus_;
   Status* status_;
   MapFollower follower_;
+  std::optional<OctreeBuilder> octree_;
   CatchUp catch_up_;
   FollowerPosition exported_;
   double export_due_ = 0;  // MonotonicSeconds

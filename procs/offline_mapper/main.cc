@@ -93,9 +93,9 @@ Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
   report["frames_skipped"] = dataset.skipped().size();
   report["stages_ms"] = FiguresJson(times);
   report["map"] = nlohmann::ordered_json::parse(StatisticsJson(session.map(), session.metadata()));
-  report["map"]["objects"] =
-      std::count_if(objects.begin(), objects.end(),
-                    [](const ObjectSummary& object) { return !object.discovered(); });
+  report["map"]["objects"] = std::count_if(
+      objects.begin(), objects.end(),
+      [](const ObjectSummary& object) { return !object.discovered() && !object.removed(); });
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   report["peak_rss_bytes"] = static_cast<int64_t>(usage.ru_maxrss) * 1024;
@@ -106,8 +106,12 @@ Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
 
 void Summarise(const Arguments& arguments, const MapSession& session,
                const std::vector<ObjectSummary>& objects, const StageTimes& times) {
-  size_t discovered = 0;
+  size_t discovered = 0, removed = 0;
   for (const ObjectSummary& object : objects) {
+    if (object.removed()) {
+      ++removed;
+      continue;
+    }
     if (object.discovered()) {
       if (!object.is_structure) ++discovered;
       continue;
@@ -116,7 +120,8 @@ void Summarise(const Arguments& arguments, const MapSession& session,
                 ClassName(object.class_id).c_str(), object.score, object.box.size.x(),
                 object.box.size.y(), object.box.size.z());
   }
-  std::printf("%zu discovered segments without a class\n", discovered);
+  std::printf("%zu discovered segments without a class; %zu objects and segments were removed\n",
+              discovered, removed);
   std::printf(
       "%zu frames, median %.1f ms per frame (segmentation %.1f, association %.1f, integration "
       "%.1f)\n",

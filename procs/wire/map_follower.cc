@@ -1,6 +1,17 @@
 #include "wire/map_follower.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace vismap {
+namespace {
+
+void SortUnique(std::vector<BlockIndex>* blocks) {
+  std::sort(blocks->begin(), blocks->end());
+  blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
+}
+
+}  // namespace
 
 FollowOutcome MapFollower::Take(const MapUpdate& update) {
   const bool complete = update.delta.complete;
@@ -9,10 +20,14 @@ FollowOutcome MapFollower::Take(const MapUpdate& update) {
                       complete, update.part, update.parts},
                      update);
   if (outcome != FollowOutcome::kApplied) return outcome;
-  if (complete) occupancy_.emplace(update.delta.voxel_size);
+  if (complete) {
+    occupancy_.emplace(update.delta.voxel_size);
+    changes_ = {true, {}};
+  }
   for (const MapUpdate& part : sequence_.ready()) {
     OccupancyDelta delta = part.delta;
     delta.complete = false;
+    NoteChanges(delta);
     if (!occupancy_->Apply(delta)) {
       sequence_.Distrust();
       return FollowOutcome::kBroken;
@@ -20,6 +35,23 @@ FollowOutcome MapFollower::Take(const MapUpdate& update) {
   }
   utime_ = update.utime;
   return outcome;
+}
+
+void MapFollower::NoteChanges(const OccupancyDelta& delta) {
+  if (changes_.everywhere) return;
+  for (const auto& entry : delta.blocks) changes_.blocks.push_back(entry.first);
+  if (changes_.blocks.size() <= changes_limit_) return;
+  // A camera that stands still changes the same blocks again and again.
+  SortUnique(&changes_.blocks);
+  changes_limit_ = std::max<size_t>(65536, 2 * changes_.blocks.size());
+  // More places than the map has blocks: they came and went.
+  if (changes_.blocks.size() > occupancy_->size() + 65536) changes_ = {true, {}};
+}
+
+OccupancyChanges MapFollower::TakeChanges() {
+  SortUnique(&changes_.blocks);
+  changes_limit_ = 0;
+  return std::exchange(changes_, {!occupancy_, {}});
 }
 
 }  // namespace vismap

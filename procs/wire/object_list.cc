@@ -1,6 +1,8 @@
 #include "wire/object_list.h"
 
 #include <cmath>
+#include <map>
+#include <utility>
 
 namespace vismap {
 namespace {
@@ -11,10 +13,16 @@ object_t EncodeObject(const ObjectSummary& object, const ClassNamer& class_name)
   message.discovered = object.discovered();
   message.class_id = Raw(object.class_id);
   message.class_name = object.class_id == ClassId::kUnknown ? "" : class_name(object.class_id);
+  for (const auto& [class_id, probability] : object.class_probability) {
+    message.class_ids.push_back(Raw(class_id));
+    message.class_probabilities.push_back(static_cast<float>(probability));
+  }
+  message.n_classes = static_cast<int32_t>(message.class_ids.size());
   message.score = static_cast<float>(object.score);
   for (const SegmentLabel label : object.segments) message.segments.push_back(Raw(label));
   message.n_segments = static_cast<int32_t>(message.segments.size());
   message.points = object.points;
+  message.area_m2 = object.area;
   for (int axis = 0; axis < 3; ++axis) {
     message.center_W[axis] = object.box.center_W[axis];
     message.size_m[axis] = object.box.size[axis];
@@ -27,7 +35,20 @@ object_t EncodeObject(const ObjectSummary& object, const ClassNamer& class_name)
   message.frames = static_cast<int32_t>(object.frames);
   message.first_utime = object.first_utime;
   message.last_utime = object.last_utime;
+  message.removed_utime = object.removed_utime;
   return message;
+}
+
+Result<std::map<ClassId, double>> DecodeProbabilities(const object_t& message) {
+  std::map<ClassId, double> probabilities;
+  for (size_t i = 0; i < message.class_ids.size(); ++i) {
+    const int32_t id = message.class_ids[i];
+    const float probability = message.class_probabilities[i];
+    if (id < 1 || id > 65535) return Fail("a class of its probabilities is outside [1, 65535]");
+    if (!(probability >= 0 && probability <= 1)) return Fail("a probability is outside [0, 1]");
+    probabilities[static_cast<ClassId>(id)] = static_cast<double>(probability);
+  }
+  return probabilities;
 }
 
 Result<ObjectSummary> DecodeObject(const object_t& message) {
@@ -42,12 +63,17 @@ Result<ObjectSummary> DecodeObject(const object_t& message) {
   ObjectSummary object;
   object.instance = static_cast<InstanceId>(message.instance);
   object.class_id = static_cast<ClassId>(message.class_id);
+  auto probabilities = DecodeProbabilities(message);
+  if (!probabilities) return Fail(where + probabilities.error().message);
+  object.class_probability = std::move(*probabilities);
   object.score = message.score;
   for (const int64_t label : message.segments) {
     if (label < 1 || label > UINT32_MAX) return Fail(where + "a segment is not a 32-bit label");
     object.segments.push_back(static_cast<SegmentLabel>(label));
   }
+  if (!(message.area_m2 >= 0)) return Fail(where + "area is negative or no number");
   object.points = message.points;
+  object.area = message.area_m2;
   object.box.center_W = Eigen::Vector3d(message.center_W);
   object.box.size = Eigen::Vector3d(message.size_m);
   object.box.R_W_B = Eigen::Quaterniond(message.orientation[0], message.orientation[1],
@@ -58,6 +84,8 @@ Result<ObjectSummary> DecodeObject(const object_t& message) {
   object.frames = static_cast<uint32_t>(std::max(message.frames, 0));
   object.first_utime = message.first_utime;
   object.last_utime = message.last_utime;
+  object.removed_utime = message.removed_utime;
+  object.state = message.removed_utime != 0 ? ObjectState::kRemoved : ObjectState::kPresent;
   return object;
 }
 

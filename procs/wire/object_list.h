@@ -17,14 +17,14 @@ struct ObjectList {
   int64_t utime = 0;  ///< of the newest frame contained [us]
   std::string map_id;
   int64_t revision = 0;
-  std::vector<ObjectSummary> objects;  ///< instances ascending, then discovered ones
+  std::vector<ObjectSummary> objects;  ///< instances ascending, then discovered, then removed ones
 };
 
 /// Structure (floor, walls) is left out: the message lists things.
 object_list_t Encode(const ObjectList& list, const ClassNamer& class_name);
 
-/// Fails, naming the object, on ids and scores out of range and boxes that are not finite. Class
-/// probabilities, areas and structure do not travel.
+/// Fails, naming the object, on ids and scores out of range and boxes that are not finite.
+/// Structure does not travel.
 Result<ObjectList> Decode(const object_list_t& message);
 
 }  // namespace vismap

@@ -1,10 +1,11 @@
 // Free space and octrees of a recorded map. Run alone: vismap's part must be small beside a frame.
 #include <benchmark/benchmark.h>
 
-#include "freespace/coarsen.h"
+#include <chrono>
+
 #include "freespace/occupancy_codec.h"
 #include "freespace/occupancy_map.h"
-#include "freespace/octree.h"
+#include "freespace/octree_builder.h"
 #include "support/recorded_map.h"
 
 namespace vismap {
@@ -58,17 +59,62 @@ void BM_BuildOctree(benchmark::State& state) {
   state.counters["nodes"] = static_cast<double>(octree->nodes);
 }
 
-void BM_UpdateOctreeAfterAFrame(benchmark::State& state) {
-  const Recorded& recorded = Recorded::Get();
-  const OccupancyMap occupancy = ClassifyMap(recorded.map, {});
-  const CoarsenOptions options{5, 1.0};
-  OccupancyMap leaves = Coarsen(occupancy, options);
-  size_t frame = 0;
-  for (auto _ : state) {
-    const auto& changed = recorded.changes[frame++ % recorded.changes.size()];
-    benchmark::DoNotOptimize(UpdateCoarse(occupancy, changed, options, &leaves));
-    benchmark::DoNotOptimize(EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt));
+/// The recorded map `side` x `side` times, side by side on the floor.
+OccupancyMap Tiled(const OccupancyMap& map, int side) {
+  constexpr int32_t kPitch = 100;  // blocks: 8 m
+  OccupancyMap tiled(map.cell_size());
+  for (const auto& [index, block] : map.table()) {
+    for (int tile = 0; tile < side * side; ++tile) {
+      const int32_t x = index.x + kPitch * (tile % side);
+      tiled.Set({x, index.y + kPitch * (tile / side), index.z}, block);
+    }
   }
+  return tiled;
+}
+
+/// Makes one voxel of every block of a frame occupied, or what it was before.
+void ToggleBlocks(const OccupancyMap& before, std::span<const BlockIndex> frame, bool occupied,
+                  OccupancyMap* map) {
+  for (const BlockIndex& index : frame) {
+    OccupancyPlanes planes = before.At(index).Planes();
+    if (occupied) planes.occupied[4] |= uint64_t{1} << 36;
+    planes.free[4] &= ~planes.occupied[4];
+    map->Set(index, BlockOccupancy(planes));
+  }
+}
+
+/// The octree after the changes of a frame, beside that of the whole map built anew, for maps of
+/// range(0)^2 rooms. The first must not grow with the map; "ratio" is how much more the second is.
+void BM_OctreeAfterAFrame(benchmark::State& state) {
+  const Recorded& recorded = Recorded::Get();
+  const OccupancyMap before =
+      Tiled(ClassifyMap(recorded.map, {}), static_cast<int>(state.range(0)));
+  OccupancyMap map = before;
+  OctreeOptions options;
+  options.unknown = state.range(1) == 0 ? UnknownPolicy::kAbsent : UnknownPolicy::kOccupied;
+  const auto start = std::chrono::steady_clock::now();
+  benchmark::DoNotOptimize(BuildOctree(map, options));
+  const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
+  OctreeBuilder builder = *OctreeBuilder::Make(map.cell_size(), options);
+  builder.Update(map, map.SortedIndices());
+  const auto& frame = recorded.changes.back();
+  size_t bytes = 0;
+  bool occupied = false;
+  std::chrono::duration<double> spent{0};
+  for (auto _ : state) {
+    ToggleBlocks(before, frame, occupied = !occupied, &map);
+    const auto begin = std::chrono::steady_clock::now();
+    builder.Update(map, frame);
+    bytes = builder.Build(options.unknown)->bytes.size();
+    const std::chrono::duration<double> step = std::chrono::steady_clock::now() - begin;
+    state.SetIterationTime(step.count());
+    spent += step;
+  }
+  state.counters["kB"] = static_cast<double>(bytes) / 1000;
+  state.counters["blocks"] = static_cast<double>(frame.size());
+  state.counters["cubes"] = static_cast<double>(builder.encoded_cubes());
+  state.counters["whole_ms"] = whole.count() * 1e3;
+  state.counters["ratio"] = whole.count() * static_cast<double>(state.iterations()) / spent.count();
 }
 
 void BM_EncodeSnapshot(benchmark::State& state) {
@@ -92,7 +138,14 @@ BENCHMARK(BM_BuildOctree)
     ->Args({10, 0})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-BENCHMARK(BM_UpdateOctreeAfterAFrame)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(BM_OctreeAfterAFrame)
+    ->Args({1, 0})
+    ->Args({2, 0})
+    ->Args({4, 0})
+    ->Args({1, 1})
+    ->Args({4, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
 BENCHMARK(BM_EncodeSnapshot)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(BM_DecodeSnapshot)->Unit(benchmark::kMillisecond)->UseRealTime();
 

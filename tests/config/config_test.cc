@@ -39,6 +39,7 @@ struct KeyCounter {
   void Value(const char* key, T&) {
     keys.push_back(prefix + key);
   }
+  void Classes(const char* key, std::vector<ClassId>&) { keys.push_back(prefix + key); }
   void Direction(const char* key, std::optional<Eigen::Vector3d>&) { keys.push_back(prefix + key); }
   void Sensor(const char* key, DepthNoiseModel&) { keys.push_back(prefix + key); }
   void Section(const char* key, const std::function<void(KeyCounter&)>& body) {
@@ -124,6 +125,9 @@ struct Changer {
   template <typename Enum>
   void Value(const char*, Enum& member) {
     member = static_cast<Enum>(1 - static_cast<int>(member));
+  }
+  void Classes(const char*, std::vector<ClassId>& member) {
+    member = {ClassId{1}, ClassId{static_cast<uint16_t>(300 + ++*counter)}};
   }
   void Direction(const char*, std::optional<Eigen::Vector3d>& member) {
     member = Eigen::Vector3d(1.0 / 3, -2.0 / 3, 2.0 / 3);
@@ -287,6 +291,7 @@ struct Poisoner {
   }
   template <typename T>
   void Value(const char*, T&) {}
+  void Classes(const char*, std::vector<ClassId>&) {}
   void Direction(const char*, std::optional<Eigen::Vector3d>&) {}
   void Sensor(const char*, DepthNoiseModel&) {}
   void Section(const char*, const std::function<void(Poisoner&)>& body) { body(*this); }
@@ -341,6 +346,22 @@ TEST(Presets, PublishedHasThePublishedSegmentation) {
   expected.segmentation = PublishedOptions();
   expected.segmentation.refine.min_score = 0.7;  // of the detector, in the published system
   EXPECT_EQ(PrintConfig(preset), PrintConfig(expected));
+}
+
+TEST(Config, ClassesToLeaveOutAreNamesOrIds) {
+  const VismapConfig config = Parsed("refine { leave_out_classes: [\"person\", \"18\", \"300\"] }");
+  EXPECT_THAT(config.segmentation.refine.leave_out_classes,
+              testing::ElementsAre(ClassId{1}, ClassId{18}, ClassId{300}));
+  EXPECT_TRUE(VismapConfig().segmentation.refine.leave_out_classes.empty());
+}
+
+TEST(Config, AnUnknownClassToLeaveOutIsAnError) {
+  for (const std::string name : {"persons", "unknown", "0", "70000", ""}) {
+    const auto config = ParseConfig("refine { leave_out_classes: \"" + name + "\" }", "x");
+    ASSERT_FALSE(config) << name;
+    EXPECT_THAT(config.error().message,
+                testing::HasSubstr("refine.leave_out_classes: '" + name + "' is neither"));
+  }
 }
 
 }  // namespace

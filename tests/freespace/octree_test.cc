@@ -6,10 +6,9 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <sstream>
 
 #include "base/file.h"
-#include "freespace/coarsen.h"
+#include "freespace/octomap_reference.h"
 #include "freespace/random_occupancy.h"
 #include "support/analytic_map.h"
 
@@ -17,36 +16,10 @@ namespace vismap {
 namespace {
 
 using testing::HasSubstr;
+using testing_support::OctomapBytes;
 using testing_support::Random;
 using testing_support::RandomOccupancy;
-
-/// The same tree the slow way: every cell set in OctoMap, then its own pruning and writer.
-std::string OctomapBytes(const OccupancyMap& leaves, double resolution, UnknownPolicy unknown,
-                         const CellBox& box) {
-  octomap::OcTree tree(resolution);
-  for (int z = box.min.z; z < box.max.z; ++z) {
-    for (int y = box.min.y; y < box.max.y; ++y) {
-      for (int x = box.min.x; x < box.max.x; ++x) {
-        CellState state = leaves.At(VoxelIndex{x, y, z});
-        if (state == CellState::kUnknown) {
-          if (unknown == UnknownPolicy::kAbsent) continue;
-          state = CellState::kOccupied;
-        }
-        const octomap::OcTreeKey key(static_cast<octomap::key_type>(x + 32768),
-                                     static_cast<octomap::key_type>(y + 32768),
-                                     static_cast<octomap::key_type>(z + 32768));
-        tree.setNodeValue(key, state == CellState::kOccupied ? 3.5F : -2.0F, true);
-      }
-    }
-  }
-  tree.updateInnerOccupancy();
-  tree.prune();
-  std::ostringstream bytes;
-  tree.writeBinary(bytes);
-  return bytes.str();
-}
-
-std::string Text(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+using testing_support::Text;
 
 TEST(EncodeOctree, BytesAreThoseOfOctomap) {
   for (uint64_t seed = 0; seed < 12; ++seed) {

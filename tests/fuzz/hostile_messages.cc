@@ -192,6 +192,7 @@ FuzzTarget ObjectsTarget() {
     object.instance = InstanceId{i};
     object.class_id = ClassId{62};
     object.segments = {SegmentLabel{i}, SegmentLabel{8}};
+    object.class_probability = {{ClassId{62}, 0.75}, {ClassId{63}, 0.25}};
     object.box.size = {0.5, 0.4, 0.9};
     list.objects.push_back(object);
   }

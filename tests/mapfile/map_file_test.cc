@@ -56,6 +56,8 @@ SemanticMap RandomMap(uint64_t seed, int blocks) {
     record.pixels = Next(&state);
     record.first_utime = -static_cast<int64_t>(Next(&state) >> 1);
     record.last_utime = static_cast<int64_t>(Next(&state) >> 1);
+    record.cleared_voxels = static_cast<uint32_t>(Next(&state) % 3);
+    if (record.cleared_voxels > 0) record.cleared_utime = static_cast<int64_t>(Next(&state) >> 1);
     record.instance_evidence[InstanceId{1 + label % 8}] = static_cast<float>(label) / 7;
     record.instance_evidence[InstanceId{9}] = std::numeric_limits<float>::denorm_min();
     record.class_evidence[ClassId{65535}] = 1e30F;

@@ -33,6 +33,11 @@ IntegrationOptions RandomOptions(RandomNumbers* random) {
   options.max_weight = random->Real(1, 20);
   options.vote_distance_voxels = random->Real(0.5, 3);
   options.merge_frames = random->Whole(0, 3);
+  options.carve_frames = random->Real(0, 3);
+  options.free_frames = random->Chance(0.3) ? 0 : random->Real(0.5, 5);
+  options.carve_keep = random->Real(0.1, 0.9);
+  options.carve_margin_voxels = random->Real(2, 8);
+  options.carve_slope = random->Real(0, 8);
   return options;
 }
 
@@ -41,6 +46,7 @@ void ExpectSameDelta(const MapDelta& fast, const MapDelta& slow) {
   EXPECT_EQ(fast.merged, slow.merged);
   EXPECT_EQ(fast.voxels_updated, slow.voxels_updated);
   EXPECT_EQ(fast.votes_evicted, slow.votes_evicted);
+  EXPECT_EQ(fast.cleared, slow.cleared);
   EXPECT_EQ(fast.revision, slow.revision);
 }
 

@@ -143,6 +143,24 @@ TEST(SummarizeObjects, UpAxisIsAnOption) {
   EXPECT_NEAR(box.R_W_B.toRotationMatrix().determinant(), 1, 1e-9);
 }
 
+TEST(SummarizeObjects, WhatWasSeenEmptyIsRemovedOnceLittleOfItIsLeft) {
+  SemanticMap map = Room();
+  const auto before = SummarizeObjects(map);
+  LabelRecord& ball = map.labels.MutableRecord(kBall);
+  ball.cleared_utime = 7;
+  ball.cleared_voxels = static_cast<uint32_t>(before[2].points);  // but all of it is still there
+  EXPECT_FALSE(SummarizeObjects(map)[2].removed());
+  ball.cleared_voxels = static_cast<uint32_t>(3 * before[2].points);
+  const auto after = SummarizeObjects(map);
+  ASSERT_EQ(after.size(), 3u);
+  EXPECT_TRUE(after[2].removed());
+  EXPECT_EQ(after[2].removed_utime, 7);
+  EXPECT_EQ(after[2].frames, before[2].frames);
+  EXPECT_EQ(after[2].box.size.norm(), 0);
+  EXPECT_TRUE(CutObjects(ExtractMesh(map), after)[2].triangles.empty());
+  EXPECT_FALSE(SummarizeObjects(map, {.removed_max_rest = 0})[2].removed());
+}
+
 TEST(SummarizeObjects, EmptyMapHasNoObjects) {
   EXPECT_TRUE(SummarizeObjects(SemanticMap(kGrid)).empty());
 }
@@ -218,7 +236,8 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
 }
 
 TEST(ObjectsJson, EmptyListsAreLists) {
-  EXPECT_EQ(ObjectsJson("m", {}, {}), "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[]}\n");
+  EXPECT_EQ(ObjectsJson("m", {}, {}),
+            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"removed\":[]}\n");
 }
 
 }  // namespace

@@ -22,5 +22,22 @@ TEST(MapHash, IsTheSameOfflineAndLiveWithOneThreadAndTwo) {
   }
 }
 
+TEST(MapHash, IsTheSameOfflineAndLiveWhenClassesAreLeftOut) {
+  const TempFolder folder;
+  folder.Write("still.txtpb", "refine { leave_out_classes: [\"chair\", \"63\"] }\n");
+  const std::vector<std::string> config{"--config", (folder / "still.txtpb").string()};
+  const std::string offline = OfflineRoomHash("2", RoomPipeline::kRoom, config);
+  EXPECT_NE(offline, OfflineRoomHash());
+  ProcessBus processes;
+  RoomPipeline pipeline(&processes);
+  pipeline.segmenter_arguments = config;
+  pipeline.Start();
+  EXPECT_TRUE(pipeline.WaitForFrames(4));
+  Crash(pipeline.server.get());  // so that frames are sent, and answered, again
+  pipeline.StartServer();
+  pipeline.WaitForEnd();
+  EXPECT_EQ(ServerStatistic(&processes, "hash"), offline);
+}
+
 }  // namespace
 }  // namespace vismap

@@ -28,7 +28,9 @@ void RoomPipeline::Start() {
 
 void RoomPipeline::StartServer() { server = map_processes_->Start("map-server", server_arguments); }
 void RoomPipeline::StartSegmenter() {
-  segmenter = processes_->Start("depth-segmenter", {"--detections", detections});
+  std::vector<std::string> arguments{"--detections", detections};
+  arguments.insert(arguments.end(), segmenter_arguments.begin(), segmenter_arguments.end());
+  segmenter = processes_->Start("depth-segmenter", arguments);
 }
 void RoomPipeline::StartDetector() { detector = processes_->Start("detector", detector_arguments); }
 void RoomPipeline::StartExporter() {

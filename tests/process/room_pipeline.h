@@ -25,6 +25,7 @@ class RoomPipeline {
   std::vector<std::string> server_arguments{"--threads", "2"};
   std::vector<std::string> exporter_arguments;
   std::vector<std::string> detector_arguments{"--dataset", kRoom};
+  std::vector<std::string> segmenter_arguments;
   std::string detections = "required";  ///< of the segmenter; with "none" there is no detector
   double resend = 0.5;                  ///< of the replay [s]
 

@@ -217,6 +217,31 @@ TEST(Refine, OrderOfDetectionsWithDistinctScoresDoesNotMatter) {
   }
 }
 
+TEST(Refine, PixelsOnAFoldGoToTheMaskTheyLieInAndNoOthersDo) {
+  // The mask ends at column 106, the segment at 100; the fold is six columns wide on either side.
+  SegmentImage image = Halves();
+  image.ambiguous = Image<uint8_t>(kWidth, kHeight);
+  for (int v = 10; v < kHeight; ++v) {
+    for (int u = 94; u < 104; ++u) image.ambiguous(v, u) = 50;
+  }
+  DetectionSet set;
+  set.detections = {Rectangle(kChair, 0.9F, 0, 10, 106, kHeight - 10)};
+  const auto moved = [&](const RefineOptions& options) {
+    const SegmentedFrame out = RefineWithDetections(Frame(), image, &set, options);
+    ExpectConsistent(out);
+    int columns = 0;
+    for (int u = 100; u < kWidth; ++u) columns += Raw(out.image.index(80, u)) == 0;
+    return columns;
+  };
+  EXPECT_EQ(moved({}), 4);  // of the six columns that the mask covers, those on the fold
+  RefineOptions off;
+  off.fold_min_score = 2;
+  EXPECT_EQ(moved(off), 0);
+  RefineOptions strict;
+  strict.fold_min_score = 0.95;
+  EXPECT_EQ(moved(strict), 0);
+}
+
 TEST(Refine, NoSegmentsAtAllIsFine) {
   DetectionSet set;
   set.detections = {Rectangle(kTable, 0.8F, 0, 0, kWidth, kHeight)};

@@ -200,7 +200,7 @@ TEST(OfficeWalk, TheDetectorTellsObjectsBeyondTheFirst255) {
     const Image<uint16_t> ids = RenderInstances(office, kTiny, T_W_C);
     const FrameHeader header{.utime = 1, .frame_number = 1, .camera = kTiny, .T_W_C = T_W_C};
     found += SimulateDetections(office, ids, header,
-                                {.miss_rate = 0, .max_mask_error = 0, .min_pixels = 0})
+                                {.miss_rate = 0, .mask = {.max_growth = 0}, .min_pixels = 0})
                  .detections.size();
     const std::set<uint16_t> here(ids.pixels().begin(), ids.pixels().end());
     EXPECT_FALSE(here.contains(0)) << "every pixel shows something";

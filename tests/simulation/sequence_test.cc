@@ -31,6 +31,27 @@ TEST(SyntheticPath, HasDefaultsAndParameters) {
   EXPECT_EQ(all->rate, 2.5);
 }
 
+TEST(SyntheticPath, ObjectsComeAndGo) {
+  const auto options =
+      ParseSyntheticPath("synthetic:room?frames=4&width=160&noise=none&remove=8@3&appear=7@2");
+  ASSERT_TRUE(options) << options.error().message;
+  const Scene scene = MakeScene(*options);
+  const auto shows = [&](int64_t frame, uint16_t id) {
+    return FindObject(SceneInFrame(scene, frame), id) != nullptr;
+  };
+  EXPECT_FALSE(shows(1, 7));
+  EXPECT_TRUE(shows(2, 7));
+  EXPECT_TRUE(shows(2, 8));
+  EXPECT_FALSE(shows(3, 8));
+  const auto dataset = MakeSyntheticDataset(*options, {});
+  EXPECT_THAT(dataset->default_detections_path().value(), HasSubstr("&remove=8@3&appear=7@2"));
+  for (const std::string change : {"remove=8", "remove=8@0", "remove=@3", "appear=x@3"})
+    EXPECT_FALSE(ParseSyntheticPath("synthetic:room?" + change)) << change;
+  const auto unknown = ParseSyntheticPath("synthetic:room?remove=99@3");
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(unknown.error().message, HasSubstr("room has no object 99"));
+}
+
 TEST(SyntheticPath, NamesWhatIsWrong) {
   const auto error_of = [](const std::string& path) {
     const auto options = ParseSyntheticPath(path);

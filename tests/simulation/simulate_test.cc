@@ -225,7 +225,7 @@ TEST(SimulatedDetector, WithoutErrorsGivesTheTrueMasksOfKnownObjects) {
     const FrameHeader header = HeaderAt(T_W_C, kSmall, 3);
     const Image<uint16_t> ids = RenderInstances(room, kSmall, T_W_C);
     const DetectionSet set = SimulateDetections(
-        room, ids, header, {.miss_rate = 0, .max_mask_error = 0, .min_pixels = 1});
+        room, ids, header, {.miss_rate = 0, .mask = {.max_growth = 0}, .min_pixels = 1});
     size_t next = 0;
     for (const SceneObject& object : room.objects) {
       Image<uint8_t> truth(ids.width(), ids.height());
@@ -251,7 +251,7 @@ TEST(SimulatedDetector, ErrorsStayWithinTheirBounds) {
   std::set<size_t> sizes;
   for (int64_t number = 1; number <= 300; ++number) {
     const DetectionSet set = SimulateDetections(
-        scene, ids, HeaderAt(Pose::Identity(), kVga, number), {.miss_rate = 0.2});
+        scene, ids, HeaderAt(Pose::Identity(), kVga, number), {.miss_rate = 0.2, .mask = {}});
     for (const Detection& detection : set.detections) {
       ++found;
       EXPECT_GE(detection.score, 0.6f);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 
 #include "wire/map_follower.h"
@@ -115,6 +116,32 @@ TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(1));
 }
 
+TEST(MapFollower, SaysWhichBlocksChangedAndEverywhereAfterASnapshot) {
+  MapFollower follower;
+  EXPECT_TRUE(follower.TakeChanges().everywhere);
+  EXPECT_TRUE(follower.TakeChanges().everywhere) << "there is no map yet";
+  follower.Take(SnapshotAt(2));
+  const OccupancyChanges first = follower.TakeChanges();
+  EXPECT_TRUE(first.everywhere);
+  EXPECT_TRUE(first.blocks.empty());
+  EXPECT_TRUE(follower.TakeChanges().blocks.empty());
+
+  std::set<BlockIndex> changed;
+  for (int64_t revision = 3; revision < 9; ++revision) {
+    follower.Take(UpdateTo(revision));
+    for (const auto& entry : UpdateTo(revision).delta.blocks) changed.insert(entry.first);
+  }
+  const OccupancyChanges after = follower.TakeChanges();
+  EXPECT_FALSE(after.everywhere);
+  EXPECT_EQ(after.blocks, std::vector<BlockIndex>(changed.begin(), changed.end()));
+  EXPECT_FALSE(after.blocks.empty());
+  follower.Take(UpdateTo(20));
+  EXPECT_TRUE(follower.TakeChanges().blocks.empty()) << "it was not applied";
+  follower.Take(SnapshotAt(20));
+  follower.Take(UpdateTo(21));
+  EXPECT_TRUE(follower.TakeChanges().everywhere);
+}
+
 TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {
   MeshUpdate update{7, "map", 3, false, 0, 1, 0.08, {4, {}}};
   BlockMesh block{{-2, 0, 5}, {}};
@@ -159,21 +186,38 @@ TEST(ObjectList, SurvivesTheMessageWithoutStructure) {
   chair.score = 0.75;
   chair.segments = {SegmentLabel{1}, SegmentLabel{8}};
   chair.points = 100;
+  chair.area = 0.5;
+  chair.class_probability = {{ClassId{62}, 0.75}, {ClassId{63}, 0.25}};
+  ObjectSummary gone = chair;
+  gone.instance = InstanceId{5};
+  gone.state = ObjectState::kRemoved;
+  gone.removed_utime = 77;
   chair.box.center_W = {1, 2, 3};
   chair.box.size = {0.5, 0.4, 0.9};
   ObjectSummary wall;
   wall.segments = {SegmentLabel{2}};
   wall.is_structure = true;
-  list.objects = {chair, wall};
+  list.objects = {chair, wall, gone};
   const object_list_t message = Encode(list, [](ClassId) { return std::string("chair"); });
   const Result<ObjectList> decoded = Decode(message);
   ASSERT_TRUE(decoded) << decoded.error().message;
-  ASSERT_EQ(decoded->objects.size(), 1u);
+  ASSERT_EQ(decoded->objects.size(), 2u);
+  EXPECT_EQ(decoded->objects[0].class_probability, chair.class_probability);
+  EXPECT_EQ(decoded->objects[0].area, chair.area);
+  EXPECT_FALSE(decoded->objects[0].removed());
+  EXPECT_TRUE(decoded->objects[1].removed());
+  EXPECT_EQ(decoded->objects[1].removed_utime, 77);
   EXPECT_EQ(decoded->objects[0].instance, InstanceId{3});
   EXPECT_EQ(decoded->objects[0].segments, chair.segments);
   EXPECT_EQ(decoded->objects[0].box.size, chair.box.size);
   object_list_t bad = message;
   bad.objects[0].score = 2;
+  EXPECT_FALSE(Decode(bad));
+  bad = message;
+  bad.objects[0].class_ids[0] = 0;
+  EXPECT_FALSE(Decode(bad));
+  bad = message;
+  bad.objects[0].class_probabilities[1] = 1.5F;
   EXPECT_FALSE(Decode(bad));
   bad = message;
   bad.objects[0].orientation[0] = 7;

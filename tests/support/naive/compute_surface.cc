@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/require.h"
+#include "geometry/depth_steps.h"
 
 namespace vismap::naive {
 namespace {
@@ -172,7 +173,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   ForPixels(camera,
             [&](int v, int u) { BackProject(v, u, depth(v, u), camera, options, &inverse, &out); });
   const double tangent = std::tan(options.max_incidence_deg * std::numbers::pi / 180);
-  const float jump = F(options.jump_sigmas);
+  const float jump = F(JumpSigmas(inverse.w, inverse.sigma, options.jump_sigmas));
   const float cap_x = F(tangent / camera.fx), cap_y = F(tangent / camera.fy);
   ForPixels(camera, [&](int v, int u) {
     const bool right = Joined(inverse, v, u, 0, 1, jump, cap_x);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "geometry/noise_model.h"
 #include "support/naive/voxel_access.h"
 
 namespace vismap::naive {
@@ -18,6 +19,7 @@ struct Sample {
   size_t pixel = 0;    // where the voxel falls in the image
   float distance = 0;  // signed, along the ray, at most the truncation [m]
   float weight = 0;    // in steps
+  float passed = 0;    // how far space is clear behind the voxel, along z; negative = not [m]
   bool is_near = false, votes = false, colors = false;
 };
 
@@ -30,7 +32,8 @@ class View {
         options_(options),
         voxel_size_(grid.voxel_size),
         step_C_((T_C_W_.linear() * grid.voxel_size).cast<float>()),
-        truncation_(F(grid.truncation_voxels * grid.voxel_size)) {}
+        truncation_(F(grid.truncation_voxels * grid.voxel_size)),
+        carve_margin_(F(options.carve_margin_voxels * grid.voxel_size)) {}
 
   /// The centre of a block's first voxel in the camera [m].
   Eigen::Vector3f FirstVoxel(BlockIndex index) const {
@@ -57,6 +60,7 @@ class View {
     sample.pixel =
         static_cast<size_t>(row) * static_cast<size_t>(camera_.width) + static_cast<size_t>(column);
     const float stretch = std::sqrt(a * a + b * b + 1.0F);  // of the ray per metre of depth
+    sample.passed = ClearDepth(row, column) - z;
     return Judge(z, depth_(row, column), stretch, sample);
   }
 
@@ -80,6 +84,31 @@ class View {
     return sample;
   }
 
+  /// The least depth in the tile of 4x4 pixels and those around, less the margin; 0 when a pixel of
+  /// the tile, or all of one around, have none.
+  float ClearDepth(int row, int column) const {
+    const int v0 = row / 4 * 4, u0 = column / 4 * 4;
+    float nearest = std::numeric_limits<float>::infinity();
+    for (int v = v0 - 4; v < v0 + 8; v += 4) {
+      for (int u = u0 - 4; u < u0 + 8; u += 4) {
+        if (v < 0 || u < 0 || v >= depth_.height() || u >= depth_.width()) continue;
+        int known = 0, all = 0;
+        for (int y = v; y < std::min(v + 4, depth_.height()); ++y) {
+          for (int x = u; x < std::min(u + 4, depth_.width()); ++x) {
+            ++all;
+            if (!(depth_(y, x) > 0)) continue;
+            ++known;
+            nearest = std::min(nearest, depth_(y, x));
+          }
+        }
+        const bool own = v == v0 && u == u0;
+        if (known == 0 || (own && known < all)) return 0;
+      }
+    }
+    const float sigma = F(KinectNoise().AxialSigma(static_cast<double>(nearest)));
+    return std::max(nearest - std::max(carve_margin_, F(options_.carve_sigmas) * sigma), 0.0F);
+  }
+
   /// 1 at 1 m, less with the square of the depth, fading out behind the surface; at least a step.
   float Weight(float depth, float distance) const {
     const float inverse = 1.0F / std::max(depth, 0.5F);
@@ -95,6 +124,7 @@ class View {
   const double voxel_size_;
   const Eigen::Matrix3f step_C_;  // columns: one voxel along x, y, z of W [m]
   const float truncation_;
+  const float carve_margin_;
 };
 
 uint8_t Blend(uint8_t old_value, uint8_t new_value, float share) {
@@ -102,16 +132,46 @@ uint8_t Blend(uint8_t old_value, uint8_t new_value, float share) {
   return static_cast<uint8_t>(a + share * (b - a) + 0.5F);
 }
 
+/// A voxel that is clearly passed loses weight; with much of it, it takes nothing else from the
+/// frame.
+void CarveVoxel(const IntegrationOptions& options, float truncation, StoredVoxel* voxel,
+                Sample* sample) {
+  const float distance = static_cast<float>(voxel->distance) * (truncation / 32767.0F);
+  const bool passed = options.carve_frames > 0 && voxel->weight > 0 &&
+                      distance < 0.75F * truncation &&
+                      sample->passed > F(options.carve_slope) * std::max(distance, 0.0F);
+  if (!passed) return;
+  const float weight = voxel->weight, least = F(options.carve_frames) * sample->weight;
+  const bool heavy = weight > least + 2.0F * sample->weight;
+  const float left =
+      heavy ? std::max(weight * F(options.carve_keep), least) : std::min(weight, least);
+  voxel->weight = static_cast<uint16_t>(left + 0.5F);
+  if (heavy) sample->weight = 0;
+}
+
+/// The label with the most votes, in the first slot of those; kNone = no vote.
+SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, int offset) {
+  LabelVote best;
+  for (const LabelVote& vote : ReadVotes(voxels, offset)) {
+    if (vote.votes > best.votes) best = vote;
+  }
+  return best.label;
+}
+
 /// The running means of distance and colour, and the counts.
 StoredVoxel FuseVoxel(StoredVoxel voxel, const Sample& sample, const Image<Rgb8>& colors,
-                      double max_weight, float truncation) {
+                      const IntegrationOptions& options, float truncation) {
   const float old_weight = voxel.weight, old_distance = voxel.distance;
   const float sum = old_weight + sample.weight, share = sample.weight / std::max(sum, 1.0F);
   const float fused =
       old_distance + share * (sample.distance * (32767.0F / truncation) - old_distance);
   voxel.distance = static_cast<int16_t>(static_cast<int>(fused + 32768.5F) - 32768);
-  voxel.weight = static_cast<uint16_t>(std::min(sum, F(max_weight) * kWeightScale) + 0.5F);
-  voxel.observations = static_cast<uint8_t>(std::min(voxel.observations + 1, 255));
+  float weight = std::min(sum, F(options.max_weight) * kWeightScale);
+  if (options.free_frames > 0 && sample.weight > 0 && fused >= 29490)
+    weight = std::min(weight, std::max(F(options.free_frames), 1.0F) * sample.weight);
+  voxel.weight = static_cast<uint16_t>(weight + 0.5F);
+  if (sample.weight > 0)
+    voxel.observations = static_cast<uint8_t>(std::min(voxel.observations + 1, 255));
   if (sample.colors && !colors.empty()) {
     const Rgb8 seen = colors.data()[sample.pixel];
     const float part = voxel.color == Rgb8{} ? 1.0F : share;  // it has no colour yet
@@ -144,16 +204,21 @@ bool FuseBlock(const SegmentedFrame& frame, const FrameAssociation& association,
                float truncation, Block& block, MapDelta* delta) {
   bool changed = false;
   for (int offset = 0; offset < kBlockVoxels; ++offset) {
-    const std::optional<Sample>& sample = samples[static_cast<size_t>(offset)];
+    std::optional<Sample> sample = samples[static_cast<size_t>(offset)];
     if (!sample) continue;
     if (!block.surface) {
       changed = SeeFree(block, offset) || changed;
       continue;
     }
     SurfaceVoxels& voxels = *block.surface;
-    WriteVoxel(voxels, offset,
-               FuseVoxel(ReadVoxel(voxels, offset), *sample, frame.frame.color, options.max_weight,
-                         truncation));
+    StoredVoxel voxel = ReadVoxel(voxels, offset);
+    const bool was_inside = voxel.weight > 0 && voxel.distance <= 0;
+    const bool may_turn = was_inside && sample->passed > 0 && options.carve_frames > 0;
+    CarveVoxel(options, truncation, &voxel, &*sample);
+    WriteVoxel(voxels, offset, FuseVoxel(voxel, *sample, frame.frame.color, options, truncation));
+    const SegmentLabel was = StrongestLabel(voxels, offset);
+    if (may_turn && voxels.distance[static_cast<size_t>(offset)] > 0 && was != SegmentLabel::kNone)
+      ++delta->cleared[was];
     const SegmentLabel label = LabelAt(frame, association, sample->pixel);
     if (sample->votes && label != SegmentLabel::kNone && !AddVote(voxels, offset, label))
       ++delta->votes_evicted;
@@ -233,6 +298,11 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
       delta.changed_blocks.push_back(index);
   }
   const MapDelta labels = UpdateLabels(frame, association, options, map);
+  for (const auto& [label, count] : delta.cleared) {
+    LabelRecord& record = map->labels.MutableRecord(map->labels.Canonical(label));
+    record.cleared_voxels += count;
+    record.cleared_utime = std::max(record.cleared_utime, frame.frame.header.utime);
+  }
   delta.revision = labels.revision;
   delta.merged = labels.merged;
   return delta;

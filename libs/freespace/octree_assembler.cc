@@ -1,0 +1,93 @@
+#include "freespace/octree_assembler.h"
+
+#include <deque>
+
+#include "base/require.h"
+
+namespace vismap {
+namespace {
+
+constexpr int kLevels = kOctreeBlockLevels - kOctreeCubeLevels;
+
+/// Bits of a number of kLevels bits, three apart.
+uint64_t Spread3(uint64_t value) {
+  uint64_t spread = 0;
+  for (int bit = 0; bit < kLevels; ++bit) spread |= ((value >> bit) & 1) << (3 * bit);
+  return spread;
+}
+
+class Assembler {
+ public:
+  Assembler(const CellBox& box, UnknownPolicy unknown)
+      : box_(box), closed_(unknown == UnknownPolicy::kOccupied) {}
+
+  /// The tree itself: as a subtree it does not count its root.
+  NodeWriter Run(std::span<const PlacedSubtree> parts) {
+    size_t size = 0;
+    for (const PlacedSubtree& part : parts) size += part.subtree->bytes.size();
+    writer_.ReserveBytes(size + size / 8);
+    const NodeState root = Emit(OctreeCube::Everything(), kLevels, parts);
+    Require(root == NodeState::kUnknown || root == NodeState::kInner,
+            "no map fills the whole key space of OctoMap");
+    if (root == NodeState::kInner) writer_.CountRoot();
+    return std::move(writer_);
+  }
+
+ private:
+  NodeState Emit(const OctreeCube& cube, int level, std::span<const PlacedSubtree> parts) {
+    if (parts.empty() && !closed_) return NodeState::kUnknown;
+    if (Disjoint(cube, box_)) return NodeState::kUnknown;
+    if (parts.empty() && Inside(cube, box_)) return NodeState::kOccupied;
+    if (level == 0) return writer_.Append(parts.empty() ? Empty(cube) : *parts[0].subtree);
+    const size_t start = writer_.Reserve();
+    uint32_t code = 0;
+    const int shift = 3 * (level - 1);
+    for (int child = 0; child < 8; ++child) {
+      size_t count = 0;
+      while (count < parts.size() &&
+             ((parts[count].order >> shift) & 7) == static_cast<uint64_t>(child)) {
+        ++count;
+      }
+      const NodeState state = Emit(cube.Child(child), level - 1, parts.first(count));
+      code |= NodeWriter::Code(state, child);
+      parts = parts.subspan(count);
+    }
+    return writer_.Finish(start, code);
+  }
+
+  /// A cube of which nothing is known, cut by the bounds. All along a side of the bounds these are
+  /// the same.
+  const Subtree& Empty(const OctreeCube& cube) {
+    const CellBox part = Intersect(cube.Box(), box_);
+    const auto from_corner = [&](VoxelIndex cell) {
+      return VoxelIndex{cell.x - cube.min.x, cell.y - cube.min.y, cell.z - cube.min.z};
+    };
+    const CellBox shape{from_corner(part.min), from_corner(part.max)};
+    for (const auto& [known_shape, subtree] : empty_) {
+      if (known_shape == shape) return subtree;
+    }
+    const Subtree subtree = EncodeSubtree(cube, nullptr, part, UnknownPolicy::kOccupied);
+    return empty_.emplace_back(shape, subtree).second;
+  }
+
+  CellBox box_;
+  bool closed_;
+  NodeWriter writer_;
+  std::deque<std::pair<CellBox, Subtree>> empty_;  // at most 27: one for each way to be cut
+};
+
+}  // namespace
+
+uint64_t OctreeOrder(const OctreeCube& cube) {
+  const auto place = [](int32_t min) {
+    return Spread3(static_cast<uint64_t>((min + kOctreeCellOffset) / kOctreeCubeSide));
+  };
+  return place(cube.min.x) | place(cube.min.y) << 1 | place(cube.min.z) << 2;
+}
+
+NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const CellBox& box,
+                          UnknownPolicy unknown) {
+  return Assembler(box, unknown).Run(parts);
+}
+
+}  // namespace vismap

@@ -1,0 +1,39 @@
+#include "freespace/octree_builder.h"
+
+#include "base/require.h"
+#include "freespace/shortest_text.h"
+
+namespace vismap {
+
+OctreeBuilder::OctreeBuilder(double voxel_size, const OctreeGrid& grid,
+                             const OctreeOptions& options)
+    : voxel_size_(voxel_size),
+      resolution_(grid.resolution),
+      coarsening_{grid.factor, options.free_fraction},
+      bounds_W_(options.bounds_W),
+      leaves_(voxel_size * grid.factor) {}
+
+Result<OctreeBuilder> OctreeBuilder::Make(double voxel_size, const OctreeOptions& options) {
+  const Result<OctreeGrid> grid = ChooseOctreeGrid(voxel_size, options.resolution);
+  if (!grid) return tl::unexpected(grid.error());
+  if (!(options.free_fraction > 0 && options.free_fraction <= 1)) {
+    return Fail("octree free_fraction: expected a number above 0 and at most 1, found " +
+                ShortestText(options.free_fraction));
+  }
+  return OctreeBuilder(voxel_size, *grid, options);
+}
+
+void OctreeBuilder::Update(const OccupancyMap& map, std::span<const BlockIndex> changed) {
+  Require(map.cell_size() == voxel_size_, "an octree is built of one map");
+  const OccupancyDelta delta = UpdateCoarse(map, changed, coarsening_, &leaves_);
+  std::vector<BlockIndex> indices;
+  indices.reserve(delta.blocks.size());
+  for (const auto& entry : delta.blocks) indices.push_back(entry.first);
+  cache_.Update(leaves_, indices);
+}
+
+Result<OctreeBytes> OctreeBuilder::Build(UnknownPolicy unknown) {
+  return cache_.Encode(leaves_, resolution_, unknown, bounds_W_);
+}
+
+}  // namespace vismap

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "freespace/occupancy_map.h"
+
+namespace vismap {
+
+// OctoMap's key space: 2^16 leaves along each axis, the origin in the middle. One of our blocks of
+// 8^3 leaves is a node three levels above the leaves. All coordinates here count leaves.
+
+/// Levels from a block up to the root.
+inline constexpr int kOctreeBlockLevels = 13;
+/// Half the key space, in blocks and in leaves.
+inline constexpr int32_t kOctreeBlockOffset = 1 << (kOctreeBlockLevels - 1);
+inline constexpr int32_t kOctreeCellOffset = kBlockSide * kOctreeBlockOffset;
+
+/// An octree node: the cube of leaves that it stands for.
+struct OctreeCube {
+  VoxelIndex min;
+  int32_t size = 0;  ///< leaves along an edge, a power of two
+
+  static OctreeCube Everything() {
+    return {{-kOctreeCellOffset, -kOctreeCellOffset, -kOctreeCellOffset}, 2 * kOctreeCellOffset};
+  }
+  /// One of the eight halves along each axis, in OctoMap's order: x fastest.
+  OctreeCube Child(int child) const {
+    const int32_t half = size / 2;
+    return {{min.x + (child & 1) * half, min.y + ((child >> 1) & 1) * half,
+             min.z + ((child >> 2) & 1) * half},
+            half};
+  }
+  CellBox Box() const { return {min, {min.x + size, min.y + size, min.z + size}}; }
+};
+
+/// The cells that are in both; the default box when there are none.
+inline CellBox Intersect(const CellBox& a, const CellBox& b) {
+  const CellBox both{
+      {std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
+      {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
+  const bool none =
+      both.min.x >= both.max.x || both.min.y >= both.max.y || both.min.z >= both.max.z;
+  return none ? CellBox{} : both;
+}
+
+inline bool Disjoint(const OctreeCube& cube, const CellBox& box) {
+  return Intersect(cube.Box(), box) == CellBox{};
+}
+
+inline bool Inside(const OctreeCube& cube, const CellBox& box) {
+  return Intersect(cube.Box(), box) == cube.Box();
+}
+
+}  // namespace vismap

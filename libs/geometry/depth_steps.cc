@@ -1,0 +1,43 @@
+#include "geometry/depth_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace vismap {
+namespace {
+
+constexpr int kRowStep = 4, kColumnStep = 3;  // of the pixels looked at
+constexpr size_t kMinSamples = 500;
+// Measured: Kinects (7-Scenes, TUM, Redwood) and the simulated one bend by 1.4 to 2.2 deviations at
+// this quantile, so that 5 deviations stay; a sensor with steps three times as coarse by 5.4.
+constexpr double kQuantile = 0.9, kMargin = 1.3, kMostTimes = 2.5;
+
+/// By how much four neighbours bend between the inner two, at least, in standard deviations;
+/// negative when one has no return.
+float Bend(const float* w, const float* sigma) {
+  if (!(w[0] > 0 && w[1] > 0 && w[2] > 0 && w[3] > 0)) return -1;
+  const float step = w[2] - w[1];
+  const float bend = std::min(std::abs(step - (w[1] - w[0])), std::abs(step - (w[3] - w[2])));
+  return bend / std::max(sigma[1], sigma[2]);
+}
+
+}  // namespace
+
+double JumpSigmas(const Image<float>& w, const Image<float>& sigma, double jump_sigmas) {
+  std::vector<float> bends;
+  bends.reserve(w.size() / (kRowStep * kColumnStep) + static_cast<size_t>(w.height()));
+  for (int v = 0; v < w.height(); v += kRowStep) {
+    for (int u = 0; u + 3 < w.width(); u += kColumnStep) {
+      const float bend = Bend(w.row(v) + u, sigma.row(v) + u);
+      if (bend >= 0) bends.push_back(bend);
+    }
+  }
+  if (bends.size() < kMinSamples) return jump_sigmas;
+  const auto rank = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(bends.size()));
+  std::nth_element(bends.begin(), bends.begin() + rank, bends.end());
+  const double needed = kMargin * double{bends[static_cast<size_t>(rank)]};
+  return std::clamp(needed, jump_sigmas, kMostTimes * jump_sigmas);
+}
+
+}  // namespace vismap

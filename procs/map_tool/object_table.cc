@@ -1,0 +1,80 @@
+#include "map_tool/object_table.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "datasets/class_names.h"
+
+namespace vismap {
+namespace {
+
+/// The name that --id takes: an instance, or "s" and a segment.
+std::string IdOf(const nlohmann::json& object) {
+  const int instance = object.at("instance").get<int>();
+  return instance != 0 ? std::to_string(instance)
+                       : "s" + std::to_string(object.at("segments").at(0).get<int>());
+}
+
+/// "chair 0.93, couch 0.07": the likeliest first, three at most.
+std::string Probabilities(const nlohmann::json& object) {
+  std::vector<std::pair<double, int>> shares;
+  const auto all = object.value("class_probabilities", nlohmann::json::object());
+  for (const auto& [id, share] : all.items())
+    shares.emplace_back(-share.get<double>(), std::stoi(id));
+  std::sort(shares.begin(), shares.end());
+  std::string text;
+  for (size_t i = 0; i < std::min<size_t>(shares.size(), 3); ++i) {
+    char number[16];
+    std::snprintf(number, sizeof(number), " %.2f", -shares[i].first);
+    text += (i > 0 ? ", " : "") + ClassName(static_cast<ClassId>(shares[i].second)) + number;
+  }
+  return text;
+}
+
+/// Seconds of a time in us.
+double Seconds(const nlohmann::json& object, const char* key) {
+  return static_cast<double>(object.at(key).get<int64_t>()) * 1e-6;
+}
+
+void PrintObject(const nlohmann::json& object) {
+  const auto& size = object.at("size");
+  const auto& center = object.at("center");
+  std::printf(
+      "%8s  %-16s %5.2f  %7d %7.3f  %5.2f x %5.2f x %5.2f  (%6.2f, %6.2f, %6.2f) %7d  "
+      "%.1f..%.1f  %s\n",
+      IdOf(object).c_str(), object.at("class_name").get<std::string>().c_str(),
+      object.at("score").get<double>(), object.at("points").get<int>(),
+      object.at("area").get<double>(), size[0].get<double>(), size[1].get<double>(),
+      size[2].get<double>(), center[0].get<double>(), center[1].get<double>(),
+      center[2].get<double>(), object.at("frames").get<int>(), Seconds(object, "first_utime"),
+      Seconds(object, "last_utime"), Probabilities(object).c_str());
+}
+
+void PrintRemoved(const nlohmann::json& object) {
+  std::printf("%8s  %-16s removed: last seen at %.1f s, found gone at %.1f s\n",
+              IdOf(object).c_str(), object.at("class_name").get<std::string>().c_str(),
+              Seconds(object, "last_utime"), Seconds(object, "removed_utime"));
+}
+
+}  // namespace
+
+void PrintObjects(const nlohmann::json& list, bool all) {
+  std::printf("%8s  %-16s %5s  %7s %7s  %-21s  %-24s %7s  %s\n", "id", "class", "score", "points",
+              "m2", "size [m]", "center [m]", "frames", "seen [s]  probabilities");
+  for (const auto& object : list.at("objects")) PrintObject(object);
+  int things = 0, structure = 0;
+  for (const auto& segment : list.at("discovered")) {
+    if (all) PrintObject(segment);
+    ++(segment.value("structure", false) ? structure : things);
+  }
+  for (const auto& object : list.at("removed")) PrintRemoved(object);
+  if (!all) {
+    std::printf("%d discovered segments without a class, %d of structure (--json lists them)\n",
+                things, structure);
+  }
+}
+
+}  // namespace vismap

@@ -1,0 +1,168 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "process/room_pipeline.h"
+
+// vismap-map objects and export of objects, as their users call them.
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+/// A room in which the chair with id 8 is taken away after the first of two tours.
+constexpr char kRoom[] = "synthetic:room?frames=24&width=240&tours=2&remove=8@25";
+constexpr char kCoarse[] = "grid { voxel_size_m: 0.02 }\n";
+
+/// Mapped once for all tests below.
+class MappedRoom {
+ public:
+  static const MappedRoom& Get() {
+    static const MappedRoom room;
+    return room;
+  }
+  std::string map() const { return (folder_ / "out/map.vismap").string(); }
+  fs::path folder() const { return folder_.path(); }
+  Json objects() const { return Json::parse(std::ifstream(folder_ / "out/objects.json")); }
+
+ private:
+  MappedRoom() {
+    folder_.Write("coarse.txtpb", kCoarse);
+    ChildProcess mapper("offline-mapper",
+                        {"--dataset", kRoom, "--config", (folder_ / "coarse.txtpb").string(),
+                         "--out", (folder_ / "out").string()},
+                        folder_.path());
+    EXPECT_EQ(mapper.WaitForExit(), 0) << mapper.StandardError();
+  }
+  TempFolder folder_;
+};
+
+struct Ran {
+  int exit_code = -1;
+  std::string out, error;
+};
+
+Ran MapTool(const std::vector<std::string>& arguments) {
+  const TempFolder folder;
+  ChildProcess tool("map", arguments, folder.path());
+  Ran ran;
+  ran.exit_code = tool.WaitForExit().value_or(-1);
+  ran.out = tool.StandardOutput();
+  ran.error = tool.StandardError();
+  return ran;
+}
+
+Json Objects(std::vector<std::string> filters) {
+  filters.insert(filters.begin(), {"objects", MappedRoom::Get().map(), "--json"});
+  const Ran ran = MapTool(filters);
+  EXPECT_EQ(ran.exit_code, 0) << ran.error;
+  return Json::parse(ran.out, nullptr, false);
+}
+
+TEST(ObjectsCommand, SelectsByIdClassAndRegion) {
+  const Json all = Objects({});
+  EXPECT_EQ(all, MappedRoom::Get().objects());
+  const Json first = all.at("objects").at(0);
+  const Json one = Objects({"--id", std::to_string(first.at("instance").get<int>())});
+  ASSERT_EQ(one.at("objects").size(), 1u);
+  EXPECT_EQ(one["objects"][0], first);
+  EXPECT_TRUE(one.at("discovered").empty());
+  for (const char* key : {"class_probabilities", "score", "points", "area", "center", "size",
+                          "orientation", "frames", "first_utime", "last_utime", "state"})
+    EXPECT_TRUE(first.contains(key)) << key;
+
+  const Json chairs = Objects({"--class", "chair"});
+  EXPECT_GE(chairs.at("objects").size(), 1u);
+  for (const Json& chair : chairs["objects"]) EXPECT_EQ(chair.at("class_name"), "chair");
+
+  const Json near_tv = Objects({"--region", "-0.5,1.5,0.6,0.5,2.2,1.2"});
+  EXPECT_LT(near_tv.at("objects").size(), all["objects"].size());
+  EXPECT_THAT(near_tv.dump(), HasSubstr("\"tv\""));
+  EXPECT_TRUE(near_tv.at("removed").empty());
+}
+
+TEST(ObjectsCommand, ShowsWhatWasRemoved) {
+  const Json removed = Objects({}).at("removed");
+  ASSERT_GE(removed.size(), 1u);
+  EXPECT_EQ(removed[0].at("class_name"), "chair");
+  EXPECT_EQ(removed[0].at("state"), "removed");
+  EXPECT_GT(removed[0].at("removed_utime"), removed[0].at("last_utime"));
+  EXPECT_FALSE(removed[0].contains("center"));
+  const Ran table = MapTool({"objects", MappedRoom::Get().map()});
+  EXPECT_EQ(table.exit_code, 0) << table.error;
+  EXPECT_THAT(table.out, HasSubstr("removed: last seen at "));
+}
+
+TEST(ObjectsCommand, SaysWhatIsWrong) {
+  const std::string map = MappedRoom::Get().map();
+  const Ran id = MapTool({"objects", map, "--id", "999"});
+  EXPECT_EQ(id.exit_code, 1);
+  EXPECT_THAT(id.error, HasSubstr("no object with id 999; its instances are 1, "));
+  const Ran word = MapTool({"objects", map, "--id", "first"});
+  EXPECT_EQ(word.exit_code, 2);
+  EXPECT_THAT(word.error, HasSubstr("'first' is no id of an object"));
+  const Ran name = MapTool({"objects", map, "--class", "chairs"});
+  EXPECT_EQ(name.exit_code, 2);
+  EXPECT_THAT(name.error, HasSubstr("'chairs' is neither a COCO class"));
+  const Ran region = MapTool({"objects", map, "--region", "1,2,3"});
+  EXPECT_EQ(region.exit_code, 2);
+  EXPECT_THAT(region.error, HasSubstr("'1,2,3' is no region"));
+  EXPECT_EQ(Objects({"--class", "zebra"}).at("objects").size(), 0u);
+}
+
+TEST(ExportCommand, WritesMeshAndPointsOfTheObjectsAskedFor) {
+  const MappedRoom& room = MappedRoom::Get();
+  const fs::path out = room.folder() / "one";
+  const Json chair = Objects({"--class", "chair"}).at("objects").at(0);
+  const std::string id = std::to_string(chair.at("instance").get<int>());
+  const Ran ran = MapTool({"export", room.map(), "--object", id, "--out", out.string()});
+  ASSERT_EQ(ran.exit_code, 0) << ran.error;
+  EXPECT_THAT(ran.out, HasSubstr((out / ("instance_" + id + "_chair.ply")).string()));
+  std::ifstream points(out / ("instance_" + id + "_chair.xyz"));
+  int lines = 0;
+  for (std::string line; std::getline(points, line);) ++lines;
+  EXPECT_NEAR(lines, chair.at("points").get<int>(), 0.2 * lines);
+  EXPECT_FALSE(fs::exists(out / "map.vismap"));
+
+  const fs::path chairs = room.folder() / "chairs";
+  EXPECT_EQ(MapTool({"export", room.map(), "--class", "chair", "--out", chairs.string()}).exit_code,
+            0);
+  for (const auto& file : fs::directory_iterator(chairs))
+    EXPECT_THAT(file.path().filename().string(), HasSubstr("_chair."));
+  const Ran none = MapTool({"export", room.map(), "--class", "zebra", "--out", out.string()});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.error, HasSubstr("no object that was asked for"));
+}
+
+TEST(ObjectsCommand, AsksTheRunningServerAndIdsSurviveALoadThere) {
+  ProcessBus processes;
+  const auto server = processes.Start(
+      "map-server",
+      {"--config", (MappedRoom::Get().folder() / "coarse.txtpb").string(), "--threads", "1"});
+  ASSERT_TRUE(processes.WaitForReady({"map-server"}));
+  ASSERT_EQ(MapTool({"load", MappedRoom::Get().map(), "--lcm-url", processes.url()}).exit_code, 0);
+  const auto live = [&](std::vector<std::string> filters) {
+    filters.insert(filters.begin(), {"objects", "live", "--json", "--lcm-url", processes.url()});
+    return MapTool(filters);
+  };
+  for (const std::vector<std::string>& filters : std::vector<std::vector<std::string>>{
+           {}, {"--class", "chair"}, {"--region", "0,0,0,1,1,1"}}) {
+    const Ran ran = live(filters);
+    ASSERT_EQ(ran.exit_code, 0) << ran.error;
+    Json there = Json::parse(ran.out, nullptr, false), here = Objects(filters);
+    there.erase("map_id");  // a loaded map has an id of its own
+    here.erase("map_id");
+    EXPECT_EQ(there, here);
+  }
+  const Ran unknown = live({"--id", "999"});
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.error, HasSubstr("no object with id 999"));
+}
+
+}  // namespace
+}  // namespace vismap
