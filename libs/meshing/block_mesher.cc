@@ -52,6 +52,14 @@ constexpr std::array<size_t, 12> CellEdgeSlots() {
 }
 constexpr std::array<size_t, 12> kCellEdgeSlot = CellEdgeSlots();
 
+// Those with cells.
+CellGrid::Layers LayersOf(const CellBits& cells) {
+  CellGrid::Layers layers;
+  while (cells[static_cast<size_t>(layers.from)] == 0) ++layers.from;
+  while (cells[static_cast<size_t>(layers.to - 1)] == 0) --layers.to;
+  return layers;
+}
+
 }  // namespace
 
 BlockMesher::BlockMesher(const MeshingJob& job)
@@ -69,7 +77,7 @@ void BlockMesher::Find(BlockIndex block) {
   if (!FindSurfaceCells(walk_, &cells)) return;
   walk_.FindLower();
   reader_.Trim(kCopiesKept);
-  grid_.Fill(walk_, &reader_);
+  grid_.Fill(walk_, LayersOf(cells), &reader_);
   for (int z = 0; z < kBlockSide; ++z) {
     for (uint64_t bits = cells[static_cast<size_t>(z)]; bits != 0; bits &= bits - 1) {
       const int cell = std::countr_zero(bits);

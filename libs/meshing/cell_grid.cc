@@ -1,5 +1,6 @@
 #include "meshing/cell_grid.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace vismap {
@@ -30,6 +31,10 @@ struct CellGrid::Neighbour {
   int bx, by, bz;
   Range x = Overlap(bx), y = Overlap(by), z = Overlap(bz);
 
+  // Of the grid.
+  void KeepLayers(int from, int to) {
+    z = {std::max(z.begin, from - kBlockSide * bz), std::min(z.end, to - kBlockSide * bz)};
+  }
   size_t slot() const { return NeighbourWalk::Slot(bx, by, bz); }
   size_t GridAt(int vx, int vy, int vz) const {
     return static_cast<size_t>(
@@ -37,7 +42,7 @@ struct CellGrid::Neighbour {
   }
 };
 
-void CellGrid::Fill(const NeighbourWalk& walk, SurfaceReader* reader) {
+void CellGrid::Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceReader* reader) {
   for (size_t slot = 0; slot < voxels_.size(); ++slot) {
     const BlockView& view = walk.At(slot);
     voxels_[slot] = view.has_surface && view.voxels == nullptr ? reader->Read(*view.block)
@@ -49,7 +54,8 @@ void CellGrid::Fill(const NeighbourWalk& walk, SurfaceReader* reader) {
   // The middle columns first, while the others are on their way.
   for (const int bx : {0, -1, 1}) {
     for (int i = 0; i < 9; ++i) {
-      const Neighbour neighbour{bx, i / 3 - 1, i % 3 - 1};
+      Neighbour neighbour{bx, i / 3 - 1, i % 3 - 1};
+      neighbour.KeepLayers(layers.from - 1, layers.to + 2);
       const uint64_t* observed = walk.At(neighbour.slot()).observed;
       if (observed != nullptr) CopyNeighbour(neighbour, observed);
     }

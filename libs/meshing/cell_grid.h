@@ -12,9 +12,13 @@ namespace vismap {
 /// block, -1..9.
 class CellGrid {
  public:
-  /// Copies the block that the walk is at, which knows all its neighbours. Good for as long as what
-  /// `reader` read.
-  void Fill(const NeighbourWalk& walk, SurfaceReader* reader);
+  /// Layers of cells, from <= z < to.
+  struct Layers {
+    int from = 0, to = kBlockSide;
+  };
+  /// Copies what some layers of cells of a block depend on: of the block that the walk is at, which
+  /// knows all its neighbours. Good for as long as what `reader` read.
+  void Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceReader* reader);
 
   const DistanceGrid& distances() const { return distances_; }
   const float* At(int x, int y, int z) const {

@@ -112,16 +112,13 @@ ShownLabel VertexMaker::LabelOf(size_t lane) const {
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
 
-SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
-  if (place.voxels == nullptr) return SegmentLabel::kNone;
-  const SurfaceVoxels& voxels = *place.voxels;
-  const auto& entries = voxels.slot_label[static_cast<size_t>(place.offset)];
-  if ((entries[1] | entries[2]) == 0)  // most voxels
-    return entries[0] == 0 ? SegmentLabel::kNone : Canonical(voxels.palette[entries[0] - 1u]);
+SegmentLabel VertexMaker::WinnerOf(const SurfaceVoxels& voxels, int offset) const {
+  const auto& entries = voxels.slot_label[static_cast<size_t>(offset)];
+  if ((entries[1] | entries[2]) == 0) return Canonical(voxels.palette[entries[0] - 1u]);  // mostly
   std::array<LabelVote, kVoteSlots> votes;
   for (int slot = 0; slot < kVoteSlots; ++slot) {
     LabelVote& vote = votes[static_cast<size_t>(slot)];
-    vote = voxels.Vote(place.offset, slot);
+    vote = voxels.Vote(offset, slot);
     vote.label = Canonical(vote.label);
   }
   return StrongestLabel(votes);

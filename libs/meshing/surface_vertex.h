@@ -29,7 +29,13 @@ class VertexMaker {
   void LoadLane(const LatticeEdge& edge, size_t lane);
   MeshVertex MakeVertex(size_t lane) const;
   ShownLabel LabelOf(size_t lane) const;
-  SegmentLabel LabelAt(const CellGrid::Place& place) const;
+  SegmentLabel LabelAt(const CellGrid::Place& place) const {
+    if (place.voxels == nullptr) return SegmentLabel::kNone;
+    const auto& entries = place.voxels->slot_label[static_cast<size_t>(place.offset)];
+    if ((entries[0] | entries[1] | entries[2]) == 0) return SegmentLabel::kNone;
+    return WinnerOf(*place.voxels, place.offset);
+  }
+  SegmentLabel WinnerOf(const SurfaceVoxels& voxels, int offset) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "meshing/read_out.h"
 #include "runtime/clock.h"
 #include "wire/mesh_follower.h"
 #include "wire/mesh_update.h"
@@ -26,10 +25,11 @@ void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
   map_id_ = map_id;
   revision_ = -1;
   dirty_ = map.voxels.SortedIndices();
-  shown_ = ReadShown(map.labels);
+  shown_ = ShowLabels(map.labels);
   places_.Clear();
   places_.Note(map.voxels, dirty_);
   places_.MergeAll(map.labels);
+  surfaces_.clear();
   log_.Clear();
 }
 
@@ -40,32 +40,28 @@ void MeshPublisher::NoteChanges(const SemanticMap& map, const MapDelta& delta) {
   dirty_.insert(dirty_.end(), changed.begin(), changed.end());
 }
 
-std::vector<MeshPublisher::Shown> MeshPublisher::ReadShown(const LabelTable& labels) {
-  const LabelReadOut read_out = ReadLabels(labels);
-  std::vector<Shown> shown(labels.records().size());
-  for (size_t i = 0; i < shown.size(); ++i) {
-    const SegmentLabel label = labels.Canonical(static_cast<SegmentLabel>(i + 1));
-    const InstanceId instance = read_out.labels[Raw(label)].instance;
-    const auto known = read_out.instances.find(instance);
-    shown[i] = {label, instance,
-                known == read_out.instances.end() ? ClassId::kUnknown : known->second.class_id};
-  }
-  return shown;
-}
-
 void MeshPublisher::AddBlocksShownOtherwise(const SemanticMap& map) {
-  std::vector<Shown> now = ReadShown(map.labels);
+  std::vector<ShownLabel> now = ShowLabels(map.labels);
   for (size_t i = 0; i < shown_.size(); ++i) {  // labels that are new came with changed blocks
     if (now[i] == shown_[i]) continue;
-    const auto places = places_.Of(static_cast<SegmentLabel>(i + 1));
+    const auto places = places_.Of(static_cast<SegmentLabel>(i));
     dirty_.insert(dirty_.end(), places.begin(), places.end());
   }
   shown_ = std::move(now);
 }
 
+void MeshPublisher::KeepWhatFollowersLack(std::vector<BlockMesh>* blocks) {
+  std::erase_if(*blocks, [this](const BlockMesh& block) {
+    if (block.mesh.vertices.empty()) return surfaces_.erase(block.block) == 0;
+    surfaces_.insert(block.block);
+    return false;
+  });
+}
+
 void MeshPublisher::PublishChanges(const SemanticMap& map) {
   AddBlocksShownOtherwise(map);
   MeshDelta delta = MeshBlocks(map, SortedUnique(std::exchange(dirty_, {})), options_);
+  KeepWhatFollowersLack(&delta.blocks);
   for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
   const int64_t base = std::exchange(revision_, map.revision);
   Publish(map, base, std::move(delta.blocks));  // the first of a map is all of it
@@ -73,11 +69,13 @@ void MeshPublisher::PublishChanges(const SemanticMap& map) {
 
 void MeshPublisher::PublishAll(const SemanticMap& map) {
   dirty_.clear();
-  shown_ = ReadShown(map.labels);
-  log_.Clear();
+  shown_ = ShowLabels(map.labels);
   revision_ = map.revision;
   MeshDelta delta = MeshBlocks(map, map.voxels.SortedIndices(), options_);
-  // Whoever has an older state of this map must hear of all blocks again.
+  // Whoever has an older state of this map must hear of all surfaces again, and of their ends.
+  for (const BlockIndex& block : surfaces_) log_.Record(map.revision, block);
+  surfaces_.clear();
+  KeepWhatFollowersLack(&delta.blocks);
   for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
   Publish(map, -1, std::move(delta.blocks));
 }
@@ -88,8 +86,11 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
   PublishChanges(map);
   const auto changed = log_.Since(position.revision);
   if (!changed) return PublishAll(map);
-  // Blocks around those that are asked for are made, too; they are as they were published.
   MeshDelta delta = MeshBlocks(map, *changed, options_);
+  // Blocks around those that are asked for are made, too: the follower has them.
+  std::erase_if(delta.blocks, [&](const BlockMesh& block) {
+    return !std::binary_search(changed->begin(), changed->end(), block.block);
+  });
   Publish(map, position.revision, std::move(delta.blocks));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <span>
+#include <tsl/robin_set.h>
+
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "map_server/label_places.h"
 #include "mapping/integrate.h"
 #include "meshing/marching_cubes.h"
+#include "meshing/read_out.h"
 #include "runtime/bus.h"
 #include "wire/update_sequence.h"
 
@@ -40,23 +42,17 @@ class MeshPublisher {
   static std::string DigestOf(const SemanticMap& map, const MeshingOptions& options);
 
  private:
-  /// What a label's voxels are shown as.
-  struct Shown {
-    SegmentLabel segment = SegmentLabel::kNone;
-    InstanceId instance = InstanceId::kNone;
-    ClassId class_id = ClassId::kUnknown;
-    friend bool operator==(const Shown&, const Shown&) = default;
-  };
-  static std::vector<Shown> ReadShown(const LabelTable& labels);
   void AddBlocksShownOtherwise(const SemanticMap& map);
+  void KeepWhatFollowersLack(std::vector<BlockMesh>* blocks);
   void Publish(const SemanticMap& map, int64_t base_revision, std::vector<BlockMesh> blocks);
 
   MeshingOptions options_;
   Bus* bus_;
   std::string map_id_;
-  int64_t revision_ = -1;          // of the last update
-  std::vector<BlockIndex> dirty_;  // changed since, unsorted
-  std::vector<Shown> shown_;       // by label - 1, at the last update
+  int64_t revision_ = -1;                                // of the last update
+  std::vector<BlockIndex> dirty_;                        // changed since, unsorted
+  std::vector<ShownLabel> shown_;                        // by label, at the last update
+  tsl::robin_set<BlockIndex, BlockIndexHash> surfaces_;  // blocks with one, at the last update
   LabelPlaces places_;
   ChangeLog log_;
   double last_published_ = 0;  // MonotonicSeconds

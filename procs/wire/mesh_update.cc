@@ -1,14 +1,21 @@
 #include "wire/mesh_update.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+
+#include "base/parallel.h"
 
 namespace vismap {
 namespace {
 
+// To the nearest whole number, halves away from zero; exact for any float that fits.
+int32_t Round(float value) {
+  return static_cast<int32_t>(static_cast<double>(value) + (value < 0 ? -0.5 : 0.5));
+}
+
 int16_t Quantise(float offset_in_edges) {  // of the block's lower corner, in [-0.5, 1.5]
   const float steps = std::clamp((offset_in_edges + 0.5F) / 2.0F * 65535.0F, 0.0F, 65535.0F);
-  return static_cast<int16_t>(static_cast<uint16_t>(std::lround(steps)));
+  return static_cast<int16_t>(static_cast<uint16_t>(Round(steps)));
 }
 
 float Restore(int16_t quantised) {
@@ -16,7 +23,39 @@ float Restore(int16_t quantised) {
 }
 
 int8_t QuantiseNormal(float component) {
-  return static_cast<int8_t>(std::lround(std::clamp(component, -1.0F, 1.0F) * 127.0F));
+  return static_cast<int8_t>(Round(std::clamp(component, -1.0F, 1.0F) * 127.0F));
+}
+
+// One array of a message from one field of each element.
+template <typename Element, typename Number, typename Get>
+void Fill(const std::vector<Element>& elements, std::vector<Number>* numbers, const Get& get) {
+  numbers->resize(elements.size());
+  for (size_t i = 0; i < elements.size(); ++i)
+    (*numbers)[i] = static_cast<Number>(get(elements[i]));
+}
+
+void EncodeVertices(const BlockMesh& block, double block_size, mesh_block_t* message) {
+  const std::vector<MeshVertex>& vertices = block.mesh.vertices;
+  const std::array<int32_t, 3> index{block.block.x, block.block.y, block.block.z};
+  const std::array positions{&message->x, &message->y, &message->z};
+  const std::array normals{&message->nx, &message->ny, &message->nz};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto component = static_cast<Eigen::Index>(axis);
+    const double corner = index[axis] * block_size;
+    Fill(vertices, positions[axis], [&](const MeshVertex& v) {
+      const double offset = static_cast<double>(v.position_W[component]) - corner;
+      return Quantise(static_cast<float>(offset / block_size));
+    });
+    Fill(vertices, normals[axis],
+         [&](const MeshVertex& v) { return QuantiseNormal(v.normal_W[component]); });
+  }
+  Fill(vertices, &message->red, [](const MeshVertex& v) { return v.color.r; });
+  Fill(vertices, &message->green, [](const MeshVertex& v) { return v.color.g; });
+  Fill(vertices, &message->blue, [](const MeshVertex& v) { return v.color.b; });
+  Fill(vertices, &message->segment, [](const MeshVertex& v) { return Raw(v.segment); });
+  Fill(vertices, &message->instance, [](const MeshVertex& v) { return Raw(v.instance); });
+  Fill(vertices, &message->class_id, [](const MeshVertex& v) { return Raw(v.class_id); });
+  message->n_vertices = static_cast<int32_t>(vertices.size());
 }
 
 mesh_block_t EncodeBlock(const BlockMesh& block, double block_size) {
@@ -25,31 +64,13 @@ mesh_block_t EncodeBlock(const BlockMesh& block, double block_size) {
   message.index[1] = block.block.y;
   message.index[2] = block.block.z;
   message.edge_m = static_cast<float>(block_size);
-  const Eigen::Vector3d corner =
-      Eigen::Vector3d(block.block.x, block.block.y, block.block.z) * block_size;
-  for (const MeshVertex& vertex : block.mesh.vertices) {
-    const Eigen::Vector3f offset =
-        ((vertex.position_W.cast<double>() - corner) / block_size).cast<float>();
-    message.x.push_back(Quantise(offset.x()));
-    message.y.push_back(Quantise(offset.y()));
-    message.z.push_back(Quantise(offset.z()));
-    message.nx.push_back(QuantiseNormal(vertex.normal_W.x()));
-    message.ny.push_back(QuantiseNormal(vertex.normal_W.y()));
-    message.nz.push_back(QuantiseNormal(vertex.normal_W.z()));
-    message.red.push_back(vertex.color.r);
-    message.green.push_back(vertex.color.g);
-    message.blue.push_back(vertex.color.b);
-    message.segment.push_back(static_cast<int32_t>(Raw(vertex.segment)));
-    message.instance.push_back(static_cast<int32_t>(Raw(vertex.instance)));
-    message.class_id.push_back(static_cast<int16_t>(Raw(vertex.class_id)));
-  }
-  message.n_vertices = static_cast<int32_t>(block.mesh.vertices.size());
-  for (const auto& triangle : block.mesh.triangles) {
-    message.a.push_back(static_cast<int32_t>(triangle[0]));
-    message.b.push_back(static_cast<int32_t>(triangle[1]));
-    message.c.push_back(static_cast<int32_t>(triangle[2]));
-  }
-  message.n_triangles = static_cast<int32_t>(block.mesh.triangles.size());
+  EncodeVertices(block, block_size, &message);
+  using Triangle = std::array<uint32_t, 3>;
+  const std::vector<Triangle>& triangles = block.mesh.triangles;
+  Fill(triangles, &message.a, [](const Triangle& corners) { return corners[0]; });
+  Fill(triangles, &message.b, [](const Triangle& corners) { return corners[1]; });
+  Fill(triangles, &message.c, [](const Triangle& corners) { return corners[2]; });
+  message.n_triangles = static_cast<int32_t>(triangles.size());
   return message;
 }
 
@@ -106,8 +127,10 @@ mesh_delta_t Encode(const MeshUpdate& update) {
   message.full = update.full;
   message.part = update.part;
   message.parts = update.parts;
-  for (const BlockMesh& block : update.mesh.blocks)
-    message.blocks.push_back(EncodeBlock(block, update.block_size));
+  const std::vector<BlockMesh>& blocks = update.mesh.blocks;
+  message.blocks.resize(blocks.size());
+  ParallelFor(blocks.size(), 16,
+              [&](size_t i) { message.blocks[i] = EncodeBlock(blocks[i], update.block_size); });
   message.n_blocks = static_cast<int32_t>(message.blocks.size());
   return message;
 }

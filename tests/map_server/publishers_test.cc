@@ -51,6 +51,21 @@ class GrowingMap {
     return changed;
   }
 
+  /// Takes the last sphere away again, block by block; the blocks that changed.
+  std::vector<BlockIndex> Shrink() {
+    const double left = 0.3 * static_cast<double>(map_->revision - 1) - 0.15;
+    std::vector<BlockIndex> changed;
+    for (const BlockIndex& index : map_->voxels.SortedIndices()) {
+      if (index.x * map_->voxels.block_size() < left) continue;
+      Block& block = *map_->voxels.FindMutable(index);
+      block.surface = nullptr;
+      block.all_free = true;
+      changed.push_back(index);
+    }
+    ++map_->revision;
+    return changed;
+  }
+
   SemanticMap& map() { return *map_; }
 
  private:
@@ -121,6 +136,7 @@ class MeshStream : public testing::Test {
   MeshStream() {
     publisher_.Start(growing_.map(), "map");
     bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel, [this](const mesh_delta_t& message) {
+      for (const mesh_block_t& block : message.blocks) empty_blocks_ += block.n_vertices == 0;
       if (random_() % 100 >= lost_percent_) follower_.Take(message);
     });
   }
@@ -128,9 +144,10 @@ class MeshStream : public testing::Test {
     while (bus_->Spin(0)) {
     }
   }
-  void NoteGrowth() {
+  void NoteGrowth() { Note(growing_.Grow()); }
+  void Note(std::vector<BlockIndex> changed) {
     MapDelta delta;
-    delta.changed_blocks = growing_.Grow();
+    delta.changed_blocks = std::move(changed);
     publisher_.NoteChanges(growing_.map(), delta);
   }
   std::string Truth() { return MeshPublisher::DigestOf(growing_.map(), {}); }
@@ -141,6 +158,7 @@ class MeshStream : public testing::Test {
   MeshFollower follower_;
   std::mt19937 random_{11};
   unsigned lost_percent_ = 0;
+  size_t empty_blocks_ = 0;  // sent
 };
 
 TEST_F(MeshStream, UpdatesBlockByBlockGiveTheMeshOfTheWholeMap) {
@@ -195,6 +213,42 @@ TEST_F(MeshStream, AFollowerThatLosesAThirdOfAllMessagesEndsWithTheMap) {
   }
   EXPECT_EQ(follower_.Digest(), Truth());
   EXPECT_GT(follower_.gaps(), 0);
+}
+
+TEST_F(MeshStream, OnlyBlocksThatLostTheirSurfaceAreSentEmpty) {
+  for (int frame = 0; frame < 4; ++frame) {
+    NoteGrowth();
+    publisher_.PublishChanges(growing_.map());
+  }
+  Deliver();
+  empty_blocks_ = 0;  // spheres overwrite parts of earlier ones
+  publisher_.PublishAll(growing_.map());
+  Deliver();
+  EXPECT_EQ(empty_blocks_, 0u);
+  const size_t before = follower_.blocks().size();
+  Note(growing_.Shrink());
+  publisher_.PublishChanges(growing_.map());
+  Deliver();
+  EXPECT_EQ(follower_.Digest(), Truth());
+  EXPECT_GT(empty_blocks_, 0u);
+  EXPECT_EQ(empty_blocks_, before - follower_.blocks().size());
+}
+
+TEST_F(MeshStream, AFollowerThatMissedTheEndOfASurfaceHearsOfItLater) {
+  for (int frame = 0; frame < 4; ++frame) NoteGrowth();
+  publisher_.PublishChanges(growing_.map());
+  Deliver();
+  lost_percent_ = 100;
+  Note(growing_.Shrink());
+  publisher_.PublishChanges(growing_.map());
+  publisher_.PublishAll(growing_.map());
+  NoteGrowth();
+  publisher_.PublishChanges(growing_.map());
+  Deliver();
+  lost_percent_ = 0;
+  publisher_.PublishSince(growing_.map(), follower_.position());
+  Deliver();
+  EXPECT_EQ(follower_.Digest(), Truth());
 }
 
 TEST_F(MeshStream, ASelfContradictingMessageChangesNothing) {

@@ -1,8 +1,13 @@
-// Prints the hash of the map of a few frames, and which code the kernels of this executable are.
-// Built several times with the kernels compiled for one SIMD level each, see CMakeLists.txt.
+// Prints the hashes of the map of a few frames and of its mesh, and which code the kernels of this
+// executable are. Built several times with the kernels compiled for one SIMD level each, see
+// CMakeLists.txt.
+#include <cinttypes>
 #include <cstdio>
 #include <exception>
 
+#include "base/digest.h"
+#include "meshing/marching_cubes.h"
+#include "meshing/ply.h"
 #include "support/pipelines.h"
 
 namespace {
@@ -22,6 +27,7 @@ void PrintHash(const std::string& path, const DatasetOptions& options) {
   const auto inputs = testing_support::InputSequence(path, options).ReadAll();
   const SemanticMap map = testing_support::MapFast(inputs, {0.02, 4});
   std::printf("hash %s\n", HashMap(map).c_str());
+  std::printf("hash %016" PRIx64 "\n", Checksum64(EncodePly(ExtractMesh(map), {})));
 }
 
 }  // namespace

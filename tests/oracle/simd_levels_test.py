@@ -1,4 +1,4 @@
-"""The map has the same hash whatever SIMD level the kernels are compiled for.
+"""The map and its mesh have the same hashes whatever SIMD level the kernels are compiled for.
 
 Usage: simd_levels_test.py map_hash_clones map_hash_baseline [map_hash_v3]. Looks into the executables, too: the
 kernels of the first must be there in clones, those of the others without, or the test would compare like with like.
@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 # One kernel of each room, as it stands in a mangled name.
-KERNELS = ("FitPlanes", "MarkFolds", "PackNormals", "Project", "Judge", "Fuse")
+KERNELS = ("FitPlanes", "MarkFolds", "PackNormals", "Project", "Judge", "Fuse", "FlagVoxels", "CopySeen")
 
 
 def run(*command):
