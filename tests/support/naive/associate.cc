@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "support/naive/voxel_access.h"
+#include "volume/surface_reader.h"
 
 namespace vismap::naive {
 namespace {
@@ -56,11 +57,12 @@ FrameCounts CountPoints(const SegmentedFrame& frame, const MapView& map,
       const VoxelIndex voxel =
           map.voxels.VoxelAt(header.T_W_C * header.camera.BackProject(u, v, z));
       const Block* block = map.voxels.Find(BlockOf(voxel));
-      if (block == nullptr || !block->surface) continue;
+      SurfaceReader reader;
+      const SurfaceVoxels* voxels = block != nullptr ? reader.Read(*block) : nullptr;
+      if (voxels == nullptr) continue;
       const int offset = OffsetInBlock(voxel);
-      if (!IsNear(ReadVoxel(*block->surface, offset), map.voxels, options.max_distance_voxels))
-        continue;
-      const Choices choices = VoxelChoices(*block->surface, offset, map.labels);
+      if (!IsNear(ReadVoxel(*voxels, offset), map.voxels, options.max_distance_voxels)) continue;
+      const Choices choices = VoxelChoices(*voxels, offset, map.labels);
       if (!choices.empty()) ++counts.choices[{segment, choices}];
     }
   }

@@ -206,6 +206,7 @@ bool FuseBlock(const SegmentedFrame& frame, const FrameAssociation& association,
   for (int offset = 0; offset < kBlockVoxels; ++offset) {
     std::optional<Sample> sample = samples[static_cast<size_t>(offset)];
     if (!sample) continue;
+    block.surface.Unpack();
     if (!block.surface) {
       changed = SeeFree(block, offset) || changed;
       continue;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "support/naive/voxel_access.h"
+#include "volume/surface_reader.h"
 
 namespace vismap::naive {
 namespace {
@@ -30,7 +31,8 @@ std::optional<int> SeenDistance(const VoxelMap& map, VoxelIndex voxel,
     const int wanted = std::clamp(options.min_observations, 1, 2);
     return TimesSeenFree(*block, offset) >= wanted ? std::optional(32767) : std::nullopt;
   }
-  const StoredVoxel stored = ReadVoxel(*block->surface, offset);
+  SurfaceReader reader;
+  const StoredVoxel stored = ReadVoxel(*reader.Read(*block), offset);
   const int gate = static_cast<int>(options.min_weight * static_cast<double>(kWeightScale));
   if (stored.weight <= gate || stored.observations < options.min_observations) return std::nullopt;
   return stored.distance;
