@@ -52,6 +52,42 @@ constexpr std::array<size_t, 12> CellEdgeSlots() {
 }
 constexpr std::array<size_t, 12> kCellEdgeSlot = CellEdgeSlots();
 
+// What a cell adds to the mesh, by which of its corners are behind the surface. Padded, so that
+// most cells run through the same code: how much a cell has cannot be foreseen.
+struct Recipe {
+  static constexpr size_t kMostEdges = 6, kMostTriangles = 3;  // of most cells
+  std::array<uint8_t, 12> edges{};  // crossed, as the triangles name them first; repeated
+  std::array<uint8_t, 15> corners{};  // of the triangles: edges
+  uint8_t edge_count = 0, triangle_count = 0;
+};
+
+Recipe ReadRecipe(const int* row) {
+  Recipe recipe;
+  for (size_t i = 0; row[i] >= 0; i += 3) {
+    // The tables turn clockwise for corners that are set; ours are set behind the surface.
+    const std::array<int, 3> turned{row[i], row[i + 2], row[i + 1]};
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const auto edge = static_cast<uint8_t>(turned[corner]);
+      const auto end = recipe.edges.begin() + recipe.edge_count;
+      if (std::find(recipe.edges.begin(), end, edge) == end)
+        recipe.edges[recipe.edge_count++] = edge;
+      recipe.corners[i + corner] = edge;
+    }
+    ++recipe.triangle_count;
+  }
+  const uint8_t first = recipe.edges[0];
+  std::fill(recipe.edges.begin() + recipe.edge_count, recipe.edges.end(), first);
+  std::fill(recipe.corners.begin() + 3 * recipe.triangle_count, recipe.corners.end(), first);
+  return recipe;
+}
+
+std::array<Recipe, 256> ReadRecipes() {
+  std::array<Recipe, 256> recipes;
+  for (size_t i = 0; i < recipes.size(); ++i) recipes[i] = ReadRecipe(octomap::triTable[i]);
+  return recipes;
+}
+const std::array<Recipe, 256> kRecipes = ReadRecipes();
+
 // Those with cells.
 CellGrid::Layers LayersOf(const CellBits& cells) {
   CellGrid::Layers layers;
@@ -117,16 +153,26 @@ void BlockMesher::MeshCell(int x, int y, int z) {
     highest = std::max(highest, distance);
   }
   if (highest >= jump_ && lowest <= -jump_ && CrossesJump(cube, corner)) return;
-  const int* row = octomap::triTable[cube];
-  const auto cell_slot = static_cast<size_t>(EdgeSlot({x, y, z}));
-  const auto vertex = [&](int i) {
-    return VertexOn(cell_slot + kCellEdgeSlot[static_cast<size_t>(row[i])]);
+  AddCell(cube, static_cast<size_t>(EdgeSlot({x, y, z})));
+}
+
+void BlockMesher::AddCell(size_t cube, size_t cell_slot) {
+  const Recipe& recipe = kRecipes[cube];
+  std::array<uint32_t, 12> vertices;
+  const auto add_edge = [&](size_t i) {
+    const size_t edge = recipe.edges[i];
+    vertices[edge] = VertexOn(cell_slot + kCellEdgeSlot[edge]);
   };
-  // The tables turn clockwise for corners that are set; ours are set behind the surface.
-  for (int i = 0; row[i] >= 0; i += 3) {
-    const uint32_t a = vertex(i), b = vertex(i + 2), c = vertex(i + 1);
-    triangles_[triangle_count_++] = {a, b, c};
-  }
+  for (size_t i = 0; i < Recipe::kMostEdges; ++i) add_edge(i);
+  for (size_t i = Recipe::kMostEdges; i < recipe.edge_count; ++i) add_edge(i);
+  const auto add_triangle = [&](size_t i) {
+    const uint8_t* corner = &recipe.corners[3 * i];
+    triangles_[triangle_count_ + i] = {vertices[corner[0]], vertices[corner[1]],
+                                       vertices[corner[2]]};
+  };
+  for (size_t i = 0; i < Recipe::kMostTriangles; ++i) add_triangle(i);
+  for (size_t i = Recipe::kMostTriangles; i < recipe.triangle_count; ++i) add_triangle(i);
+  triangle_count_ += recipe.triangle_count;
 }
 
 bool BlockMesher::CrossesJump(size_t cube, const float* corner) const {

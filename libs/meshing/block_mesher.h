@@ -34,6 +34,7 @@ class BlockMesher {
 
  private:
   void MeshCell(int x, int y, int z);
+  void AddCell(size_t cube, size_t cell_slot);
   bool CrossesJump(size_t cube, const float* corner) const;
   uint32_t VertexOn(size_t slot);
 
@@ -47,7 +48,7 @@ class BlockMesher {
   // Arrays with room for everything, so that nothing is asked on the way.
   std::array<uint16_t, kEdgeSlots + 1> slots_;  // of the vertices
   size_t vertices_ = 0;
-  std::array<std::array<uint32_t, 3>, 5 * kBlockVoxels> triangles_;
+  std::array<std::array<uint32_t, 3>, 5 * kBlockVoxels + 3> triangles_;
   size_t triangle_count_ = 0;
 };
 

@@ -65,12 +65,13 @@ void CellGrid::Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceRead
 void CellGrid::CopyNeighbour(const Neighbour& n, const uint64_t* observed) {
   const SurfaceVoxels* voxels = voxels_[n.slot()];
   if (voxels == nullptr) {
-    CopyVoxels(n, observed, [](size_t) { return kFreeDistance; });
+    CopyFree(n, observed);
   } else if (n.bx == 0) {
     CopyRows(n, *voxels, observed);
+  } else if (n.bx < 0) {
+    CopyColumns<kBlockSide - 1, 1>(n, *voxels, observed);
   } else {
-    const auto& distances = voxels->distance;
-    CopyVoxels(n, observed, [&](size_t voxel) { return static_cast<float>(distances[voxel]); });
+    CopyColumns<0, 2>(n, *voxels, observed);
   }
 }
 
@@ -82,14 +83,28 @@ void CellGrid::CopyRows(const Neighbour& n, const SurfaceVoxels& voxels, const u
   }
 }
 
-template <typename Distance>
-void CellGrid::CopyVoxels(const Neighbour& n, const uint64_t* observed, const Distance& distance) {
+template <int kFrom, int kCount>
+void CellGrid::CopyColumns(const Neighbour& n, const SurfaceVoxels& voxels,
+                           const uint64_t* observed) {
+  for (int z = n.z.begin; z < n.z.end; ++z) {
+    const int16_t* from = &voxels.distance[static_cast<size_t>(LinearIndex(kFrom, 0, z))];
+    float* to = &distances_[n.GridAt(kFrom, n.y.begin, z)];
+    for (int y = n.y.begin; y < n.y.end; ++y, to += kGridSide) {
+      const uint64_t bits = observed[z] >> (kBlockSide * y + kFrom);
+      for (int x = 0; x < kCount; ++x) {
+        const auto distance = static_cast<float>(from[kBlockSide * y + x]);
+        to[x] = (bits >> x & 1) != 0 ? distance : kUnseenDistance;
+      }
+    }
+  }
+}
+
+void CellGrid::CopyFree(const Neighbour& n, const uint64_t* observed) {
   for (int z = n.z.begin; z < n.z.end; ++z) {
     for (int y = n.y.begin; y < n.y.end; ++y) {
       for (int x = n.x.begin; x < n.x.end; ++x) {
-        const int voxel = LinearIndex(x, y, 0);
-        if ((observed[z] >> voxel & 1) == 0) continue;
-        distances_[n.GridAt(x, y, z)] = distance(static_cast<size_t>(voxel + LinearIndex(0, 0, z)));
+        const bool seen = (observed[z] >> LinearIndex(x, y, 0) & 1) != 0;
+        distances_[n.GridAt(x, y, z)] = seen ? kFreeDistance : kUnseenDistance;
       }
     }
   }

@@ -42,8 +42,10 @@ class CellGrid {
   static int NeighbourOf(int local) { return local >> 3; }
   void CopyNeighbour(const Neighbour& neighbour, const uint64_t* observed);
   void CopyRows(const Neighbour& neighbour, const SurfaceVoxels& voxels, const uint64_t* observed);
-  template <typename Distance>
-  void CopyVoxels(const Neighbour& neighbour, const uint64_t* observed, const Distance& distance);
+  template <int kFrom, int kCount>  // along x
+  void CopyColumns(const Neighbour& neighbour, const SurfaceVoxels& voxels,
+                   const uint64_t* observed);
+  void CopyFree(const Neighbour& neighbour, const uint64_t* observed);
 
   std::array<const SurfaceVoxels*, 27> voxels_{};
   DistanceGrid distances_;

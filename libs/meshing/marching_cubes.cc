@@ -15,7 +15,7 @@ namespace {
 // Calls `take(i, mesher)` with the surface found of each of some ascending blocks.
 template <typename Take>
 void MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job, const Take& take) {
-  constexpr size_t kGroup = 64;  // one mesher for so many: neighbours share what it has unpacked
+  constexpr size_t kGroup = 32;  // one mesher for so many: neighbours share what it has unpacked
   ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
     BlockMesher mesher(job);
     const size_t end = std::min(blocks.size(), (group + 1) * kGroup);

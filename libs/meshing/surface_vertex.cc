@@ -29,6 +29,12 @@ void Prefetch(const CellGrid::Place& place) {
   __builtin_prefetch(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
 }
 
+bool HasVotes(const CellGrid::Place& place) {
+  if (place.voxels == nullptr) return false;
+  const auto& entries = place.voxels->slot_label[static_cast<size_t>(place.offset)];
+  return (entries[0] | entries[1] | entries[2]) != 0;
+}
+
 // The most frequent one; ties to the lower.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
@@ -52,7 +58,7 @@ void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
     const auto some = edges.first(std::min<size_t>(edges.size(), kVertexLanes));
     for (size_t i = 0; i < some.size(); ++i) LoadLane(EdgeOfSlot(some[i]), i);
     PlaceVertices(lanes_);
-    for (size_t i = 0; i < some.size(); ++i) vertices->push_back(MakeVertex(i));
+    for (size_t i = 0; i < some.size(); ++i) FinishVertex(i, &vertices->emplace_back());
     edges = edges.subspan(some.size());
   }
 }
@@ -79,53 +85,54 @@ void VertexMaker::LoadLane(const LatticeEdge& edge, size_t lane) {
   const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
   const CellGrid::Place b = grid_.PlaceOf(edge.x + (edge.axis == 0), edge.y + (edge.axis == 1),
                                           edge.z + (edge.axis == 2));
-  origins_[lane] = {edge, a, b};
+  origins_[lane] = {edge, {a, b}};
   Prefetch(a);
   Prefetch(b);
 }
 
-MeshVertex VertexMaker::MakeVertex(size_t lane) const {
-  const auto& [edge, a, b] = origins_[lane];
+void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {
+  const auto& [edge, ends] = origins_[lane];
   const float t = lanes_.t[lane];
   const std::array<int, 3> at{edge.x, edge.y, edge.z};
   const auto axis = static_cast<size_t>(edge.axis);
   const auto center = [&](size_t i) { return centers_W_[i][static_cast<size_t>(at[i])]; };
-  MeshVertex vertex;
-  vertex.position_W = {center(0), center(1), center(2)};
-  vertex.position_W[edge.axis] = static_cast<float>(
+  vertex->position_W = {center(0), center(1), center(2)};
+  vertex->position_W[edge.axis] = static_cast<float>(
       (centers_[axis][static_cast<size_t>(at[axis])] + static_cast<double>(t)) * voxel_size_);
-  vertex.normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
-  vertex.color = ColorOf(a, b, t);
+  vertex->normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
+  vertex->color = ColorOf(ends[0], ends[1], t);
   const ShownLabel label = LabelOf(lane);
-  vertex.segment = label.segment;
-  vertex.instance = label.instance;
-  vertex.class_id = label.class_id;
-  return vertex;
+  vertex->segment = label.segment;
+  vertex->instance = label.instance;
+  vertex->class_id = label.class_id;
 }
 
 ShownLabel VertexMaker::LabelOf(size_t lane) const {
-  const auto& [edge, a, b] = origins_[lane];
-  const bool nearer_a = lanes_.t[lane] <= 0.5F;
-  SegmentLabel label = LabelAt(nearer_a ? a : b);
-  if (label == SegmentLabel::kNone) label = LabelAt(nearer_a ? b : a);
+  const auto& [edge, ends] = origins_[lane];
+  const size_t nearer = lanes_.t[lane] <= 0.5F ? 0 : 1;
+  SegmentLabel label = LabelAt(ends[nearer]);
+  if (label == SegmentLabel::kNone) label = LabelAt(ends[1 - nearer]);
   if (label == SegmentLabel::kNone) label = LabelAround(edge);
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
 
-SegmentLabel VertexMaker::WinnerOf(const SurfaceVoxels& voxels, int offset) const {
-  const auto& entries = voxels.slot_label[static_cast<size_t>(offset)];
+SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
+  if (!HasVotes(place)) return SegmentLabel::kNone;
+  const SurfaceVoxels& voxels = *place.voxels;
+  const auto& entries = voxels.slot_label[static_cast<size_t>(place.offset)];
   if ((entries[1] | entries[2]) == 0) return Canonical(voxels.palette[entries[0] - 1u]);  // mostly
   std::array<LabelVote, kVoteSlots> votes;
   for (int slot = 0; slot < kVoteSlots; ++slot) {
     LabelVote& vote = votes[static_cast<size_t>(slot)];
-    vote = voxels.Vote(offset, slot);
+    vote = voxels.Vote(place.offset, slot);
     vote.label = Canonical(vote.label);
   }
   return StrongestLabel(votes);
 }
 
 SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
-  std::array<SegmentLabel, 3 * 3 * 4> around;
+  // Listed first, without branches: which voxels have votes cannot be foreseen.
+  std::array<CellGrid::Place, 3 * 3 * 4 + 1> voted;
   size_t count = 0;
   const int high_x = edge.x + 1 + (edge.axis == 0);
   const int high_y = edge.y + 1 + (edge.axis == 1);
@@ -133,12 +140,14 @@ SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
   for (int z = edge.z - 1; z <= high_z; ++z) {
     for (int y = edge.y - 1; y <= high_y; ++y) {
       for (int x = edge.x - 1; x <= high_x; ++x) {
-        const SegmentLabel label = LabelAt(grid_.PlaceOf(x, y, z));
-        if (label != SegmentLabel::kNone) around[count++] = label;
+        voted[count] = grid_.PlaceOf(x, y, z);
+        count += HasVotes(voted[count]) ? 1 : 0;
       }
     }
   }
-  return MostFrequent(std::span(around).first(count));
+  std::array<SegmentLabel, 3 * 3 * 4> labels;
+  for (size_t i = 0; i < count; ++i) labels[i] = LabelAt(voted[i]);
+  return MostFrequent(std::span(labels).first(count));
 }
 
 }  // namespace vismap

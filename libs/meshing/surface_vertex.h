@@ -27,15 +27,9 @@ class VertexMaker {
  private:
   void StartBlock(BlockIndex block);
   void LoadLane(const LatticeEdge& edge, size_t lane);
-  MeshVertex MakeVertex(size_t lane) const;
+  void FinishVertex(size_t lane, MeshVertex* vertex) const;
   ShownLabel LabelOf(size_t lane) const;
-  SegmentLabel LabelAt(const CellGrid::Place& place) const {
-    if (place.voxels == nullptr) return SegmentLabel::kNone;
-    const auto& entries = place.voxels->slot_label[static_cast<size_t>(place.offset)];
-    if ((entries[0] | entries[1] | entries[2]) == 0) return SegmentLabel::kNone;
-    return WinnerOf(*place.voxels, place.offset);
-  }
-  SegmentLabel WinnerOf(const SurfaceVoxels& voxels, int offset) const;
+  SegmentLabel LabelAt(const CellGrid::Place& place) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;
@@ -47,7 +41,7 @@ class VertexMaker {
   VertexLanes lanes_;
   struct Origin {
     LatticeEdge edge;
-    CellGrid::Place a, b;  // its ends
+    std::array<CellGrid::Place, 2> ends;
   };
   std::array<Origin, kVertexLanes> origins_;
   // Voxel centres of the block per axis: in voxels, and in W [m].
