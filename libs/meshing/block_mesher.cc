@@ -56,7 +56,7 @@ constexpr std::array<size_t, 12> kCellEdgeSlot = CellEdgeSlots();
 // most cells run through the same code: how much a cell has cannot be foreseen.
 struct Recipe {
   static constexpr size_t kMostEdges = 6, kMostTriangles = 3;  // of most cells
-  std::array<uint8_t, 12> edges{};  // crossed, as the triangles name them first; repeated
+  std::array<uint8_t, 12> edges{};    // crossed, as the triangles name them first; repeated
   std::array<uint8_t, 15> corners{};  // of the triangles: edges
   uint8_t edge_count = 0, triangle_count = 0;
 };

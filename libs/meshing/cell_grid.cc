@@ -45,8 +45,8 @@ struct CellGrid::Neighbour {
 void CellGrid::Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceReader* reader) {
   for (size_t slot = 0; slot < voxels_.size(); ++slot) {
     const BlockView& view = walk.At(slot);
-    voxels_[slot] = view.has_surface && view.voxels == nullptr ? reader->Read(*view.block)
-                                                               : view.voxels;
+    voxels_[slot] =
+        view.has_surface && view.voxels == nullptr ? reader->Read(*view.block) : view.voxels;
   }
   PrefetchDistances(voxels_[NeighbourWalk::Slot(-1, 0, 0)]);
   PrefetchDistances(voxels_[NeighbourWalk::Slot(1, 0, 0)]);
@@ -78,8 +78,8 @@ void CellGrid::CopyNeighbour(const Neighbour& n, const uint64_t* observed) {
 void CellGrid::CopyRows(const Neighbour& n, const SurfaceVoxels& voxels, const uint64_t* observed) {
   for (int z = n.z.begin; z < n.z.end; ++z) {
     const auto first = static_cast<size_t>(LinearIndex(0, n.y.begin, z));
-    CopyLayer(&voxels.distance[first], observed[z] >> (kBlockSide * n.y.begin),
-              n.y.end - n.y.begin, &distances_[n.GridAt(0, n.y.begin, z)]);
+    CopyLayer(&voxels.distance[first], observed[z] >> (kBlockSide * n.y.begin), n.y.end - n.y.begin,
+              &distances_[n.GridAt(0, n.y.begin, z)]);
   }
 }
 

@@ -4,8 +4,8 @@
 
 namespace vismap {
 
-/// An edge of the voxel lattice: from voxel (x, y, z), local to a block, 0..8, to the next one along
-/// `axis` (0 = x, 1 = y, 2 = z).
+/// An edge of the voxel lattice: from voxel (x, y, z), local to a block, 0..8, to the next one
+/// along `axis` (0 = x, 1 = y, 2 = z).
 struct LatticeEdge {
   int x = 0, y = 0, z = 0;
   int axis = 0;

@@ -42,8 +42,8 @@ VISMAP_VECTOR_CLONES void CopySeen(const int16_t* distances, uint64_t observed, 
     const auto bits = static_cast<int32_t>(observed >> (kBlockSide * row) & 0xFF);
     for (int x = 0; x < kBlockSide; ++x) {
       const auto distance = static_cast<float>(distances[row * kBlockSide + x]);
-      out[row * kGridSide + x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? distance
-                                                                            : kUnseenDistance;
+      out[row * kGridSide + x] =
+          (bits & kBit[static_cast<size_t>(x)]) != 0 ? distance : kUnseenDistance;
     }
   }
 }
@@ -65,8 +65,8 @@ VISMAP_VECTOR_CLONES void Place(const float* a, const float* b, const int32_t* a
     const float exact = from / (from - to);
     const float low = exact < 0.01F ? 0.01F : exact;
     const float t = low > 0.99F ? 0.99F : low;
-    const float x = Slope(from, a[kN + i], a[2 * kN + i]) * (1 - t) +
-                    Slope(to, b[kN + i], b[2 * kN + i]) * t;
+    const float x =
+        Slope(from, a[kN + i], a[2 * kN + i]) * (1 - t) + Slope(to, b[kN + i], b[2 * kN + i]) * t;
     const float y = Slope(from, a[3 * kN + i], a[4 * kN + i]) * (1 - t) +
                     Slope(to, b[3 * kN + i], b[4 * kN + i]) * t;
     const float z = Slope(from, a[5 * kN + i], a[6 * kN + i]) * (1 - t) +

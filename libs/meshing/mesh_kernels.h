@@ -32,8 +32,8 @@ constexpr int GridOffset(int x, int y, int z) {
   return (x - kGridLow) + kGridSide * ((y - kGridLow) + kGridSide * (z - kGridLow));
 }
 
-/// Copies a layer of eight rows of eight voxels, or of its first `rows` rows. `observed` = a bit per
-/// voxel, `first` = place of the first one in the grid.
+/// Copies a layer of eight rows of eight voxels, or of its first `rows` rows. `observed` = a bit
+/// per voxel, `first` = place of the first one in the grid.
 void CopyLayer(const int16_t* distances, uint64_t observed, int rows, float* first);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.

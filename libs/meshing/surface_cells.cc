@@ -25,9 +25,7 @@ Layer ReadLayer(const NeighbourWalk& walk, Bits bits, int z) {
 uint64_t NextAlongX(uint64_t own, uint64_t behind) {
   return ((own >> 1) & ~(kFirstOfRows << 7)) | ((behind & kFirstOfRows) << 7);
 }
-uint64_t NextAlongY(uint64_t own, uint64_t behind) {
-  return own >> 8 | (behind & kFirstRow) << 56;
-}
+uint64_t NextAlongY(uint64_t own, uint64_t behind) { return own >> 8 | (behind & kFirstRow) << 56; }
 
 // Over the four corners of a cell in its layer.
 uint64_t AllOfFour(const Layer& layer) {

@@ -11,10 +11,10 @@ namespace vismap {
 
 /// Makes the vertices of a block, where the surface crosses the edges of its cells: position linear
 /// between the two voxels (kept 1 % off them, so that no triangle collapses), normal from the
-/// interpolated gradient, colour interpolated, and the label of the nearest voxel that has votes: of
-/// the two ends, else the most frequent one among the voxels next to them (ties to the lower label).
-/// A vertex depends on the voxels around its edge only, so every block that has the edge makes the
-/// same one.
+/// interpolated gradient, colour interpolated, and the label of the nearest voxel that has votes:
+/// of the two ends, else the most frequent one among the voxels next to them (ties to the lower
+/// label). A vertex depends on the voxels around its edge only, so every block that has the edge
+/// makes the same one.
 class VertexMaker {
  public:
   /// `shown` = what labels show, see ShowLabels. The grid is that of the block at hand.

@@ -38,8 +38,7 @@ Set Grown(const Set& blocks, int below, int above) {
   for (const BlockIndex& block : blocks) {
     for (int x = -below; x <= above; ++x) {
       for (int y = -below; y <= above; ++y) {
-        for (int z = -below; z <= above; ++z)
-          grown.insert({block.x + x, block.y + y, block.z + z});
+        for (int z = -below; z <= above; ++z) grown.insert({block.x + x, block.y + y, block.z + z});
       }
     }
   }
