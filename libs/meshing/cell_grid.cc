@@ -31,6 +31,8 @@ struct CellGrid::Neighbour {
   int bx, by, bz;
   Range x = Overlap(bx), y = Overlap(by), z = Overlap(bz);
 
+  // Normals ask for voxels beside the corners of cells, along one axis only.
+  bool IsBesideCells() const { return (bx < 0) + (by < 0) + (bz < 0) < 2; }
   // Of the grid.
   void KeepLayers(int from, int to) {
     z = {std::max(z.begin, from - kBlockSide * bz), std::min(z.end, to - kBlockSide * bz)};
@@ -55,6 +57,7 @@ void CellGrid::Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceRead
   for (const int bx : {0, -1, 1}) {
     for (int i = 0; i < 9; ++i) {
       Neighbour neighbour{bx, i / 3 - 1, i % 3 - 1};
+      if (!neighbour.IsBesideCells()) continue;
       neighbour.KeepLayers(layers.from - 1, layers.to + 2);
       const uint64_t* observed = walk.At(neighbour.slot()).observed;
       if (observed != nullptr) CopyNeighbour(neighbour, observed);

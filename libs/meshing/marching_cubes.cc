@@ -12,18 +12,26 @@
 namespace vismap {
 namespace {
 
-// Calls `take(i, mesher)` with the surface found of each of some ascending blocks.
-template <typename Take>
-void MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job, const Take& take) {
+// Those of some blocks whose cells reach voxels behind the surface.
+std::vector<BlockIndex> MayHaveSurface(const BlockSet& blocks, const BlockViews& views) {
+  return blocks.Intersection(BlockSet(views.WithBehind()).Grown(1, 0)).Blocks();
+}
+
+// The meshes of ascending blocks, as `take(mesher)` makes them of the surface found in each.
+template <typename Local, typename Take>
+std::vector<Local> MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job,
+                            const Take& take) {
   constexpr size_t kGroup = 32;  // one mesher for so many: neighbours share what it has unpacked
+  std::vector<Local> meshes(blocks.size());
   ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
     BlockMesher mesher(job);
     const size_t end = std::min(blocks.size(), (group + 1) * kGroup);
     for (size_t i = group * kGroup; i < end; ++i) {
       mesher.Find(blocks[i]);
-      take(i, &mesher);
+      meshes[i] = take(&mesher);
     }
   });
+  return meshes;
 }
 
 std::vector<BlockIndex> BlocksWithSurface(const VoxelMap& map) {
@@ -55,16 +63,16 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
 Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> part,
                    const MeshingOptions& options) {
   const BlockSet candidates = CandidateBlocks(map.voxels, part);
-  const std::vector<BlockIndex> blocks = candidates.Blocks();
   BlockViews views(map.voxels, candidates.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
+  const std::vector<BlockIndex> blocks = MayHaveSurface(candidates, views);
   const std::vector<ShownLabel> shown = ShowSegments(map.labels);
-  std::vector<LocalMesh> parts(blocks.size());
-  MeshEach(blocks, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
-           [&](size_t i, BlockMesher* mesher) {
-             const auto slots = mesher->edge_slots();
-             parts[i] = {mesher->MakeMesh(), {slots.begin(), slots.end()}};
-           });
+  const auto parts =
+      MeshEach<LocalMesh>(blocks, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
+                          [](BlockMesher* mesher) {
+                            const auto slots = mesher->edge_slots();
+                            return LocalMesh{mesher->MakeMesh(), {slots.begin(), slots.end()}};
+                          });
   Stitcher stitcher;
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);
   Mesh mesh = RemoveSmallComponents(stitcher.Take(), options.min_component_triangles);
@@ -80,15 +88,20 @@ MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed
   views.ReadVoxels(options);
   // A cell reaches one voxel up.
   const BlockSet by_surface = BlockSet(views.WithSurface()).Grown(1, 0);
-  const std::vector<BlockIndex> blocks = own.Union(near.Intersection(by_surface)).Blocks();
+  const BlockSet affected = own.Union(near.Intersection(by_surface));
+  const std::vector<BlockIndex> meshed = MayHaveSurface(affected, views);
   const std::vector<ShownLabel> shown = ShowLabels(map.labels);
+  auto meshes =
+      MeshEach<Mesh>(meshed, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
+                     [](BlockMesher* mesher) { return mesher->MakeMesh(); });
   MeshDelta delta;
   delta.revision = map.revision;
-  delta.blocks.resize(blocks.size());
-  MeshEach(blocks, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
-           [&](size_t i, BlockMesher* mesher) {
-             delta.blocks[i] = {blocks[i], mesher->MakeMesh()};
-           });
+  delta.blocks.reserve(affected.size());
+  size_t next = 0;
+  for (const BlockIndex& block : affected.Blocks()) {
+    const bool is_meshed = next < meshed.size() && meshed[next] == block;
+    delta.blocks.push_back({block, is_meshed ? std::move(meshes[next++]) : Mesh{}});
+  }
   return delta;
 }
 

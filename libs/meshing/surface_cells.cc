@@ -50,17 +50,9 @@ Corners ReadCorners(const NeighbourWalk& walk, int z) {
           AllOfFour(behind)};
 }
 
-bool MayHaveSurface(const NeighbourWalk& walk) {
-  for (int i = 0; i < 8; ++i) {
-    if (walk.At(NeighbourWalk::Slot(i & 1, i >> 1 & 1, i >> 2)).behind != nullptr) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells) {
-  if (!MayHaveSurface(walk)) return false;
   uint64_t any = 0;
   Corners below = ReadCorners(walk, 0);
   for (int z = 0; z < kBlockSide; ++z) {
