@@ -3,35 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 
-#include "base/digest.h"
 #include "base/parallel.h"
 
 namespace vismap {
 namespace {
 
 const BlockOccupancy kUnknownBlock;
-
-/// Hash of one block's place and content; `salt` makes the two halves of the digest independent.
-uint64_t HashOf(BlockIndex index, const BlockOccupancy& occupancy, uint32_t salt) {
-  struct {
-    uint32_t salt;
-    BlockIndex index;
-    uint64_t state;
-    OccupancyPlanes planes;
-  } content{salt, index, 0, {}};
-  static_assert(sizeof(content) == 4 + 12 + 8 + 128, "no padding: all bytes are hashed");
-  size_t size = sizeof(content) - sizeof(OccupancyPlanes);
-  content.state = static_cast<uint64_t>(occupancy.uniform_state());
-  if (const OccupancyPlanes* planes = occupancy.mixed()) {
-    content.state = 3;
-    content.planes = *planes;
-    size = sizeof(content);
-  }
-  return Checksum64({reinterpret_cast<const uint8_t*>(&content), size});
-}
 
 /// Range of set bits of an OR of words, as [first, last + 1).
 std::pair<int, int> BitRange(uint64_t bits) {
@@ -90,45 +68,25 @@ CellState OccupancyMap::At(const Eigen::Vector3d& p_W) const {
                        static_cast<int32_t>(cell.z())});
 }
 
-void OccupancyMap::Toggle(BlockIndex index, const BlockOccupancy& occupancy, bool add) {
-  for (uint32_t half = 0; half < 2; ++half) {
-    const uint64_t hash = HashOf(index, occupancy, half);
-    digest_[half] += add ? hash : 0 - hash;
-  }
-}
-
 bool OccupancyMap::Set(BlockIndex index, const BlockOccupancy& occupancy) {
   const auto found = blocks_.find(index);
-  if (found != blocks_.end()) {
-    if (found->second == occupancy) return false;
-    Toggle(index, found->second, false);
-    if (occupancy.is(CellState::kUnknown)) {
-      blocks_.erase(found);
-      return true;
-    }
-    found.value() = occupancy;
+  const BlockOccupancy& before = found == blocks_.end() ? kUnknownBlock : found->second;
+  if (before == occupancy) return false;
+  digest_.Replace(ChecksumOf(index, before), ChecksumOf(index, occupancy));
+  if (occupancy.is(CellState::kUnknown)) {
+    blocks_.erase(found);
   } else {
-    if (occupancy.is(CellState::kUnknown)) return false;
-    blocks_.emplace(index, occupancy);
+    blocks_[index] = occupancy;
   }
-  Toggle(index, occupancy, true);
   return true;
 }
 
 OccupancyDelta OccupancyMap::Update(const SemanticMap& map, std::span<const BlockIndex> changed,
                                     const OccupancyOptions& options) {
   Require(map.voxels.voxel_size() == cell_size_, "occupancy and map have one voxel size");
-  const std::vector<BlockIndex> indices = SortedUnique(changed);
-  std::vector<BlockOccupancy> now(indices.size());
-  ParallelFor(indices.size(), 64, [&](size_t i) {
-    if (const Block* block = map.voxels.Find(indices[i])) {
-      now[i] = ClassifyBlock(*block, map.voxels.options(), options);
-    }
-  });
-  OccupancyDelta delta{cell_size_, false, {}};
-  for (size_t i = 0; i < indices.size(); ++i) {
-    if (Set(indices[i], now[i])) delta.blocks.emplace_back(indices[i], now[i]);
-  }
+  OccupancyDelta delta = ClassifyBlocks(map, changed, options);
+  std::erase_if(delta.blocks,
+                [this](const auto& block) { return !Set(block.first, block.second); });
   return delta;
 }
 
@@ -148,15 +106,6 @@ OccupancyDelta OccupancyMap::Snapshot() const {
   delta.blocks.reserve(blocks_.size());
   for (const BlockIndex& index : SortedIndices()) delta.blocks.emplace_back(index, At(index));
   return delta;
-}
-
-std::string OccupancyMap::Digest() const {
-  vismap::Digest digest;
-  digest.Add(cell_size_);
-  digest.Add(static_cast<uint64_t>(blocks_.size()));
-  digest.Add(digest_[0]);
-  digest.Add(digest_[1]);
-  return digest.Hex();
 }
 
 void Extend(const CellBox& more, std::optional<CellBox>* box) {
@@ -179,6 +128,19 @@ std::optional<CellBox> OccupancyMap::KnownCells() const {
   std::optional<CellBox> box;
   for (const auto& [index, occupancy] : blocks_) Extend(KnownCellsOf(index, occupancy), &box);
   return box;
+}
+
+OccupancyDelta ClassifyBlocks(const SemanticMap& map, std::span<const BlockIndex> blocks,
+                              const OccupancyOptions& options) {
+  OccupancyDelta delta{map.voxels.voxel_size(), false, {}};
+  for (const BlockIndex& index : SortedUnique(blocks))
+    delta.blocks.emplace_back(index, kUnknownBlock);
+  ParallelFor(delta.blocks.size(), 64, [&](size_t i) {
+    auto& [index, occupancy] = delta.blocks[i];
+    if (const Block* block = map.voxels.Find(index))
+      occupancy = ClassifyBlock(*block, map.voxels.options(), options);
+  });
+  return delta;
 }
 
 OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options) {

@@ -10,6 +10,7 @@
 
 #include "base/result.h"
 #include "freespace/occupancy.h"
+#include "freespace/occupancy_digest.h"
 #include "mapping/semantic_map.h"
 
 namespace vismap {
@@ -73,18 +74,20 @@ class OccupancyMap {
   OccupancyDelta Snapshot() const;
 
   /// 32 hexadecimal digits: equal for equal content, whatever way it came about. Constant time.
-  std::string Digest() const;
+  std::string Digest() const { return digest_.Hex(cell_size_); }
 
   /// The smallest box around all cells that are not unknown; nullopt when there are none.
   std::optional<CellBox> KnownCells() const;
 
  private:
-  void Toggle(BlockIndex index, const BlockOccupancy& occupancy, bool add);
-
   double cell_size_;
   Table blocks_;
-  std::array<uint64_t, 2> digest_{};  ///< sums over the blocks' hashes, so that order cannot matter
+  OccupancyDigest digest_;
 };
+
+/// What is known of each of the given blocks of a map.
+OccupancyDelta ClassifyBlocks(const SemanticMap& map, std::span<const BlockIndex> blocks,
+                              const OccupancyOptions& options);
 
 /// The occupancy of all of a map.
 OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options);

@@ -31,7 +31,7 @@ struct IntegrationOptions {
   double max_weight = 300.0;  ///< weight cap of a voxel, below 511; 1 = one observation at 1 m
   /// Blocks near surfaces that are kept as they are (7 kB each); of more, those out of view are
   /// packed into a fifth of that. Costs no exactness.
-  int max_unpacked_blocks = 4000;
+  int max_unpacked_blocks = 8000;
   double vote_distance_voxels = 1.0;  ///< labels are voted for within this distance of the surface
   double merge_frames =
       3.0;  ///< net frames seen together after which two labels are merged; 0 = never

@@ -54,6 +54,27 @@ BlockSet CandidateBlocks(const VoxelMap& map, const std::vector<BlockIndex>& blo
   return BlockSet(candidates);
 }
 
+// A vertex depends on voxels up to one step beyond its cell, so on all 26 neighbours (`near`), and
+// a cell reaches one voxel up.
+BlockSet Affected(const BlockSet& changed, const BlockSet& near, const BlockViews& views) {
+  const BlockSet by_surface = BlockSet(views.WithSurface()).Grown(1, 0);
+  return changed.Union(near.Intersection(by_surface));
+}
+
+// Of every block, also of those without surface.
+std::vector<BlockMesh> MeshSet(const BlockSet& set, const MeshingJob& job) {
+  const std::vector<BlockIndex> meshed = MayHaveSurface(set, job.views);
+  auto meshes = MeshEach<Mesh>(meshed, job, [](BlockMesher* mesher) { return mesher->MakeMesh(); });
+  std::vector<BlockMesh> blocks;
+  blocks.reserve(set.size());
+  size_t next = 0;
+  for (const BlockIndex& block : set.Blocks()) {
+    const bool is_meshed = next < meshed.size() && meshed[next] == block;
+    blocks.push_back({block, is_meshed ? std::move(meshes[next++]) : Mesh{}});
+  }
+  return blocks;
+}
+
 }  // namespace
 
 Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
@@ -80,29 +101,28 @@ Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> part,
   return mesh;
 }
 
+std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, std::span<const BlockIndex> changed) {
+  const BlockSet own(changed), near = own.Grown(1, 1);
+  return Affected(own, near, BlockViews(map, near.Grown(0, 1).Blocks())).Blocks();
+}
+
+std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const BlockIndex> blocks,
+                                     std::span<const ShownLabel> shown,
+                                     const MeshingOptions& options) {
+  const BlockSet meshed(blocks);
+  BlockViews views(map.voxels, meshed.Grown(1, 1).Blocks());
+  views.ReadVoxels(options);
+  return MeshSet(meshed, {views, map.voxels.voxel_size(), options.jump_fraction, shown});
+}
+
 MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed,
                      const MeshingOptions& options) {
-  // A vertex depends on voxels up to one step beyond its cell, so on all 26 neighbours.
   const BlockSet own(changed), near = own.Grown(1, 1);
   BlockViews views(map.voxels, near.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
-  // A cell reaches one voxel up.
-  const BlockSet by_surface = BlockSet(views.WithSurface()).Grown(1, 0);
-  const BlockSet affected = own.Union(near.Intersection(by_surface));
-  const std::vector<BlockIndex> meshed = MayHaveSurface(affected, views);
   const std::vector<ShownLabel> shown = ShowLabels(map.labels);
-  auto meshes =
-      MeshEach<Mesh>(meshed, {views, map.voxels.voxel_size(), options.jump_fraction, shown},
-                     [](BlockMesher* mesher) { return mesher->MakeMesh(); });
-  MeshDelta delta;
-  delta.revision = map.revision;
-  delta.blocks.reserve(affected.size());
-  size_t next = 0;
-  for (const BlockIndex& block : affected.Blocks()) {
-    const bool is_meshed = next < meshed.size() && meshed[next] == block;
-    delta.blocks.push_back({block, is_meshed ? std::move(meshes[next++]) : Mesh{}});
-  }
-  return delta;
+  const MeshingJob job{views, map.voxels.voxel_size(), options.jump_fraction, shown};
+  return {map.revision, MeshSet(Affected(own, near, views), job)};
 }
 
 }  // namespace vismap

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "meshing/mesh.h"
+#include "meshing/read_out.h"
 
 /// The room of surfaces: triangle meshes with ids out of the map (ALGORITHM 6.1), objects with
 /// their boxes and meshes (6.2), and the files people take home. It reads the map and never changes
@@ -48,10 +49,18 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options = {});
 Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> blocks,
                    const MeshingOptions& options = {});
 
-/// The same, block by block, for viewers that follow the map: of all blocks whose surface depends
-/// on the `changed` ones: these, and their neighbours that are near a surface.
+/// Blocks whose surface depends on the `changed` ones, ascending: these, and their neighbours that
+/// are near a surface.
+std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, std::span<const BlockIndex> changed);
+
+/// The surface of some blocks, which ascend, block by block, for viewers that follow the map.
 /// Blocks do not share vertices, small components stay, and the class of an instance weighs its
-/// labels equally.
+/// labels equally. `shown` = ShowLabels of the map's.
+std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const BlockIndex> blocks,
+                                     std::span<const ShownLabel> shown,
+                                     const MeshingOptions& options = {});
+
+/// The surface of all blocks that depends on the `changed` ones.
 MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed,
                      const MeshingOptions& options = {});
 

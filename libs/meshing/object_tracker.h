@@ -3,21 +3,20 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "mapping/integrate.h"
-#include "meshing/label_surfaces.h"
+#include "meshing/block_surfaces.h"
+#include "meshing/objects.h"
 
 namespace vismap {
 
-/// The objects of a growing map, kept up to date with work that depends on what has changed and not
-/// on the size of the map: only labels of changed blocks are measured anew, and large ones, floors
-/// and walls, only when they have grown by a tenth or a tenth was seen empty. So boxes of large
-/// objects may lag a little behind SummarizeObjects; everything else differs by small pieces of
-/// surface that that leaves out.
+/// The objects of a growing map, with work that depends on what has changed and not on the size of
+/// the map: they are read from the surfaces of blocks that were meshed anyway, and only what has
+/// changed is measured anew; what is large, floors and walls, only when it is another tenth larger
+/// or smaller. So boxes of large objects may lag a little behind SummarizeObjects; everything else
+/// differs by small pieces of surface that that leaves out, and by a few vertices at rims.
 class ObjectTracker {
  public:
   /// Blocks where a label, or one merged into it, has votes.
@@ -25,31 +24,20 @@ class ObjectTracker {
 
   /// Forgets everything.
   void Clear() { *this = {}; }
-  /// A frame changed the map.
-  void NoteChanges(const SemanticMap& map, const MapDelta& delta);
-  /// The objects now.
-  std::vector<ObjectSummary> Summarize(const SemanticMap& map, const Places& places,
-                                       const MeshingOptions& meshing, const ObjectOptions& options);
+  /// The objects now. `surfaces` = of the map as it is.
+  std::vector<ObjectSummary> Summarize(const SemanticMap& map, const BlockSurfaces& surfaces,
+                                       const Places& places, const ObjectOptions& options);
 
  private:
   /// What an object was measured from, and what came out.
   struct Measured {
     std::vector<std::pair<SegmentLabel, uint32_t>> from;  // labels and versions of their surfaces
+    int64_t points = 0;
     OrientedBox box;
     bool is_structure = false;
   };
   using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
 
-  std::vector<SegmentLabel> LabelsToMeasure(const SemanticMap& map, const Places& places);
-  void MeasureLabels(const SemanticMap& map, std::span<const SegmentLabel> labels,
-                     const Places& places, const MeshingOptions& meshing);
-  void MeasureTogether(const SemanticMap& map, std::span<const SegmentLabel> labels,
-                       const Places& places, const MeshingOptions& meshing);
-
-  std::set<SegmentLabel> changed_;
-  LabelSurfaces surfaces_;
-  std::vector<uint32_t> versions_;       // of the surfaces
-  std::vector<size_t> blocks_measured_;  // that each surface was made of
   std::map<Key, Measured> measured_;
 };
 

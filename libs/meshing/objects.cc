@@ -182,20 +182,21 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
   return objects;
 }
 
-void MeasureObject(const LabelSurfaces& surfaces, const ObjectOptions& options,
+void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
                    ObjectSummary* object) {
   if (object->removed()) return;
-  const std::vector<Eigen::Vector3f> points = PointsOf(*object, surfaces);
-  object->box = FitUprightBox(MainParts(points, options.part_gap, options.min_part_share),
+  object->box = FitUprightBox(MainParts(points_W, options.part_gap, options.min_part_share),
                               options.up_W, options.box_outliers);
-  object->is_structure = object->discovered() && IsStructure(*object, points, options);
+  object->is_structure = object->discovered() && IsStructure(*object, points_W, options);
 }
 
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
                                             const ObjectOptions& options) {
   const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
-  ParallelFor(objects.size(), 1, [&](size_t i) { MeasureObject(surfaces, options, &objects[i]); });
+  ParallelFor(objects.size(), 1, [&](size_t i) {
+    MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);
+  });
   return objects;
 }
 

@@ -25,7 +25,7 @@ MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
       outputs_(OutputOptionsOf(config)),
       bus_(bus),
       status_(status),
-      occupancy_(outputs_.occupancy, config.grid.voxel_size, bus),
+      occupancy_(outputs_.occupancy, bus),
       mesh_(outputs_.meshing, bus) {
   StartMap(MapSession(session_options_, NewMetadata()));
   bus_->Subscribe<segmented_frame_t>(
@@ -52,9 +52,6 @@ void MapServer::StartMap(MapSession session) {
   occupancy_.Start(map(), map_id());
   mesh_.Start(map(), map_id());
   tracker_.Clear();
-  MapDelta everything;
-  everything.changed_blocks = map().voxels.SortedIndices();
-  tracker_.NoteChanges(map(), everything);
   order_.Clear();
   skipped_.clear();
 }
@@ -144,7 +141,6 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
   const StageTimer timer(status_, "publishing");
   occupancy_.PublishChanges(map(), delta.changed_blocks);
   mesh_.NoteChanges(map(), delta);
-  tracker_.NoteChanges(map(), delta);
   return commit;
 }
 
@@ -216,9 +212,10 @@ std::vector<ObjectSummary> MapServer::AllObjects() const {
 
 // While the map grows: what did not change is not looked at again.
 void MapServer::PublishObjectsNow() {
+  if (mesh_.has_changes()) PublishMesh();  // from which objects are read
   const StageTimer timer(status_, "objects");
   const auto places = [this](SegmentLabel label) { return mesh_.places().Of(label); };
-  PublishObjects(tracker_.Summarize(map(), places, outputs_.meshing,
+  PublishObjects(tracker_.Summarize(map(), mesh_.surfaces(), places,
                                     ObjectOptionsFor(session_->metadata(), outputs_)));
 }
 
@@ -232,7 +229,7 @@ std::vector<ObjectSummary> MapServer::PublishObjects(std::vector<ObjectSummary> 
 }
 
 void MapServer::PublishAll() {
-  occupancy_.PublishSnapshot();
+  occupancy_.PublishSnapshot(map());
   mesh_.PublishAll(map());
   PublishObjects(AllObjects());
 }

@@ -10,13 +10,34 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kBlocksPerMesh = 256;  // a few megabytes
+constexpr size_t kBlocksPerPart = 512;  // a few megabytes of mesh at a time
 constexpr double kHeartbeat = 1.0;      // [s]
 
 std::vector<BlockIndex> SortedUnique(std::vector<BlockIndex> blocks) {
   std::sort(blocks.begin(), blocks.end());
   blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
   return blocks;
+}
+
+std::vector<BlockIndex> BlocksNearSurfaces(const VoxelMap& map) {
+  std::vector<BlockIndex> blocks;
+  for (const auto& [index, block] : map.table()) {
+    if (block.surface) blocks.push_back(index);
+  }
+  return BlocksToMesh(map, blocks);
+}
+
+// Some blocks at a time, so that little mesh is in memory; at least once. `take(part, parts, mesh)`
+template <typename Take>
+void MeshInParts(const SemanticMap& map, std::span<const BlockIndex> blocks,
+                 std::span<const ShownLabel> shown, const MeshingOptions& options,
+                 const Take& take) {
+  const size_t parts = std::max<size_t>(1, (blocks.size() + kBlocksPerPart - 1) / kBlocksPerPart);
+  for (size_t part = 0; part < parts; ++part) {
+    const auto some = blocks.subspan(part * kBlocksPerPart);
+    take(part, parts,
+         MeshEachBlock(map, some.first(std::min(some.size(), kBlocksPerPart)), shown, options));
+  }
 }
 
 }  // namespace
@@ -29,7 +50,7 @@ void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
   places_.Clear();
   places_.Note(map.voxels, dirty_);
   places_.MergeAll(map.labels);
-  surfaces_.clear();
+  surfaces_.Clear();
   log_.Clear();
 }
 
@@ -50,34 +71,30 @@ void MeshPublisher::AddBlocksShownOtherwise(const SemanticMap& map) {
   shown_ = std::move(now);
 }
 
-void MeshPublisher::KeepWhatFollowersLack(std::vector<BlockMesh>* blocks) {
-  std::erase_if(*blocks, [this](const BlockMesh& block) {
-    if (block.mesh.vertices.empty()) return surfaces_.erase(block.block) == 0;
-    surfaces_.insert(block.block);
-    return false;
-  });
+// Whether followers have another surface there, which they must hear of.
+bool MeshPublisher::NoteSurface(const SemanticMap& map, const BlockMesh& block) {
+  if (!surfaces_.Update(block, map.voxels.voxel_size())) return false;
+  log_.Record(map.revision, block.block);
+  return true;
 }
 
 void MeshPublisher::PublishChanges(const SemanticMap& map) {
   AddBlocksShownOtherwise(map);
-  MeshDelta delta = MeshBlocks(map, SortedUnique(std::exchange(dirty_, {})), options_);
-  KeepWhatFollowersLack(&delta.blocks);
-  for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
+  const auto blocks = BlocksToMesh(map.voxels, SortedUnique(std::exchange(dirty_, {})));
   const int64_t base = std::exchange(revision_, map.revision);
-  Publish(map, base, std::move(delta.blocks));  // the first of a map is all of it
+  Publish(map, base, blocks,  // the first of a map is all of it
+          [&](const BlockMesh& block) { return NoteSurface(map, block); });
 }
 
 void MeshPublisher::PublishAll(const SemanticMap& map) {
   dirty_.clear();
   shown_ = ShowLabels(map.labels);
   revision_ = map.revision;
-  MeshDelta delta = MeshBlocks(map, map.voxels.SortedIndices(), options_);
   // Whoever has an older state of this map must hear of all surfaces again, and of their ends.
-  for (const BlockIndex& block : surfaces_) log_.Record(map.revision, block);
-  surfaces_.clear();
-  KeepWhatFollowersLack(&delta.blocks);
-  for (const BlockMesh& block : delta.blocks) log_.Record(map.revision, block.block);
-  Publish(map, -1, std::move(delta.blocks));
+  for (const BlockIndex& block : surfaces_.Blocks()) log_.Record(map.revision, block);
+  surfaces_.Clear();
+  Publish(map, -1, BlocksNearSurfaces(map.voxels),
+          [&](const BlockMesh& block) { return NoteSurface(map, block); });
 }
 
 void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition& position) {
@@ -86,39 +103,39 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
   PublishChanges(map);
   const auto changed = log_.Since(position.revision);
   if (!changed) return PublishAll(map);
-  MeshDelta delta = MeshBlocks(map, *changed, options_);
-  // Blocks around those that are asked for are made, too: the follower has them.
-  std::erase_if(delta.blocks, [&](const BlockMesh& block) {
-    return !std::binary_search(changed->begin(), changed->end(), block.block);
-  });
-  Publish(map, position.revision, std::move(delta.blocks));
+  Publish(map, position.revision, *changed, [](const BlockMesh&) { return true; });
 }
 
 void MeshPublisher::Heartbeat(const SemanticMap& map) {
   if (revision_ < 0 || has_changes() || MonotonicSeconds() - last_published_ < kHeartbeat) return;
-  Publish(map, revision_, {});
+  Publish(map, revision_, {}, {});
 }
 
 void MeshPublisher::Publish(const SemanticMap& map, int64_t base_revision,
-                            std::vector<BlockMesh> blocks) {
-  MeshUpdate update{map.last_utime,
-                    map_id_,
-                    base_revision,
-                    base_revision < 0,
-                    0,
-                    1,
-                    map.voxels.block_size(),
-                    {revision_, std::move(blocks)}};
-  for (const MeshUpdate& part : SplitUpdate(std::move(update), kBlocksPerMesh))
-    bus_->Publish(kMeshDeltaChannel, Encode(part));
+                            std::span<const BlockIndex> blocks, const IsSent& is_sent) {
+  MeshInParts(
+      map, blocks, shown_, options_, [&](size_t part, size_t parts, std::vector<BlockMesh> meshes) {
+        std::erase_if(meshes, [&](const BlockMesh& block) { return !is_sent(block); });
+        bus_->Publish(kMeshDeltaChannel, Encode(MeshUpdate{map.last_utime,
+                                                           map_id_,
+                                                           base_revision,
+                                                           base_revision < 0,
+                                                           static_cast<int32_t>(part),
+                                                           static_cast<int32_t>(parts),
+                                                           map.voxels.block_size(),
+                                                           {revision_, std::move(meshes)}}));
+      });
   last_published_ = MonotonicSeconds();
 }
 
 std::string MeshPublisher::DigestOf(const SemanticMap& map, const MeshingOptions& options) {
-  MeshUpdate update{0, "", -1, true, 0, 1, map.voxels.block_size(), {}};
-  update.mesh = MeshBlocks(map, map.voxels.SortedIndices(), options);
   MeshDigest digest;
-  for (const mesh_block_t& block : Encode(update).blocks) digest.Set(block);
+  MeshInParts(map, BlocksNearSurfaces(map.voxels), ShowLabels(map.labels), options,
+              [&](size_t, size_t, std::vector<BlockMesh> meshes) {
+                MeshUpdate update{0, "", -1, true, 0, 1, map.voxels.block_size(), {}};
+                update.mesh.blocks = std::move(meshes);
+                for (const mesh_block_t& block : Encode(update).blocks) digest.Set(block);
+              });
   return digest.Hex();
 }
 

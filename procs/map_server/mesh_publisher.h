@@ -1,14 +1,13 @@
 #pragma once
 
-#include <tsl/robin_set.h>
-
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "map_server/change_log.h"
 #include "map_server/label_places.h"
 #include "mapping/integrate.h"
-#include "meshing/marching_cubes.h"
+#include "meshing/block_surfaces.h"
 #include "meshing/read_out.h"
 #include "runtime/bus.h"
 #include "wire/update_sequence.h"
@@ -27,6 +26,8 @@ class MeshPublisher {
   void NoteChanges(const SemanticMap& map, const MapDelta& delta);
   /// Where labels are, of all that was noted.
   const LabelPlaces& places() const { return places_; }
+  /// What was published.
+  const BlockSurfaces& surfaces() const { return surfaces_; }
   bool has_changes() const { return !dirty_.empty(); }
 
   /// What changed since the last time.
@@ -42,17 +43,20 @@ class MeshPublisher {
   static std::string DigestOf(const SemanticMap& map, const MeshingOptions& options);
 
  private:
+  using IsSent = std::function<bool(const BlockMesh&)>;
+
   void AddBlocksShownOtherwise(const SemanticMap& map);
-  void KeepWhatFollowersLack(std::vector<BlockMesh>* blocks);
-  void Publish(const SemanticMap& map, int64_t base_revision, std::vector<BlockMesh> blocks);
+  bool NoteSurface(const SemanticMap& map, const BlockMesh& block);
+  void Publish(const SemanticMap& map, int64_t base_revision, std::span<const BlockIndex> blocks,
+               const IsSent& is_sent);
 
   MeshingOptions options_;
   Bus* bus_;
   std::string map_id_;
-  int64_t revision_ = -1;                                // of the last update
-  std::vector<BlockIndex> dirty_;                        // changed since, unsorted
-  std::vector<ShownLabel> shown_;                        // by label, at the last update
-  tsl::robin_set<BlockIndex, BlockIndexHash> surfaces_;  // blocks with one, at the last update
+  int64_t revision_ = -1;          // of the last update
+  std::vector<BlockIndex> dirty_;  // changed since, unsorted
+  std::vector<ShownLabel> shown_;  // by label, at the last update
+  BlockSurfaces surfaces_;         // at the last update
   LabelPlaces places_;
   ChangeLog log_;
   double last_published_ = 0;  // MonotonicSeconds

@@ -13,39 +13,40 @@ constexpr double kHeartbeat = 1.0;        // [s]
 }  // namespace
 
 void OccupancyPublisher::Start(const SemanticMap& map, const std::string& map_id) {
-  occupancy_ = OccupancyMap(map.voxels.voxel_size());
-  occupancy_.Update(map, map.voxels.SortedIndices(), options_);
-  log_.Clear();
+  cell_size_ = map.voxels.voxel_size();
+  watch_.Clear();
+  watch_.Update(map, map.voxels.SortedIndices());
   position_ = {map_id, map.revision};
   utime_ = map.last_utime;
 }
 
 void OccupancyPublisher::PublishChanges(const SemanticMap& map,
                                         std::span<const BlockIndex> changed) {
-  OccupancyDelta delta = occupancy_.Update(map, changed, options_);
-  for (const auto& entry : delta.blocks) log_.Record(map.revision, entry.first);
+  OccupancyDelta delta = watch_.Update(map, changed);
   const int64_t base = std::exchange(position_.revision, map.revision);
   utime_ = map.last_utime;
   Publish(base, std::move(delta));
 }
 
-void OccupancyPublisher::PublishSnapshot() { Publish(-1, occupancy_.Snapshot()); }
+void OccupancyPublisher::PublishSnapshot(const SemanticMap& map) {
+  OccupancyDelta delta = ClassifyBlocks(map, map.voxels.SortedIndices(), options_);
+  delta.complete = true;
+  std::erase_if(delta.blocks,
+                [](const auto& block) { return block.second.is(CellState::kUnknown); });
+  Publish(-1, std::move(delta));
+}
 
-void OccupancyPublisher::PublishSince(const FollowerPosition& position) {
+void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosition& position) {
   if (position.map_id != position_.map_id || position.revision < 0 ||
       position.revision > position_.revision) {
-    return PublishSnapshot();
+    return PublishSnapshot(map);
   }
-  const auto changed = log_.Since(position.revision);
-  if (!changed) return PublishSnapshot();
-  OccupancyDelta delta{occupancy_.cell_size(), false, {}};
-  for (const BlockIndex& block : *changed) delta.blocks.emplace_back(block, occupancy_.At(block));
-  Publish(position.revision, std::move(delta));
+  Publish(position.revision, ClassifyBlocks(map, watch_.ChangedAfter(position.revision), options_));
 }
 
 void OccupancyPublisher::Heartbeat() {
   if (MonotonicSeconds() - last_published_ < kHeartbeat) return;
-  Publish(position_.revision, {occupancy_.cell_size(), false, {}});
+  Publish(position_.revision, {cell_size_, false, {}});
 }
 
 void OccupancyPublisher::Publish(int64_t base_revision, OccupancyDelta delta) {

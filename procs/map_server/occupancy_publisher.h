@@ -3,8 +3,7 @@
 #include <span>
 #include <string>
 
-#include "freespace/occupancy_map.h"
-#include "map_server/change_log.h"
+#include "freespace/occupancy_watch.h"
 #include "runtime/bus.h"
 #include "wire/update_sequence.h"
 
@@ -14,30 +13,32 @@ namespace vismap {
 /// messages can always end with exactly its state.
 class OccupancyPublisher {
  public:
-  OccupancyPublisher(const OccupancyOptions& options, double voxel_size, Bus* bus)
-      : options_(options), bus_(bus), occupancy_(voxel_size) {}
+  OccupancyPublisher(const OccupancyOptions& options, Bus* bus)
+      : options_(options), bus_(bus), watch_(options) {}
 
   /// From now on of this map; publishes nothing.
   void Start(const SemanticMap& map, const std::string& map_id);
   /// One frame changed these blocks.
   void PublishChanges(const SemanticMap& map, std::span<const BlockIndex> changed);
   /// Everything.
-  void PublishSnapshot();
+  void PublishSnapshot(const SemanticMap& map);
   /// What a follower at this position lacks: the blocks that changed since, or everything.
-  void PublishSince(const FollowerPosition& position);
+  void PublishSince(const SemanticMap& map, const FollowerPosition& position);
   /// The present revision without a change, when nothing else was said for a second: from it a
   /// follower learns that it missed the last update.
   void Heartbeat();
 
-  const OccupancyMap& occupancy() const { return occupancy_; }
+  /// What followers have that missed nothing.
+  std::string Digest() const { return watch_.Digest(cell_size_); }
+  size_t blocks() const { return watch_.size(); }  ///< of which anything is known
 
  private:
   void Publish(int64_t base_revision, OccupancyDelta delta);
 
   OccupancyOptions options_;
   Bus* bus_;
-  OccupancyMap occupancy_;
-  ChangeLog log_;
+  OccupancyWatch watch_;
+  double cell_size_ = 0;       // [m]
   FollowerPosition position_;  // that followers reach by what was published
   int64_t utime_ = 0;
   double last_published_ = 0;  // MonotonicSeconds

@@ -133,22 +133,22 @@ Result<MapServer::Answer> MapServer::AnswerOctree(const map_request_t& request) 
     options.bounds_W =
         Eigen::AlignedBox3d(Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W));
   }
-  Result<OctreeBytes> octree = BuildOctree(occupancy_.occupancy(), options);
+  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(map(), outputs_.occupancy), options);
   if (!octree) return tl::unexpected(octree.error());
   return Answer{std::to_string(octree->nodes) + " nodes", "bt", std::move(octree->bytes)};
 }
 
 Result<MapServer::Answer> MapServer::AnswerStatistics(const map_request_t&) {
   auto json = nlohmann::ordered_json::parse(StatisticsJson(map(), session_->metadata()));
-  json["occupancy_digest"] = occupancy_.occupancy().Digest();
+  json["occupancy_digest"] = occupancy_.Digest();
   return Answer{json["hash"].get<std::string>(), "json", Bytes(json.dump())};
 }
 
 Result<MapServer::Answer> MapServer::AnswerSnapshot(const map_request_t& request) {
   const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
   if (!position) return Fail("argument of snapshot: " + position.error().message);
-  occupancy_.PublishSince(*position);
-  return Answer{occupancy_.occupancy().Digest(), "", {}};
+  occupancy_.PublishSince(map(), *position);
+  return Answer{occupancy_.Digest(), "", {}};
 }
 
 Result<MapServer::Answer> MapServer::AnswerFrames(const map_request_t&) {

@@ -162,25 +162,4 @@ Result<MeshUpdate> Decode(const mesh_delta_t& message) {
   return update;
 }
 
-std::vector<MeshUpdate> SplitUpdate(MeshUpdate update, size_t max_blocks) {
-  const size_t count = update.mesh.blocks.size();
-  const size_t parts = std::max<size_t>(1, (count + max_blocks - 1) / max_blocks);
-  std::vector<MeshUpdate> split;
-  for (size_t part = 0; part < parts; ++part) {
-    MeshUpdate piece{update.utime,
-                     update.map_id,
-                     update.base_revision,
-                     update.full,
-                     static_cast<int32_t>(part),
-                     static_cast<int32_t>(parts),
-                     update.block_size,
-                     {update.mesh.revision, {}}};
-    for (size_t i = part * max_blocks; i < std::min(count, (part + 1) * max_blocks); ++i) {
-      piece.mesh.blocks.push_back(std::move(update.mesh.blocks[i]));
-    }
-    split.push_back(std::move(piece));
-  }
-  return split;
-}
-
 }  // namespace vismap

@@ -28,7 +28,4 @@ mesh_delta_t Encode(const MeshUpdate& update);
 /// Fails, naming the block, on indices out of range and on blocks out of order.
 Result<MeshUpdate> Decode(const mesh_delta_t& message);
 
-/// Cuts an update into parts of at most `max_blocks` blocks. An empty update is one part.
-std::vector<MeshUpdate> SplitUpdate(MeshUpdate update, size_t max_blocks);
-
 }  // namespace vismap

@@ -75,7 +75,7 @@ class GrowingMap {
 
 TEST(OccupancyPublisher, AFollowerThatLosesHalfOfAllMessagesEndsWithTheMap) {
   const std::unique_ptr<Bus> bus = MemoryBus();
-  OccupancyPublisher publisher({}, 0.02, bus.get());
+  OccupancyPublisher publisher({}, bus.get());
   GrowingMap growing(20);
   publisher.Start(growing.map(), "map");
   MapFollower follower;
@@ -88,28 +88,29 @@ TEST(OccupancyPublisher, AFollowerThatLosesHalfOfAllMessagesEndsWithTheMap) {
   });
   for (int frame = 0; frame < 20; ++frame) {
     publisher.PublishChanges(growing.map(), growing.Grow());
-    if (frame % 3 == 0 && !follower.in_sync()) publisher.PublishSince(follower.position());
+    if (frame % 3 == 0 && !follower.in_sync())
+      publisher.PublishSince(growing.map(), follower.position());
     while (bus->Spin(0)) {
     }
   }
   const auto is_level = [&] {
-    return follower.occupancy() && follower.occupancy()->Digest() == publisher.occupancy().Digest();
+    return follower.occupancy() && follower.occupancy()->Digest() == publisher.Digest();
   };
   for (int round = 0; round < 100 && !is_level(); ++round) {
-    publisher.PublishSince(follower.position());
+    publisher.PublishSince(growing.map(), follower.position());
     while (bus->Spin(0)) {
     }
   }
   EXPECT_TRUE(is_level());
   EXPECT_EQ(follower.position(), (FollowerPosition{"map", 20}));
   EXPECT_GT(follower.gaps(), 0);
-  EXPECT_LE(applied_blocks, static_cast<int64_t>(publisher.occupancy().size()) * 2)
+  EXPECT_LE(applied_blocks, static_cast<int64_t>(publisher.blocks()) * 2)
       << "what was there already was not sent again and again";
 }
 
 TEST(OccupancyPublisher, AHeartbeatTellsThatTheLastUpdateWasLost) {
   const std::unique_ptr<Bus> bus = MemoryBus();
-  OccupancyPublisher publisher({}, 0.02, bus.get());
+  OccupancyPublisher publisher({}, bus.get());
   GrowingMap growing(3);
   publisher.Start(growing.map(), "map");
   MapFollower follower;
@@ -118,7 +119,7 @@ TEST(OccupancyPublisher, AHeartbeatTellsThatTheLastUpdateWasLost) {
   bus->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t& message) {
     if (!lose) last = follower.Take(*Decode(message));
   });
-  publisher.PublishSnapshot();
+  publisher.PublishSnapshot(growing.map());
   bus->Spin(0);
   lose = true;
   publisher.PublishChanges(growing.map(), growing.Grow());
