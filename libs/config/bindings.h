@@ -56,6 +56,7 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("min_overlap", options.min_overlap);
   bind.Value("min_score", options.min_score);
   bind.Value("resolve_overlaps", options.resolve_overlaps);
+  bind.Value("same_part", options.same_part);
   bind.Value("max_depth_extent", options.max_depth_extent);
   bind.Value("fold_min_score", options.fold_min_score);
   bind.Value("split", options.split);
@@ -85,6 +86,7 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("max_unpacked_blocks", options.max_unpacked_blocks);
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
+  bind.Value("split_frames", options.split_frames);
   bind.Value("carve_frames", options.carve_frames);
   bind.Value("free_frames", options.free_frames);
   bind.Value("carve_keep", options.carve_keep);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "association/associate.h"
+#include "association/instance_split.h"
 #include "mapping/semantic_map.h"
 #include "segmentation/segmented_frame.h"
 
@@ -17,6 +18,7 @@ struct MapDelta {
   std::vector<BlockIndex>
       changed_blocks;  ///< ascending; surface, labels or free space differ from before
   std::vector<std::pair<SegmentLabel, SegmentLabel>> merged;  ///< (dead, survivor), in order
+  std::vector<InstanceSplit> split;                           ///< in order
   int64_t voxels_updated = 0;
   int64_t votes_evicted = 0;  ///< label votes lost to full slots
   /// Voxels of each label that were inside or on a surface and turned out to be free; ascending.
@@ -35,6 +37,8 @@ struct IntegrationOptions {
   double vote_distance_voxels = 1.0;  ///< labels are voted for within this distance of the surface
   double merge_frames =
       3.0;  ///< net frames seen together after which two labels are merged; 0 = never
+  double split_frames =
+      2.0;  ///< net frames under different masks after which an instance is split; 0 = never
 
   // Carving: what was removed or moved goes when the camera sees past where it stood. A voxel that
   // rays clearly pass first only loses weight; its distance changes once little weight is left. So
