@@ -110,6 +110,8 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
   bind.Value("removed_max_rest", options.removed_max_rest);
+  bind.Value("removed_max_count", options.removed_max_count);
+  bind.Value("removed_max_age_s", options.removed_max_age);
   bind.Value("box_outliers", options.box_outliers);
   bind.Value("part_gap_m", options.part_gap);
   bind.Value("min_part_share", options.min_part_share);

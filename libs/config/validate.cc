@@ -45,6 +45,8 @@ void Check(const ObjectOptions& objects, Problems* problems) {
                    "objects.min_discovered_points must not be negative");
   problems->Unless(InRange(objects.removed_max_rest, 0, 10),
                    "objects.removed_max_rest must be in [0, 10]");
+  problems->Unless(objects.removed_max_count >= 0, "objects.removed_max_count must be 0 or more");
+  problems->Unless(objects.removed_max_age >= 0, "objects.removed_max_age_s must be 0 or more");
   problems->Unless(InRange(objects.box_outliers, 0, 0.49),
                    "objects.box_outliers must be in [0, 0.49]");
   problems->Unless(InRange(objects.part_gap, 0, 100), "objects.part_gap_m must be in [0, 100] m");

@@ -1,6 +1,8 @@
 #include "meshing/objects.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <utility>
 
 #include "base/parallel.h"
@@ -124,20 +126,46 @@ bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
   return points >= least;
 }
 
+int64_t NewestUtime(const LabelTable& table) {
+  int64_t newest = 0;
+  for (const LabelRecord& record : table.records())
+    newest = std::max({newest, record.last_utime, record.cleared_utime});
+  return newest;
+}
+
+// Leaves of `removed` what was removed last. Things that were found gone in the same frame stay or
+// go together.
+void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
+               std::vector<ObjectSummary>* removed) {
+  const double max_age = options.removed_max_age * 1e6;  // [us]
+  std::vector<int64_t> times;
+  for (const ObjectSummary& object : *removed) times.push_back(object.removed_utime);
+  std::sort(times.begin(), times.end(), std::greater<>());
+  const auto most = static_cast<size_t>(options.removed_max_count);
+  std::erase_if(*removed, [&](const ObjectSummary& object) {
+    const int64_t age = newest_utime - object.removed_utime;
+    if (max_age > 0 && static_cast<double>(age) > max_age) return true;
+    return times.size() > most && object.removed_utime <= times[most];
+  });
+}
+
 // Which objects there are and were; nothing measured yet.
 std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
                                        const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
-  std::vector<ObjectSummary> objects;
+  std::vector<ObjectSummary> objects, removed;
   const auto list = [&](ObjectSummary object) {
-    if (StandsOrStood(table, surfaces, options, &object)) objects.push_back(std::move(object));
+    if (!StandsOrStood(table, surfaces, options, &object)) return;
+    (object.removed() ? removed : objects).push_back(std::move(object));
   };
   for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
   for (const SegmentLabel label : table.Alive()) {
     if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
   }
-  std::stable_partition(objects.begin(), objects.end(),
-                        [](const ObjectSummary& object) { return !object.removed(); });
+  if (removed.empty()) return objects;
+  ForgetOld(NewestUtime(table), options, &removed);
+  objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
+                 std::make_move_iterator(removed.end()));
   return objects;
 }
 

@@ -44,6 +44,9 @@ struct ObjectOptions {
   /// Removed: less surface is left [points] than this part of what was seen empty since the object
   /// was last seen [voxels], which is at least as much as the two numbers above ask for. 0 = never.
   double removed_max_rest = 0.5;
+  int removed_max_count = 100;  ///< of what was removed, the last so many are listed
+  /// What was found gone longer before the newest frame is not listed; 0 = for ever [s].
+  double removed_max_age = 7 * 86400;
   double box_outliers = 0.01;        ///< share of the points that a box may leave outside per axis
   double part_gap = 0.05;            ///< parts of an object farther from it than this [m] ...
   double min_part_share = 0.1;       ///< ... with less than this share of it are not in its box

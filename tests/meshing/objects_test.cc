@@ -161,6 +161,31 @@ TEST(SummarizeObjects, WhatWasSeenEmptyIsRemovedOnceLittleOfItIsLeft) {
   EXPECT_FALSE(SummarizeObjects(map, {.removed_max_rest = 0})[2].removed());
 }
 
+TEST(SummarizeObjects, OfWhatWasRemovedTheLastIsListedForAWhile) {
+  constexpr int64_t kSecond = 1'000'000, kLabels = 20;
+  SemanticMap map(kGrid);
+  map.labels.GrowLabels(SegmentLabel{kLabels + 2});
+  for (uint32_t label = 1; label <= kLabels; ++label) {
+    LabelRecord& record = map.labels.MutableRecord(SegmentLabel{label});
+    record.cleared_voxels = 1000;
+    record.cleared_utime = label * kSecond;
+  }
+  map.labels.MutableRecord(SegmentLabel{kLabels + 1}).last_utime = 30 * kSecond;
+  const auto listed = [&](const ObjectOptions& options) {
+    std::vector<uint32_t> labels;
+    for (const ObjectSummary& object : SummarizeObjects(map, options)) {
+      EXPECT_TRUE(object.removed());
+      labels.push_back(Raw(object.segments.front()));
+    }
+    return labels;
+  };
+  EXPECT_EQ(listed({}).size(), 20u);
+  EXPECT_THAT(listed({.removed_max_count = 3}), ElementsAre(18, 19, 20));
+  EXPECT_THAT(listed({.removed_max_age = 11.5}), ElementsAre(19, 20));
+  EXPECT_EQ(listed({.removed_max_age = 0}).size(), 20u);
+  EXPECT_TRUE(listed({.removed_max_count = 0}).empty());
+}
+
 TEST(SummarizeObjects, EmptyMapHasNoObjects) {
   EXPECT_TRUE(SummarizeObjects(SemanticMap(kGrid)).empty());
 }

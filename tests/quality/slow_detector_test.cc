@@ -24,8 +24,6 @@ TEST(SlowDetector, KnownObjectsHaveTheirClassesThoughOneFrameInThirtyHasMasks) {
       continue;
     }
     const Seen best = LookUp(room, object.id, fast.products.mesh);
-           object.name.c_str(), Raw(seen.instance), Raw(seen.class_id), seen.share, seen.vertices,
-           Raw(best.instance), Raw(best.class_id), best.share);
     if (best.class_id != object.class_id || best.share < 0.5) continue;
     ++known;
     if (seen.class_id == object.class_id && seen.share > 0.5) ++found;
