@@ -115,9 +115,15 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Value("box_outliers", options.box_outliers);
   bind.Value("part_gap_m", options.part_gap);
   bind.Value("min_part_share", options.min_part_share);
-  bind.Value("structure_flatness_m", options.structure_flatness);
-  bind.Value("structure_share", options.structure_share);
-  bind.Value("structure_area_m2", options.structure_area);
+  bind.Value("structure_flatness_m", options.structure.flatness);
+  bind.Value("structure_share", options.structure.share);
+  bind.Value("structure_area_m2", options.structure.area);
+  bind.Value("table_share", options.structure.table_share);
+  bind.Value("table_area_m2", options.structure.table_area);
+  bind.Value("table_low_m", options.structure.table_low);
+  bind.Value("table_high_m", options.structure.table_high);
+  bind.Value("ceiling_low_m", options.structure.ceiling_low);
+  bind.Value("max_tilt_deg", options.structure.max_tilt_deg);
 }
 
 template <typename Binder>

@@ -52,12 +52,22 @@ void Check(const ObjectOptions& objects, Problems* problems) {
   problems->Unless(InRange(objects.part_gap, 0, 100), "objects.part_gap_m must be in [0, 100] m");
   problems->Unless(InRange(objects.min_part_share, 0, 1),
                    "objects.min_part_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure_flatness, 0, 1),
+  problems->Unless(InRange(objects.structure.flatness, 0, 1),
                    "objects.structure_flatness_m must be in [0, 1] m");
-  problems->Unless(InRange(objects.structure_share, 0, 1),
+  problems->Unless(InRange(objects.structure.share, 0, 1),
                    "objects.structure_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure_area, 0, 1e6),
+  problems->Unless(InRange(objects.structure.area, 0, 1e6),
                    "objects.structure_area_m2 must be in [0, 1e6] m2");
+  problems->Unless(InRange(objects.structure.table_share, 0, 1),
+                   "objects.table_share must be in [0, 1]");
+  problems->Unless(InRange(objects.structure.table_area, 0, 1e6),
+                   "objects.table_area_m2 must be in [0, 1e6] m2");
+  problems->Unless(objects.structure.table_low > 0 &&
+                       objects.structure.table_high >= objects.structure.table_low &&
+                       objects.structure.ceiling_low > objects.structure.table_high,
+                   "objects: 0 < table_low_m <= table_high_m < ceiling_low_m does not hold");
+  problems->Unless(InRange(objects.structure.max_tilt_deg, 0, 45),
+                   "objects.max_tilt_deg must be in [0, 45]");
 }
 
 void Check(const OccupancyOptions& options, const VoxelGridOptions& grid, Problems* problems) {

@@ -104,8 +104,11 @@ void ObjectTracker::MeasureTogether(const SemanticMap& map, std::span<const Segm
 
 std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map, const Places& places,
                                                     const MeshingOptions& meshing,
-                                                    const ObjectOptions& options) {
+                                                    const ObjectOptions& given) {
   MeasureLabels(map, LabelsToMeasure(map, places), places, meshing);
+  const ObjectOptions options = WithLevelUp(given, surfaces_);
+  if (options.up_W != up_W_) measured_.clear();
+  up_W_ = options.up_W;
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces_, options);
   std::vector<Measured*> records;
   std::vector<std::vector<std::pair<SegmentLabel, uint32_t>>> from(objects.size());
@@ -122,11 +125,12 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map, cons
     Measured& record = *records[i];
     if (record.from != from[i]) {
       MeasureObject(surfaces_, options, &objects[i]);
-      record = {std::move(from[i]), objects[i].box, objects[i].is_structure};
+      record = {std::move(from[i]), objects[i].box, objects[i].plane};
     }
     objects[i].box = record.box;
-    objects[i].is_structure = record.is_structure;
+    objects[i].plane = record.plane;
   });
+  SetStructure(options, &objects);
   return objects;
 }
 

@@ -36,7 +36,7 @@ class ObjectTracker {
   struct Measured {
     std::vector<std::pair<SegmentLabel, uint32_t>> from;  // labels and versions of their surfaces
     OrientedBox box;
-    bool is_structure = false;
+    SurfacePlane plane;
   };
   using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
 
@@ -51,6 +51,7 @@ class ObjectTracker {
   std::vector<uint32_t> versions_;       // of the surfaces
   std::vector<size_t> blocks_measured_;  // that each surface was made of
   std::map<Key, Measured> measured_;
+  Eigen::Vector3d up_W_ = Eigen::Vector3d::Zero();  // that they were measured with
 };
 
 }  // namespace vismap

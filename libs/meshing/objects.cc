@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
@@ -92,13 +93,6 @@ ObjectSummary FromSegment(SegmentLabel label) {
   ObjectSummary object;
   object.segments = {label};
   return object;
-}
-
-bool IsStructure(const ObjectSummary& object, std::span<const Eigen::Vector3f> points,
-                 const ObjectOptions& options) {
-  if (object.area < options.structure_area) return false;
-  const double inliers = FitPlane(points, options.structure_flatness).inliers;
-  return inliers >= options.structure_share && inliers * object.area >= options.structure_area;
 }
 
 int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces& surfaces) {
@@ -216,14 +210,36 @@ void MeasureObject(const LabelSurfaces& surfaces, const ObjectOptions& options,
   const std::vector<Eigen::Vector3f> points = PointsOf(*object, surfaces);
   object->box = FitUprightBox(MainParts(points, options.part_gap, options.min_part_share),
                               options.up_W, options.box_outliers);
-  object->is_structure = object->discovered() && IsStructure(*object, points, options);
+  object->plane =
+      object->discovered() ? FindPlane(points, object->area, options.structure) : SurfacePlane();
+}
+
+void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
+  std::vector<SurfacePlane> planes;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ObjectSummary& object : *objects) {
+    planes.push_back(object.plane);
+    if (object.removed()) continue;
+    const double bottom = object.box.center_W.dot(options.up_W) - object.box.size.z() / 2;
+    lowest = std::min(lowest, bottom);
+  }
+  const auto kinds = NameStructure(planes, options.up_W, lowest, options.structure);
+  for (size_t i = 0; i < kinds.size(); ++i) (*objects)[i].structure = kinds[i];
+}
+
+ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces) {
+  if (options.up_is_guess) options.up_W = LevelUp(options.up_W, surfaces, options.structure);
+  options.up_is_guess = false;
+  return options;
 }
 
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
-                                            const ObjectOptions& options) {
+                                            const ObjectOptions& given) {
   const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
+  const ObjectOptions options = WithLevelUp(given, surfaces);
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
   ParallelFor(objects.size(), 1, [&](size_t i) { MeasureObject(surfaces, options, &objects[i]); });
+  SetStructure(options, &objects);
   return objects;
 }
 

@@ -16,8 +16,9 @@ namespace vismap {
 /// "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10&tours=1"; all parameters
 /// optional, in any order; those below are named alike. "remove=ID@FRAME" takes an object away
 /// before that frame, "appear=ID@FRAME" has it there only from that frame on, and
-/// "move=ID@FRAME,DX,DY" moves it by so many metres before that frame; all any number of times. Scenes are "room" (see room.h) and "office" (see office.h), where 400 frames are the
-/// default. All errors depend on the seed alone.
+/// "move=ID@FRAME,DX,DY" moves it by so many metres before that frame; all any number of times.
+/// Scenes are "room" (see room.h) and "office" (see office.h), where 400 frames are the default.
+/// All errors depend on the seed alone.
 struct SyntheticOptions {
   std::string scene = "room";
   int frames = 80;    ///< on one closed tour of the scene, 1..100000

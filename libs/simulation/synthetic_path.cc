@@ -93,9 +93,10 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "depth_noise") return SetNumber(key, value, 0.0, 10.0, &o->depth_noise);
   if (key == "remove" || key == "appear") return AddChange(key, value, o);
   if (key == "move") return AddMove(value, o);
-  return Fail("synthetic: unknown parameter \"" + std::string(key) +
-              "\"; known are frames, width, noise, seed, rate, tours, detection_rate, "
-              "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
+  return Fail(
+      "synthetic: unknown parameter \"" + std::string(key) +
+      "\"; known are frames, width, noise, seed, rate, tours, detection_rate, "
+      "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
 }
 
 /// The shortest text that is read as the same number.
@@ -141,7 +142,9 @@ std::string SyntheticPath(const SyntheticOptions& options) {
   if (options.detection_rate) path += "&detection_rate=" + Text(*options.detection_rate);
   if (options.mask_noise) path += "&mask_noise=" + Text(*options.mask_noise);
   for (const SyntheticOptions::Change& change : options.changes) {
-    path += std::string(change.moved ? "&move=" : change.appears ? "&appear=" : "&remove=") +
+    path += std::string(change.moved     ? "&move="
+                        : change.appears ? "&appear="
+                                         : "&remove=") +
             Text(change.object_id) + "@" + Text(change.frame);
     if (change.moved) path += "," + Text(change.moved->x()) + "," + Text(change.moved->y());
   }

@@ -43,7 +43,7 @@ void ExpectSame(const std::vector<ObjectSummary>& a, const std::vector<ObjectSum
     EXPECT_EQ(a[i].points, b[i].points);
     EXPECT_NEAR(a[i].score, b[i].score, 1e-9);
     EXPECT_NEAR(a[i].area, b[i].area, 1e-9);
-    EXPECT_EQ(a[i].is_structure, b[i].is_structure);
+    EXPECT_EQ(a[i].is_structure(), b[i].is_structure());
     // Boxes are fitted to an even pick of the points of a large label.
     EXPECT_TRUE(a[i].box.size.isApprox(b[i].box.size, a[i].points > 2000 ? 0.02 : 1e-6));
   }

@@ -117,9 +117,9 @@ TEST(SummarizeObjects, CountsSurfaceFramesAndTimes) {
 
 TEST(SummarizeObjects, OnlyTheFloorIsStructure) {
   const auto objects = SummarizeObjects(Room());
-  EXPECT_FALSE(objects[0].is_structure);
-  EXPECT_TRUE(objects[1].is_structure);
-  EXPECT_FALSE(objects[2].is_structure);
+  EXPECT_FALSE(objects[0].is_structure());
+  EXPECT_TRUE(objects[1].is_structure());
+  EXPECT_FALSE(objects[2].is_structure());
 }
 
 TEST(SummarizeObjects, StrayPiecesDoNotBlowUpTheBox) {
@@ -244,7 +244,8 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
   const auto json = nlohmann::json::parse(text);
   EXPECT_EQ(json.at("map_id"), "k \"1\"");
   ASSERT_EQ(json.at("objects").size(), 1u);
-  ASSERT_EQ(json.at("discovered").size(), 2u);
+  ASSERT_EQ(json.at("discovered").size(), 1u);
+  ASSERT_EQ(json.at("structure").size(), 1u);
   const auto& chair = json["objects"][0];
   EXPECT_EQ(chair.at("instance"), 5);
   EXPECT_EQ(chair.at("class"), 62);
@@ -256,13 +257,16 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
   EXPECT_EQ(chair.at("center").size(), 3u);
   EXPECT_EQ(chair.at("size").size(), 3u);
   EXPECT_EQ(chair.at("orientation").size(), 4u);
-  EXPECT_EQ(json["discovered"][0].at("structure"), true);
+  EXPECT_EQ(json["discovered"][0].at("structure"), false);
+  EXPECT_EQ(json["structure"][0].at("structure"), true);
+  EXPECT_EQ(json["structure"][0].at("kind"), "floor");
   EXPECT_EQ(json["discovered"][0].at("instance"), 0);
 }
 
 TEST(ObjectsJson, EmptyListsAreLists) {
   EXPECT_EQ(ObjectsJson("m", {}, {}),
-            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"removed\":[]}\n");
+            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"structure\":[],"
+            "\n\"removed\":[]}\n");
 }
 
 }  // namespace
