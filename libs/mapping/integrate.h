@@ -7,6 +7,7 @@
 
 #include "association/associate.h"
 #include "association/instance_split.h"
+#include "geometry/noise_model.h"
 #include "mapping/semantic_map.h"
 #include "segmentation/segmented_frame.h"
 
@@ -50,9 +51,10 @@ struct IntegrationOptions {
   double free_frames = 10.0;
   double carve_keep = 0.2;           ///< share of its weight that a voxel keeps each time, (0, 1)
   double carve_margin_voxels = 4.0;  ///< rays must end so far behind the voxel ...
-  double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth (Nguyen 2012)
+  double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth, see `noise`
   double carve_slope = 8.0;  ///< ... and so much farther per metre of its distance: a ray closer to
                              ///< parallel to the surface may have missed it
+  DepthNoiseModel noise = KinectNoise();  ///< of the sensor; its disparity steps do not count
 };
 
 /// All problems of the options, as sentences; empty = fine.
