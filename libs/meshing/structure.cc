@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "meshing/label_surfaces.h"
 #include "meshing/oriented_box.h"
@@ -79,7 +80,11 @@ const char* NameOf(StructureKind kind) {
 SurfacePlane FindPlane(std::span<const Eigen::Vector3f> points_W, double area,
                        const StructureOptions& options) {
   if (points_W.empty()) return {};
-  const PlaneFit fit = FitPlane(points_W, options.flatness);
+  constexpr size_t kMostPoints = 4000;
+  const size_t stride = (points_W.size() + kMostPoints - 1) / kMostPoints;
+  std::vector<Eigen::Vector3f> picked;
+  for (size_t i = 0; i < points_W.size(); i += stride) picked.push_back(points_W[i]);
+  const PlaneFit fit = FitPlane(picked, options.flatness);
   return {fit.point_W, fit.normal_W, fit.inliers, fit.inliers * area};
 }
 
