@@ -116,6 +116,7 @@ SegmentLabel LabelTable::Merge(SegmentLabel a, SegmentLabel b) {
     sum.together += evidence.together;
     sum.apart += evidence.apart;
   }
+  bonds_.Merge(dead, survivor);
   return survivor;
 }
 
@@ -133,13 +134,14 @@ PairEvidence& LabelTable::MutablePair(SegmentLabel a, SegmentLabel b) {
   return pairs_[std::minmax(a, b)];
 }
 
-LabelTable LabelTable::Restore(
-    std::vector<LabelRecord> records, InstanceId next_instance,
-    std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence> pairs) {
+LabelTable LabelTable::Restore(std::vector<LabelRecord> records, InstanceId next_instance,
+                               std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence> pairs,
+                               MaskBonds bonds) {
   LabelTable table;
   table.records_ = std::move(records);
   table.next_instance_ = next_instance;
   table.pairs_ = std::move(pairs);
+  table.bonds_ = std::move(bonds);
   return table;
 }
 

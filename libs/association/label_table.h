@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "association/mask_bonds.h"
 #include "base/ids.h"
 
 namespace vismap {
@@ -80,19 +81,25 @@ class LabelTable {
   }
   PairEvidence& MutablePair(SegmentLabel a, SegmentLabel b);
 
+  /// Which alive labels masks show as one thing.
+  const MaskBonds& bonds() const { return bonds_; }
+  MaskBonds& MutableBonds() { return bonds_; }
+
   /// Fraction of observed frames below which an instance is not read out (published code: 0.1 of
   /// the other frames).
   float min_instance_ratio = 0.1F;
 
   /// Replaces everything: for loading a saved map.
   static LabelTable Restore(std::vector<LabelRecord> records, InstanceId next_instance,
-                            std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence> pairs);
+                            std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence> pairs,
+                            MaskBonds bonds = {});
   friend bool operator==(const LabelTable&, const LabelTable&) = default;
 
  private:
   std::vector<LabelRecord> records_;
   InstanceId next_instance_{1};
   std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence> pairs_;
+  MaskBonds bonds_;
 };
 
 }  // namespace vismap

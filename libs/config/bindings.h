@@ -56,6 +56,7 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("min_overlap", options.min_overlap);
   bind.Value("min_score", options.min_score);
   bind.Value("resolve_overlaps", options.resolve_overlaps);
+  bind.Value("same_part", options.same_part);
   bind.Value("max_depth_extent", options.max_depth_extent);
   bind.Value("fold_min_score", options.fold_min_score);
   bind.Value("split", options.split);
@@ -85,6 +86,7 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("max_unpacked_blocks", options.max_unpacked_blocks);
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
+  bind.Value("split_frames", options.split_frames);
   bind.Value("carve_frames", options.carve_frames);
   bind.Value("free_frames", options.free_frames);
   bind.Value("carve_keep", options.carve_keep);
@@ -108,12 +110,20 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
   bind.Value("removed_max_rest", options.removed_max_rest);
+  bind.Value("removed_max_count", options.removed_max_count);
+  bind.Value("removed_max_age_s", options.removed_max_age);
   bind.Value("box_outliers", options.box_outliers);
   bind.Value("part_gap_m", options.part_gap);
   bind.Value("min_part_share", options.min_part_share);
-  bind.Value("structure_flatness_m", options.structure_flatness);
-  bind.Value("structure_share", options.structure_share);
-  bind.Value("structure_area_m2", options.structure_area);
+  bind.Value("structure_flatness_m", options.structure.flatness);
+  bind.Value("structure_share", options.structure.share);
+  bind.Value("structure_area_m2", options.structure.area);
+  bind.Value("table_share", options.structure.table_share);
+  bind.Value("table_area_m2", options.structure.table_area);
+  bind.Value("table_low_m", options.structure.table_low);
+  bind.Value("table_high_m", options.structure.table_high);
+  bind.Value("ceiling_low_m", options.structure.ceiling_low);
+  bind.Value("max_tilt_deg", options.structure.max_tilt_deg);
 }
 
 template <typename Binder>

@@ -222,6 +222,7 @@ Result<VismapConfig> ParseConfig(const std::string& text, const std::string& nam
   if (!problems.empty()) return Fail(name + ": " + Joined(problems));
   result.association.min_range = result.integration.min_range;
   result.association.max_range = result.integration.max_range;
+  result.integration.noise = result.segmentation.surface.noise;
   return result;
 }
 

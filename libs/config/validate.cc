@@ -45,17 +45,29 @@ void Check(const ObjectOptions& objects, Problems* problems) {
                    "objects.min_discovered_points must not be negative");
   problems->Unless(InRange(objects.removed_max_rest, 0, 10),
                    "objects.removed_max_rest must be in [0, 10]");
+  problems->Unless(objects.removed_max_count >= 0, "objects.removed_max_count must be 0 or more");
+  problems->Unless(objects.removed_max_age >= 0, "objects.removed_max_age_s must be 0 or more");
   problems->Unless(InRange(objects.box_outliers, 0, 0.49),
                    "objects.box_outliers must be in [0, 0.49]");
   problems->Unless(InRange(objects.part_gap, 0, 100), "objects.part_gap_m must be in [0, 100] m");
   problems->Unless(InRange(objects.min_part_share, 0, 1),
                    "objects.min_part_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure_flatness, 0, 1),
+  problems->Unless(InRange(objects.structure.flatness, 0, 1),
                    "objects.structure_flatness_m must be in [0, 1] m");
-  problems->Unless(InRange(objects.structure_share, 0, 1),
+  problems->Unless(InRange(objects.structure.share, 0, 1),
                    "objects.structure_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure_area, 0, 1e6),
+  problems->Unless(InRange(objects.structure.area, 0, 1e6),
                    "objects.structure_area_m2 must be in [0, 1e6] m2");
+  problems->Unless(InRange(objects.structure.table_share, 0, 1),
+                   "objects.table_share must be in [0, 1]");
+  problems->Unless(InRange(objects.structure.table_area, 0, 1e6),
+                   "objects.table_area_m2 must be in [0, 1e6] m2");
+  problems->Unless(objects.structure.table_low > 0 &&
+                       objects.structure.table_high >= objects.structure.table_low &&
+                       objects.structure.ceiling_low > objects.structure.table_high,
+                   "objects: 0 < table_low_m <= table_high_m < ceiling_low_m does not hold");
+  problems->Unless(InRange(objects.structure.max_tilt_deg, 0, 45),
+                   "objects.max_tilt_deg must be in [0, 45]");
 }
 
 void Check(const OccupancyOptions& options, const VoxelGridOptions& grid, Problems* problems) {

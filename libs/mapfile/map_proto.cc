@@ -70,26 +70,46 @@ Result<vismap::LabelRecord> TakeRecord(const LabelRecord& proto, size_t label) {
 
 using PairMap = std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence>;
 
+bool IsAlive(uint32_t label, const Labels& proto) {
+  return label >= 1 && label <= static_cast<uint32_t>(proto.records_size()) &&
+         proto.records(static_cast<int>(label - 1)).merged_into() == 0;
+}
+
+/// The labels of a Pair or Bond: alive, the smaller first.
+template <typename TwoLabels>
+Result<std::pair<SegmentLabel, SegmentLabel>> TakeKey(const TwoLabels& two, const Labels& proto) {
+  if (two.first() >= two.second() || !IsAlive(two.first(), proto) ||
+      !IsAlive(two.second(), proto)) {
+    return Fail("labels " + std::to_string(two.first()) + " and " + std::to_string(two.second()) +
+                " are no pair");
+  }
+  return std::pair{static_cast<SegmentLabel>(two.first()), static_cast<SegmentLabel>(two.second())};
+}
+
 Result<PairMap> TakePairs(const Labels& proto) {
   PairMap pairs;
-  const auto alive = [&](uint32_t label) {
-    return label >= 1 && label <= static_cast<uint32_t>(proto.records_size()) &&
-           proto.records(static_cast<int>(label - 1)).merged_into() == 0;
-  };
   for (const Pair& pair : proto.pairs()) {
-    if (pair.first() >= pair.second() || !alive(pair.first()) || !alive(pair.second())) {
-      return Fail("labels " + std::to_string(pair.first()) + " and " +
-                  std::to_string(pair.second()) + " are no pair");
-    }
+    const auto key = TakeKey(pair, proto);
+    if (!key) return tl::unexpected(key.error());
     if (!std::isfinite(pair.together()) || !std::isfinite(pair.apart())) {
       return Fail("evidence of a pair is not a finite number");
     }
-    const std::pair key{static_cast<SegmentLabel>(pair.first()),
-                        static_cast<SegmentLabel>(pair.second())};
-    if (!pairs.empty() && !(pairs.rbegin()->first < key)) return Fail("pairs are not ascending");
-    pairs.emplace_hint(pairs.end(), key, PairEvidence{pair.together(), pair.apart()});
+    if (!pairs.empty() && !(pairs.rbegin()->first < *key)) return Fail("pairs are not ascending");
+    pairs.emplace_hint(pairs.end(), *key, PairEvidence{pair.together(), pair.apart()});
   }
   return pairs;
+}
+
+Result<MaskBonds> TakeBonds(const Labels& proto) {
+  std::map<MaskBonds::Pair, float> bonds;
+  for (const Bond& bond : proto.bonds()) {
+    const auto key = TakeKey(bond, proto);
+    if (!key) return tl::unexpected(key.error());
+    if (!(std::abs(bond.bond()) <= MaskBonds::kMost)) return Fail("a bond is out of range");
+    if (!bonds.empty() && !(bonds.rbegin()->first < *key)) return Fail("bonds are not ascending");
+    bonds.emplace_hint(bonds.end(), *key, bond.bond());
+  }
+  return MaskBonds::Restore(std::move(bonds));
 }
 
 void PutPose(const vismap::CameraPose& pose, CameraPose* proto) {
@@ -181,6 +201,12 @@ void ToProto(const LabelTable& labels, Labels* proto) {
     pair->set_together(evidence.together);
     pair->set_apart(evidence.apart);
   }
+  for (const auto& [key, amount] : labels.bonds().pairs()) {
+    Bond* bond = proto->add_bonds();
+    bond->set_first(Raw(key.first));
+    bond->set_second(Raw(key.second));
+    bond->set_bond(amount);
+  }
   proto->set_min_instance_ratio(labels.min_instance_ratio);
 }
 
@@ -210,9 +236,12 @@ Result<LabelTable> FromProto(const Labels& proto) {
   }
   Result<PairMap> pairs = TakePairs(proto);
   if (!pairs) return tl::unexpected(pairs.error());
+  Result<MaskBonds> bonds = TakeBonds(proto);
+  if (!bonds) return tl::unexpected(bonds.error());
   if (!std::isfinite(proto.min_instance_ratio())) return Fail("min_instance_ratio is not finite");
-  LabelTable labels = LabelTable::Restore(
-      std::move(records), static_cast<InstanceId>(proto.next_instance()), std::move(*pairs));
+  LabelTable labels =
+      LabelTable::Restore(std::move(records), static_cast<InstanceId>(proto.next_instance()),
+                          std::move(*pairs), std::move(*bonds));
   labels.min_instance_ratio = proto.min_instance_ratio();
   return labels;
 }

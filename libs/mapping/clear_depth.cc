@@ -3,14 +3,13 @@
 #include <algorithm>
 
 #include "base/parallel.h"
-#include "geometry/noise_model.h"
 
 namespace vismap {
 namespace {
 
 // The depth less the margin: never beyond what was measured.
 float Less(float depth, const ClearDepthOptions& options) {
-  const auto sigma = static_cast<float>(KinectNoise().AxialSigma(static_cast<double>(depth)));
+  const auto sigma = static_cast<float>(options.noise.AxialSigma(static_cast<double>(depth)));
   return std::max(depth - std::max(options.margin, options.sigmas * sigma), 0.0F);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/image.h"
+#include "geometry/noise_model.h"
 #include "mapping/depth_pyramid.h"
 
 namespace vismap {
@@ -9,6 +10,7 @@ namespace vismap {
 struct ClearDepthOptions {
   float margin = 0.04F;  ///< at least [m]
   float sigmas = 4;      ///< and so many standard deviations of the depth
+  DepthNoiseModel noise = KinectNoise();
 };
 
 /// Up to which depth space is surely empty at each pixel [m]; 0 = nothing is sure. `pyramid` is

@@ -114,7 +114,8 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
   clear_depth_ =
       ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
                  {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size),
-                  .sigmas = static_cast<float>(options.carve_sigmas)});
+                  .sigmas = static_cast<float>(options.carve_sigmas),
+                  .noise = options.noise});
 }
 
 VoxelBits FrameProjection::CarveWhatIsPassed(const ProjectedVoxels& projected,

@@ -39,6 +39,18 @@ void CountEvidence(const SegmentedFrame& frame, const FrameAssociation& associat
   }
 }
 
+void SeparateObjects(const SegmentedFrame& frame, const FrameAssociation& association,
+                     double split_frames, LabelTable& labels, MapDelta& delta) {
+  std::vector<MaskedLabel> seen;
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    const FrameAssociation::Segment& match = association.segments[s];
+    if (match.label == SegmentLabel::kNone || match.instance == InstanceId::kNone) continue;
+    const FrameSegment& segment = frame.segments[s];
+    seen.push_back({match.label, segment.detection, segment.score * segment.overlap});
+  }
+  delta.split = SplitInstances(seen, split_frames, &labels);
+}
+
 struct WorkItem {
   VisibleBlock target;
   Block* block = nullptr;  // in the map; nullptr = not there yet, then `fresh` is filled
@@ -124,6 +136,8 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   check(options.vote_distance_voxels > 0, "integration: vote_distance_voxels must be positive");
   check(options.max_unpacked_blocks >= 0, "integration: max_unpacked_blocks must be 0 or more");
   check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
+  check(options.split_frames >= 0 && options.split_frames < MaskBonds::kMost,
+        "integration: split_frames must be 0 (never) or more, and below 5");
   check(options.carve_frames >= 0 && options.carve_frames <= 100,
         "integration: carve_frames must be 0 (no carving) to 100");
   check(options.free_frames >= 0 && options.free_frames <= 10000,
@@ -150,6 +164,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
           "depth and segment images have the size of the camera");
   MapDelta delta;
   CountEvidence(frame, association, map->labels);
+  SeparateObjects(frame, association, options.split_frames, map->labels, delta);
 
   std::vector<SegmentLabel> labels;
   for (const FrameAssociation::Segment& segment : association.segments)

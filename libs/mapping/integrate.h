@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "association/associate.h"
+#include "association/instance_split.h"
+#include "geometry/noise_model.h"
 #include "mapping/semantic_map.h"
 #include "segmentation/segmented_frame.h"
 
@@ -17,6 +19,7 @@ struct MapDelta {
   std::vector<BlockIndex>
       changed_blocks;  ///< ascending; surface, labels or free space differ from before
   std::vector<std::pair<SegmentLabel, SegmentLabel>> merged;  ///< (dead, survivor), in order
+  std::vector<InstanceSplit> split;                           ///< in order
   int64_t voxels_updated = 0;
   int64_t votes_evicted = 0;  ///< label votes lost to full slots
   /// Voxels of each label that were inside or on a surface and turned out to be free; ascending.
@@ -35,6 +38,8 @@ struct IntegrationOptions {
   double vote_distance_voxels = 1.0;  ///< labels are voted for within this distance of the surface
   double merge_frames =
       3.0;  ///< net frames seen together after which two labels are merged; 0 = never
+  double split_frames =
+      2.0;  ///< net frames under different masks after which an instance is split; 0 = never
 
   // Carving: what was removed or moved goes when the camera sees past where it stood. A voxel that
   // rays clearly pass first only loses weight; its distance changes once little weight is left. So
@@ -46,9 +51,10 @@ struct IntegrationOptions {
   double free_frames = 10.0;
   double carve_keep = 0.2;           ///< share of its weight that a voxel keeps each time, (0, 1)
   double carve_margin_voxels = 4.0;  ///< rays must end so far behind the voxel ...
-  double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth (Nguyen 2012)
+  double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth, see `noise`
   double carve_slope = 8.0;  ///< ... and so much farther per metre of its distance: a ray closer to
                              ///< parallel to the surface may have missed it
+  DepthNoiseModel noise = KinectNoise();  ///< of the sensor; its disparity steps do not count
 };
 
 /// All problems of the options, as sentences; empty = fine.

@@ -135,6 +135,11 @@ std::string HashMap(const SemanticMap& map) {
     digest.Add(evidence.together);
     digest.Add(evidence.apart);
   }
+  for (const auto& [pair, bond] : map.labels.bonds().pairs()) {
+    digest.Add(pair.first);
+    digest.Add(pair.second);
+    digest.Add(bond);
+  }
   return digest.Hex();
 }
 

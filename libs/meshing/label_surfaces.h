@@ -21,14 +21,26 @@ using LabelSurfaces = std::vector<LabelSurface>;
 /// The surface of the labels below `labels` in a mesh.
 LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels);
 
-/// Which objects there are, with all that the labels and the amounts of surface tell. Box and
-/// structure are not set.
+/// A better guess of the upward direction: the normal of the largest plane within 30 degrees of
+/// `up_W`, if that is more than 3 degrees off; a camera that is held at a slant, or a world whose
+/// axes are not level, would else tilt every box, and leave no floor.
+Eigen::Vector3d LevelUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
+                        const StructureOptions& options);
+
+/// Which objects there are, with all that the labels and the amounts of surface tell. Box,
+/// plane and structure are not set.
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options);
 
-/// Sets box and structure of an object from points of its surface [m], all or an even pick of
-/// them; of one that was removed neither.
+/// The same options with the upward direction that the surface suggests, when it is but a guess.
+ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces);
+
+/// Sets box and plane of an object from points of its surface [m], all or an even pick of them; of
+/// one that was removed neither.
 void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
                    ObjectSummary* object);
+
+/// Sets the structure of all objects, of which box and plane are set.
+void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 }  // namespace vismap

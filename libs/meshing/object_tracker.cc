@@ -28,11 +28,11 @@ LabelSurfaces AmountsOf(const SemanticMap& map, const BlockSurfaces& surfaces) {
 }
 
 // Of large labels an even pick of blocks stands for all.
-std::vector<Eigen::Vector3f> PointsOf(const ObjectSummary& object, const SemanticMap& map,
+std::vector<Eigen::Vector3f> PointsOf(std::span<const SegmentLabel> labels, const SemanticMap& map,
                                       const BlockSurfaces& surfaces,
                                       const ObjectTracker::Places& places) {
   std::vector<Eigen::Vector3f> points_W;
-  for (const SegmentLabel label : object.segments) {
+  for (const SegmentLabel label : labels) {
     // Surface where a label votes may be of cells that begin in the block below.
     const std::vector<BlockIndex> blocks = BlockSet(places(label)).Grown(1, 0).Blocks();
     const size_t stride = std::max<size_t>(1, (blocks.size() + kMaxBlocks - 1) / kMaxBlocks);
@@ -50,11 +50,36 @@ bool IsLargeAndAsBefore(int64_t points, int64_t before) {
 
 }  // namespace
 
+// Which way is up may be told better by another tenth of surface; all boxes depend on it.
+void ObjectTracker::LevelWhenGrown(const SemanticMap& map, const BlockSurfaces& surfaces,
+                                   const Places& places, const ObjectOptions& options,
+                                   LabelSurfaces amounts) {
+  double area = 0;
+  for (const LabelSurface& amount : amounts) area += amount.area;
+  if (std::abs(area - leveled_area_) < kGrowth * leveled_area_) return;
+  leveled_area_ = area;
+  for (size_t i = 1; i < amounts.size(); ++i) {
+    const auto label = static_cast<SegmentLabel>(i);
+    if (amounts[i].area >= options.structure.area)
+      amounts[i].points_W = PointsOf(std::span(&label, 1), map, surfaces, places);
+  }
+  const Eigen::Vector3d up_W = WithLevelUp(options, amounts).up_W;
+  if (up_W != up_W_) measured_.clear();
+  up_W_ = up_W;
+}
+
 std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
                                                     const BlockSurfaces& surfaces,
                                                     const Places& places,
-                                                    const ObjectOptions& options) {
-  std::vector<ObjectSummary> objects = ReadObjects(map.labels, AmountsOf(map, surfaces), options);
+                                                    const ObjectOptions& given) {
+  const LabelSurfaces amounts = AmountsOf(map, surfaces);
+  ObjectOptions options = given;
+  if (given.up_is_guess) {
+    LevelWhenGrown(map, surfaces, places, given, amounts);
+    options.up_W = up_W_;
+    options.up_is_guess = false;
+  }
+  std::vector<ObjectSummary> objects = ReadObjects(map.labels, amounts, options);
   std::map<Key, Measured> measured;
   std::vector<Measured*> records;
   for (const ObjectSummary& object : objects) {
@@ -73,13 +98,14 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
     for (const SegmentLabel label : object.segments)
       from.emplace_back(label, surfaces.Of(label).version);
     if (from != record.from && !IsLargeAndAsBefore(object.points, record.points)) {
-      MeasureObject(PointsOf(object, map, surfaces, places), options, &object);
-      record = {std::move(from), object.points, object.box, object.is_structure};
+      MeasureObject(PointsOf(object.segments, map, surfaces, places), options, &object);
+      record = {std::move(from), object.points, object.box, object.plane};
     }
     object.box = record.box;
-    object.is_structure = record.is_structure;
+    object.plane = record.plane;
   });
   measured_ = std::move(measured);
+  SetStructure(options, &objects);
   return objects;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "meshing/block_surfaces.h"
-#include "meshing/objects.h"
+#include "meshing/label_surfaces.h"
 
 namespace vismap {
 
@@ -34,11 +34,16 @@ class ObjectTracker {
     std::vector<std::pair<SegmentLabel, uint32_t>> from;  // labels and versions of their surfaces
     int64_t points = 0;
     OrientedBox box;
-    bool is_structure = false;
+    SurfacePlane plane;
   };
   using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
 
+  void LevelWhenGrown(const SemanticMap& map, const BlockSurfaces& surfaces, const Places& places,
+                      const ObjectOptions& options, LabelSurfaces amounts);
+
   std::map<Key, Measured> measured_;
+  Eigen::Vector3d up_W_ = Eigen::Vector3d::UnitZ();  // that they were measured with
+  double leveled_area_ = 0;                          // from which that was found [m^2]
 };
 
 }  // namespace vismap

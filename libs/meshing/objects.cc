@@ -1,6 +1,9 @@
 #include "meshing/objects.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "base/parallel.h"
@@ -92,13 +95,6 @@ ObjectSummary FromSegment(SegmentLabel label) {
   return object;
 }
 
-bool IsStructure(const ObjectSummary& object, std::span<const Eigen::Vector3f> points,
-                 const ObjectOptions& options) {
-  if (object.area < options.structure_area) return false;
-  const double inliers = FitPlane(points, options.structure_flatness).inliers;
-  return inliers >= options.structure_share && inliers * object.area >= options.structure_area;
-}
-
 int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces& surfaces) {
   int64_t count = 0;
   for (const SegmentLabel label : labels) {
@@ -124,20 +120,46 @@ bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
   return points >= least;
 }
 
+int64_t NewestUtime(const LabelTable& table) {
+  int64_t newest = 0;
+  for (const LabelRecord& record : table.records())
+    newest = std::max({newest, record.last_utime, record.cleared_utime});
+  return newest;
+}
+
+// Leaves of `removed` what was removed last. Things that were found gone in the same frame stay or
+// go together.
+void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
+               std::vector<ObjectSummary>* removed) {
+  const double max_age = options.removed_max_age * 1e6;  // [us]
+  std::vector<int64_t> times;
+  for (const ObjectSummary& object : *removed) times.push_back(object.removed_utime);
+  std::sort(times.begin(), times.end(), std::greater<>());
+  const auto most = static_cast<size_t>(options.removed_max_count);
+  std::erase_if(*removed, [&](const ObjectSummary& object) {
+    const int64_t age = newest_utime - object.removed_utime;
+    if (max_age > 0 && static_cast<double>(age) > max_age) return true;
+    return times.size() > most && object.removed_utime <= times[most];
+  });
+}
+
 // Which objects there are and were; nothing measured yet.
 std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
                                        const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
-  std::vector<ObjectSummary> objects;
+  std::vector<ObjectSummary> objects, removed;
   const auto list = [&](ObjectSummary object) {
-    if (StandsOrStood(table, surfaces, options, &object)) objects.push_back(std::move(object));
+    if (!StandsOrStood(table, surfaces, options, &object)) return;
+    (object.removed() ? removed : objects).push_back(std::move(object));
   };
   for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
   for (const SegmentLabel label : table.Alive()) {
     if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
   }
-  std::stable_partition(objects.begin(), objects.end(),
-                        [](const ObjectSummary& object) { return !object.removed(); });
+  if (removed.empty()) return objects;
+  ForgetOld(NewestUtime(table), options, &removed);
+  objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
+                 std::make_move_iterator(removed.end()));
   return objects;
 }
 
@@ -187,16 +209,38 @@ void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOption
   if (object->removed()) return;
   object->box = FitUprightBox(MainParts(points_W, options.part_gap, options.min_part_share),
                               options.up_W, options.box_outliers);
-  object->is_structure = object->discovered() && IsStructure(*object, points_W, options);
+  object->plane =
+      object->discovered() ? FindPlane(points_W, object->area, options.structure) : SurfacePlane();
+}
+
+void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
+  std::vector<SurfacePlane> planes;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ObjectSummary& object : *objects) {
+    planes.push_back(object.plane);
+    if (object.removed()) continue;
+    const double bottom = object.box.center_W.dot(options.up_W) - object.box.size.z() / 2;
+    lowest = std::min(lowest, bottom);
+  }
+  const auto kinds = NameStructure(planes, options.up_W, lowest, options.structure);
+  for (size_t i = 0; i < kinds.size(); ++i) (*objects)[i].structure = kinds[i];
+}
+
+ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces) {
+  if (options.up_is_guess) options.up_W = LevelUp(options.up_W, surfaces, options.structure);
+  options.up_is_guess = false;
+  return options;
 }
 
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
-                                            const ObjectOptions& options) {
+                                            const ObjectOptions& given) {
   const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
+  const ObjectOptions options = WithLevelUp(given, surfaces);
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
   ParallelFor(objects.size(), 1, [&](size_t i) {
     MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);
   });
+  SetStructure(options, &objects);
   return objects;
 }
 

@@ -6,6 +6,7 @@
 
 #include "meshing/marching_cubes.h"
 #include "meshing/oriented_box.h"
+#include "meshing/structure.h"
 
 namespace vismap {
 
@@ -31,25 +32,29 @@ struct ObjectSummary {
   int64_t last_utime = 0;   ///< of the last frame that saw it there [us]
   ObjectState state = ObjectState::kPresent;
   int64_t removed_utime = 0;  ///< of the frame that found it gone; 0 = present [us]
-  bool is_structure = false;  ///< a large plane: floor, wall, ceiling, perhaps a table top
+  SurfacePlane plane;         ///< of a discovered segment
+  StructureKind structure = StructureKind::kNone;  ///< kNone = a thing
 
   bool discovered() const { return instance == InstanceId::kNone; }
+  bool is_structure() const { return structure != StructureKind::kNone; }
   bool removed() const { return state == ObjectState::kRemoved; }
 };
 
 struct ObjectOptions {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< unit; third axis of the boxes
+  bool up_is_guess = false;                         ///< the surface may know better, see LevelUp
   int min_instance_points = 10;     ///< instances with fewer surface vertices are left out
   int min_discovered_points = 100;  ///< the same for segments without an instance
   /// Removed: less surface is left [points] than this part of what was seen empty since the object
   /// was last seen [voxels], which is at least as much as the two numbers above ask for. 0 = never.
   double removed_max_rest = 0.5;
-  double box_outliers = 0.01;        ///< share of the points that a box may leave outside per axis
-  double part_gap = 0.05;            ///< parts of an object farther from it than this [m] ...
-  double min_part_share = 0.1;       ///< ... with less than this share of it are not in its box
-  double structure_flatness = 0.02;  ///< structure: most points within this distance of a plane [m]
-  double structure_share = 0.8;      ///< ... and this is most
-  double structure_area = 1.0;       ///< ... with at least this surface [m^2]
+  int removed_max_count = 100;  ///< of what was removed, the last so many are listed
+  /// What was found gone longer before the newest frame is not listed; 0 = for ever [s].
+  double removed_max_age = 7 * 86400;
+  double box_outliers = 0.01;   ///< share of the points that a box may leave outside per axis
+  double part_gap = 0.05;       ///< parts of an object farther from it than this [m] ...
+  double min_part_share = 0.1;  ///< ... with less than this share of it are not in its box
+  StructureOptions structure{};
 };
 
 /// Instances in ascending order, then discovered segments in ascending order; then what was

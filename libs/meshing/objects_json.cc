@@ -49,7 +49,8 @@ Json ToJson(const ObjectSummary& object, const ClassNamer& class_name) {
   json["state"] = object.removed() ? "removed" : "present";
   if (object.removed()) json["removed_utime"] = object.removed_utime;
   if (object.discovered()) {
-    json["structure"] = object.is_structure;
+    json["structure"] = object.is_structure();
+    if (object.is_structure()) json["kind"] = NameOf(object.structure);
   } else {
     json["class_probabilities"] = Probabilities(object);
   }
@@ -71,14 +72,18 @@ std::string Lines(const std::vector<Json>& list) {
 
 std::string ObjectsJson(const std::string& map_id, std::span<const ObjectSummary> objects,
                         const ClassNamer& class_name) {
-  std::vector<Json> named, discovered, removed;
+  std::vector<Json> named, discovered, structure, removed;
   for (const ObjectSummary& object : objects) {
-    auto& list = object.removed() ? removed : object.discovered() ? discovered : named;
+    auto& list = object.removed()        ? removed
+                 : object.is_structure() ? structure
+                 : object.discovered()   ? discovered
+                                         : named;
     list.push_back(ToJson(object, class_name));
   }
   const std::string id = Json(map_id).dump(-1, ' ', false, Json::error_handler_t::replace);
   return "{\"map_id\":" + id + ",\n\"objects\":" + Lines(named) +
-         ",\n\"discovered\":" + Lines(discovered) + ",\n\"removed\":" + Lines(removed) + "}\n";
+         ",\n\"discovered\":" + Lines(discovered) + ",\n\"structure\":" + Lines(structure) +
+         ",\n\"removed\":" + Lines(removed) + "}\n";
 }
 
 }  // namespace vismap

@@ -125,7 +125,7 @@ std::vector<LegendEntry> MakeLegend(std::span<const ObjectSummary> objects, Colo
   Group unnamed, unknown, structure;
   for (const ObjectSummary& object : objects) {
     if (object.removed()) continue;
-    Group& group = object.is_structure                    ? structure
+    Group& group = object.is_structure()                  ? structure
                    : object.discovered()                  ? unknown
                    : object.class_id == ClassId::kUnknown ? unnamed
                                                           : classes[object.class_id];

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
 
 #include "base/require.h"
+#include "segmentation/mask_sets.h"
 
 namespace vismap {
 namespace {
@@ -26,12 +28,6 @@ void ForMask(const Mask& mask, int width, int height, const Visit& visit) {
   }
 }
 
-int32_t MaskArea(const Mask& mask) {
-  const auto& inside = mask.inside.pixels();
-  return static_cast<int32_t>(inside.size() -
-                              static_cast<size_t>(std::count(inside.begin(), inside.end(), 0)));
-}
-
 /// The detections that take part, best first: by score, then smaller area, then index.
 std::vector<int32_t> RankDetections(const DetectionSet& set, double min_score) {
   std::vector<int32_t> order;
@@ -47,6 +43,15 @@ std::vector<int32_t> RankDetections(const DetectionSet& set, double min_score) {
   return order;
 }
 
+bool OfOneThing(const Detection& a, const Detection& b, double same_part) {
+  constexpr int kTimes = 3;  // what is smaller may be a thing on or beside one of its kind
+  if (a.class_id != b.class_id || same_part >= 1) return false;
+  const int32_t area_a = MaskArea(a.mask), area_b = MaskArea(b.mask);
+  const int32_t small = std::min(area_a, area_b);
+  return kTimes * small >= std::max(area_a, area_b) &&
+         SharedArea(a.mask, b.mask) > same_part * small;
+}
+
 /// The masks of a frame against its segments.
 class Refiner {
  public:
@@ -57,7 +62,9 @@ class Refiner {
         width_(out->image.index.width()),
         height_(out->image.index.height()),
         order_(RankDetections(set, options.min_score)) {
-    if (options_.resolve_overlaps) ClaimPixels();
+    if (!options_.resolve_overlaps) return;
+    PutTogether();
+    ClaimPixels();
   }
 
   void Split();
@@ -69,6 +76,11 @@ class Refiner {
  private:
   /// Pixels per segment that belong to mask k.
   std::vector<int32_t> CountInside(int32_t k) const;
+  const Mask& MaskOf(int32_t k) const {
+    const auto joint = joint_.find(k);
+    return joint != joint_.end() ? joint->second : set_.detections[At(k)].mask;
+  }
+  void PutTogether();
   void ClaimPixels();
   bool Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const;
   int32_t Scaled(int pixels_at_vga) const;
@@ -78,7 +90,7 @@ class Refiner {
 
   template <typename Visit>
   void ForPixelsOf(int32_t k, const Visit& visit) const {
-    ForMask(set_.detections[At(k)].mask, width_, height_, [&](int v, int u) {
+    ForMask(MaskOf(k), width_, height_, [&](int v, int u) {
       if (owner_.empty() || owner_(v, u) == k) visit(v, u);
     });
   }
@@ -88,11 +100,32 @@ class Refiner {
   SegmentedFrame& out_;
   int width_, height_;
   std::vector<int32_t> order_;
+  std::map<int32_t, Mask> joint_;  ///< of detections with others of the same thing
   Image<int32_t> owner_;  ///< detection that owns the pixel; empty = masks may share pixels
 };
 
+// The weaker of two detections of one thing leaves the ranking.
+void Refiner::PutTogether() {
+  std::vector<int32_t> leaders;
+  for (const int32_t k : order_) {
+    const Detection& detection = set_.detections[At(k)];
+    const auto leader = std::find_if(leaders.begin(), leaders.end(), [&](int32_t better) {
+      return OfOneThing(set_.detections[At(better)], detection, options_.same_part);
+    });
+    if (leader == leaders.end()) {
+      leaders.push_back(k);
+    } else {
+      joint_[*leader] = UnionOf(MaskOf(*leader), detection.mask);
+    }
+  }
+  order_ = std::move(leaders);
+}
+
 void Refiner::ClaimPixels() {
   owner_ = Image<int32_t>(width_, height_, kNobody);
+  // Undermost, so that a second mask that is too large takes nothing from another thing.
+  for (const auto& [k, mask] : joint_)
+    ForMask(mask, width_, height_, [&](int v, int u) { owner_(v, u) = k; });
   for (auto k = order_.rbegin(); k != order_.rend(); ++k) {  // the best one last, on top
     ForMask(set_.detections[At(*k)].mask, width_, height_,
             [&](int v, int u) { owner_(v, u) = *k; });
@@ -185,7 +218,7 @@ void Refiner::DropSeenThrough() {
     FrameSegment& segment = out_.segments[i];
     if (segment.detection == DetectionIndex::kNone) continue;
     const auto k = At(Raw(segment.detection));
-    const double side = SideInMetres(set_.detections[k].mask, depths[main[k]]);
+    const double side = SideInMetres(MaskOf(static_cast<int32_t>(k)), depths[main[k]]);
     if (std::abs(depths[i] - depths[main[k]]) <= options_.max_depth_extent * side) continue;
     segment = {.pixels = segment.pixels};
   }
@@ -205,7 +238,7 @@ void Refiner::TakeFoldsOf(int32_t k) {
   ForPixelsOf(k, [&](int v, int u) {
     if (mine(out_.image.index(v, u)) && out_.image.ambiguous(v, u) > 1) open.emplace_back(v, u);
   });
-  const Mask& mask = set_.detections[At(k)].mask;
+  const Mask& mask = MaskOf(k);
   for (size_t next = 0; next < open.size(); ++next) {  // `open` grows
     const auto [v, u] = open[next];
     for (const auto& [dv, du] : {std::pair{0, 1}, {1, 0}, {0, -1}, {-1, 0}}) {

@@ -1,8 +1,8 @@
 #pragma once
 
 // Semantic refinement (Grinvald 2019, Sec. III-B): which detection each segment belongs to.
-// Departures: overlapping masks are resolved first, and a good mask may split a segment that
-// geometry could not.
+// Departures: several masks of one thing become one, overlapping masks are resolved first, and a
+// good mask may split a segment that geometry could not.
 
 #include "segmentation/segmentation_options.h"
 #include "segmentation/segmented_frame.h"

@@ -63,6 +63,7 @@ std::vector<std::string> Validate(const SegmentationOptions& options) {
 std::vector<std::string> Validate(const RefineOptions& options) {
   Problems problems;
   problems.Unless(InRange(options.min_overlap, 0, 1), "min_overlap must be in [0, 1]");
+  problems.Unless(InRange(options.same_part, 0, 1), "same_part must be in [0, 1]");
   problems.Unless(InRange(options.min_score, 0, 1), "min_score must be in [0, 1]");
   problems.Unless(InRange(options.max_depth_extent, 0, 100),
                   "max_depth_extent must be in [0, 100]");

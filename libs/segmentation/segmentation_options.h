@@ -41,6 +41,9 @@ struct RefineOptions {
   double min_overlap = 0.7;      ///< tau_p: a mask must cover more than this part of a segment
   double min_score = 0.0;        ///< detections below are ignored, as if they were not there
   bool resolve_overlaps = true;  ///< a pixel in several masks belongs only to the best one
+  /// A mask of which more than this part lies in another one of its class, at most three times as
+  /// large, is a second detection of the same thing; 1 = off. Needs resolve_overlaps.
+  double same_part = 0.7;
   /// Segments farther behind or before the largest one of their mask than this times the mask's
   /// larger side in metres are seen through gaps of the object, or hide it: they get no detection.
   /// 0 = off.

@@ -65,6 +65,7 @@ std::string PointsText(const Mesh& mesh) {
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options) {
   ObjectOptions objects = options.objects;
   objects.up_W = options.up_W.value_or(EstimateUp(metadata.trajectory));
+  objects.up_is_guess = !options.up_W;
   return objects;
 }
 
@@ -96,7 +97,7 @@ Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& pr
   std::set<std::string> written;
   for (size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSummary& object = products.objects[i];
-    if (meshes[i].triangles.empty() || (object.discovered() && object.is_structure)) continue;
+    if (meshes[i].triangles.empty() || (object.is_structure())) continue;
     const std::string name = NameOf(object) + ".ply";
     const Result<void> saved = WritePly(folder / name, meshes[i], InfoFor(metadata, meshes[i]));
     if (!saved) return tl::unexpected(saved.error());

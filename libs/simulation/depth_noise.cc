@@ -13,14 +13,10 @@ namespace {
 
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
-/// Axial deviation of a Kinect [m], Nguyen 2012.
-double AxialDeviation(double z) { return 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4); }
-
 /// Depth of the nearest disparity that the sensor can tell, after an error of deviation 1 times
-/// `error`; both together have `scale` times the axial deviation. NaN beyond the last step.
-double Measure(double z, double error, double focal_baseline, double step, double scale) {
+/// `error`; both together have the axial `deviation`. NaN beyond the last step.
+double Measure(double z, double error, double focal_baseline, double step, double deviation) {
   const double depth_step = z * z * step / focal_baseline;
-  const double deviation = scale * AxialDeviation(z);
   const double rest = deviation * deviation - depth_step * depth_step / 12;
   const double seen = z + error * std::sqrt(std::max(rest, 0.0));
   if (step == 0) return seen;
@@ -61,6 +57,27 @@ double ViewCosine(const PinholeCamera& camera, int v, int u, double z, double zu
 
 }  // namespace
 
+DepthNoise RealSenseDepthNoise() {
+  DepthNoise noise;
+  noise.axial = RealSenseNoise();
+  noise.baseline = 0.05;
+  noise.disparity_step = 1.0 / 32;
+  noise.correlation = 3;
+  noise.min_depth = 0.2;
+  return noise;
+}
+
+DepthNoise CleanDepthNoise() {
+  DepthNoise noise;
+  noise.axial = CleanNoise();
+  noise.disparity_step = 0;
+  noise.correlation = 1;
+  noise.edge_dropout = 0;
+  noise.grazing_cosine = 0;
+  noise.min_depth = 0;
+  return noise;
+}
+
 Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camera,
                            const DepthNoise& noise, uint64_t frame) {
   if (!noise.enabled) return depth;
@@ -84,7 +101,8 @@ Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camer
         continue;
       }
       noisy(v, u) = static_cast<float>(Measure(z, field.At(v, u), camera.fx * noise.baseline,
-                                               noise.scale * noise.disparity_step, noise.scale));
+                                               noise.scale * noise.disparity_step,
+                                               noise.scale * noise.axial.AxialSigma(z)));
     }
   });
   return noisy;

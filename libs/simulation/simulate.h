@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "geometry/frame.h"
+#include "geometry/noise_model.h"
 #include "segmentation/detections.h"
 #include "simulation/mask_noise.h"
 #include "simulation/scene.h"
@@ -19,13 +20,14 @@ struct Rendering {
 /// Casts one ray through the centre of every pixel.
 Rendering Render(const Scene& scene, const PinholeCamera& camera, const Pose& T_W_C);
 
-/// Errors of a structured-light depth camera.
+/// Errors of a depth camera that measures disparities; by default of a Kinect.
 struct DepthNoise {
   bool enabled = true;
-  uint64_t seed = 1;              ///< another seed, other errors; the same seed, the same errors
-  double scale = 1;               ///< of noise and disparity steps; 0 = exact but for dropouts
-  double baseline = 0.075;        ///< projector to camera [m], of the Kinect
-  double disparity_step = 0.125;  ///< disparities are measured in such steps [px]
+  uint64_t seed = 1;  ///< another seed, other errors; the same seed, the same errors
+  double scale = 1;   ///< of noise and disparity steps; 0 = exact but for dropouts
+  DepthNoiseModel axial = KinectNoise();  ///< its deviation along the axis
+  double baseline = 0.075;                ///< projector to camera, or between both cameras [m]
+  double disparity_step = 0.125;  ///< disparities are measured in such steps; 0 = no steps [px]
   int correlation = 4;            ///< errors vary over so many pixels, as matching windows do; >= 1
   double edge_dropout = 0.5;      ///< probability that a pixel beside a depth step has no return
   double grazing_cosine = 0.12;   ///< no return where |cos| of view ray and normal is below
@@ -33,8 +35,12 @@ struct DepthNoise {
   double max_depth = 8.0;         ///< no return beyond [m]
 };
 
-/// Depth with errors: axial deviation `scale` times 0.0012 + 0.0019 (z - 0.4)^2 [m] in total
-/// (Nguyen 2012), made of correlated noise and disparity steps; dropouts as given. `frame` makes
+/// The errors of an Intel RealSense D400, and of a renderer that keeps whole millimetres.
+DepthNoise RealSenseDepthNoise();
+DepthNoise CleanDepthNoise();
+
+/// Depth with errors: axial deviation `scale` times that of the model in total, made of correlated
+/// noise and disparity steps; dropouts as given. `frame` makes
 /// frames differ.
 Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camera,
                            const DepthNoise& noise, uint64_t frame);

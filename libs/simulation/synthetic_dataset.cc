@@ -120,16 +120,30 @@ class SyntheticDetections : public DetectionSource {
   int detect_every_;
 };
 
+// What stands elsewhere from a frame on is another object of the scene, with an id of its own.
+SceneObject Moved(const SceneObject& object, const SyntheticOptions::Change& change,
+                  const Scene& scene) {
+  SceneObject moved = object;
+  moved.id = static_cast<uint16_t>(scene.objects.back().id + 1);
+  moved.first_frame = change.frame;
+  const Eigen::Vector3d by_W(change.moved->x(), change.moved->y(), 0);
+  for (Shape& shape : moved.shapes) shape.T_W_O.pretranslate(by_W);
+  return moved;
+}
+
 }  // namespace
 
 Scene MakeScene(const SyntheticOptions& options) {
   Require(options.scene == "room" || options.scene == "office", "the scenes are room and office");
   Scene scene = options.scene == "room" ? MakeRoom() : MakeOffice();
   for (const SyntheticOptions::Change& change : options.changes) {
+    std::optional<SceneObject> moved;
     for (SceneObject& object : scene.objects) {
       if (object.id != change.object_id) continue;
+      if (change.moved) moved = Moved(object, change, scene);
       (change.appears ? object.first_frame : object.end_frame) = change.frame;
     }
+    if (moved) scene.objects.push_back(std::move(*moved));
   }
   return scene;
 }

@@ -15,9 +15,10 @@ namespace vismap {
 /// A computed sequence, written
 /// "synthetic:room?frames=80&width=640&noise=kinect&seed=1&rate=10&tours=1"; all parameters
 /// optional, in any order; those below are named alike. "remove=ID@FRAME" takes an object away
-/// before that frame, and "appear=ID@FRAME" has it there only from that frame on; both any number
-/// of times. Scenes are "room" (see room.h) and "office" (see office.h), where 400 frames are the
-/// default. All errors depend on the seed alone.
+/// before that frame, "appear=ID@FRAME" has it there only from that frame on, and
+/// "move=ID@FRAME,DX,DY" moves it by so many metres before that frame; all any number of times.
+/// Scenes are "room" (see room.h) and "office" (see office.h), where 400 frames are the default.
+/// All errors depend on the seed alone.
 struct SyntheticOptions {
   std::string scene = "room";
   int frames = 80;    ///< on one closed tour of the scene, 1..100000
@@ -38,11 +39,12 @@ struct SyntheticOptions {
   double pose_noise = 0;   ///< deviation of the given pose [m], 0..1; turned with it (PoseNoise)
   double depth_noise = 1;  ///< factor on the sensor's noise, 0..10; nothing without noise
 
-  /// An object of the scene that comes or goes.
+  /// An object of the scene that comes, goes or is moved.
   struct Change {
     uint16_t object_id = 0;
     int64_t frame = 0;  ///< number of the first frame that shows the change; frames count from 1
     bool appears = false;
+    std::optional<Eigen::Vector2d> moved{};  ///< by so much along x and y of W [m]
   };
   std::vector<Change> changes = {};
 };

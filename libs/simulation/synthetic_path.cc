@@ -44,6 +44,26 @@ Result<void> AddChange(std::string_view key, std::string_view value, SyntheticOp
   return {};
 }
 
+/// The part of a text before the next comma; takes both away.
+std::string_view TakePart(std::string_view* text) {
+  const std::string_view part = text->substr(0, text->find(','));
+  text->remove_prefix(std::min(part.size() + 1, text->size()));
+  return part;
+}
+
+Result<void> AddMove(std::string_view value, SyntheticOptions* options) {
+  const Result<void> changed = AddChange("move", TakePart(&value), options);
+  if (!changed) return Fail(changed.error().message + ",DX,DY");
+  Eigen::Vector2d by;
+  for (double& metres : by) {
+    const auto set = SetNumber("move", TakePart(&value), -1000.0, 1000.0, &metres);
+    if (!set) return Fail(set.error().message + ", as ID@FRAME,DX,DY");
+  }
+  if (!value.empty()) return Fail("synthetic: move has more than ID@FRAME,DX,DY");
+  options->changes.back().moved = by;
+  return {};
+}
+
 /// All objects that come or go must be there.
 Result<void> CheckChanges(const SyntheticOptions& options) {
   if (options.changes.empty()) return {};
@@ -72,9 +92,11 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "pose_noise") return SetNumber(key, value, 0.0, 1.0, &o->pose_noise);
   if (key == "depth_noise") return SetNumber(key, value, 0.0, 10.0, &o->depth_noise);
   if (key == "remove" || key == "appear") return AddChange(key, value, o);
-  return Fail("synthetic: unknown parameter \"" + std::string(key) +
-              "\"; known are frames, width, noise, seed, rate, tours, detection_rate, "
-              "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear");
+  if (key == "move") return AddMove(value, o);
+  return Fail(
+      "synthetic: unknown parameter \"" + std::string(key) +
+      "\"; known are frames, width, noise, seed, rate, tours, detection_rate, "
+      "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
 }
 
 /// The shortest text that is read as the same number.
@@ -120,8 +142,11 @@ std::string SyntheticPath(const SyntheticOptions& options) {
   if (options.detection_rate) path += "&detection_rate=" + Text(*options.detection_rate);
   if (options.mask_noise) path += "&mask_noise=" + Text(*options.mask_noise);
   for (const SyntheticOptions::Change& change : options.changes) {
-    path += std::string(change.appears ? "&appear=" : "&remove=") + Text(change.object_id) + "@" +
-            Text(change.frame);
+    path += std::string(change.moved     ? "&move="
+                        : change.appears ? "&appear="
+                                         : "&remove=") +
+            Text(change.object_id) + "@" + Text(change.frame);
+    if (change.moved) path += "," + Text(change.moved->x()) + "," + Text(change.moved->y());
   }
   return path + "&class_confusion=" + Text(options.class_confusion) +
          "&detect_every=" + Text(options.detect_every) + "&pose_noise=" + Text(options.pose_noise) +

@@ -153,6 +153,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
                                       "; the frame goes on without them");
     }
   }
+  status_.Count("frames_with_detections", detections ? 1 : 0);
   const SegmentedFrame segmented =
       SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, options_.stage);
   if (!detections || options_.stage.refine.leave_out_classes.empty())

@@ -85,6 +85,34 @@ int64_t UnknownClients(const BusPicture& picture) {
   return hubs == 1 ? std::max<int64_t>(0, clients - known) : 0;
 }
 
+// How many frames a second go through a segmenter, and how many of them with detections.
+struct DetectionRate {
+  std::string segmenter;
+  double frames = 0, looked_at = 0;  // [1/s]
+};
+
+std::vector<DetectionRate> DetectionRates(const Listening& listening, const BusPicture& picture) {
+  std::vector<DetectionRate> rates;
+  for (const auto& [name, process] : picture.processes()) {
+    if (process.last.process != "depth-segmenter" || process.restarts > 0) continue;
+    const auto more = [&](const char* counter) {
+      return CounterOf(process.last, counter) - CounterOf(process.first, counter);
+    };
+    if (more("frames") <= 0) continue;
+    rates.push_back({name, PerSecond(more("frames"), listening),
+                     PerSecond(more("frames_with_detections"), listening)});
+  }
+  return rates;
+}
+
+std::string RateText(const DetectionRate& rate) {
+  std::string text = Format("%s: %.1f frames per second, %.1f of them seen by a detector",
+                            Plain(rate.segmenter).c_str(), rate.frames, rate.looked_at);
+  if (rate.looked_at < 0.9 * rate.frames)
+    text += "; the others are mapped too, and say nothing against an object";
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string TextReport(const Listening& listening, const BusPicture& picture,
@@ -95,6 +123,9 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
   }
   if (!picture.processes().empty()) text += "\n" + ProcessTable(listening, picture);
   if (!picture.channels().empty()) text += "\n" + ChannelTable(listening, picture);
+  std::string rates;
+  for (const DetectionRate& rate : DetectionRates(listening, picture)) rates += RateText(rate);
+  if (!rates.empty()) text += "\n" + rates;
   std::string losses;
   for (const auto& [name, process] : picture.processes()) {
     for (const auto& [counter, value] : LossesOf(process.last)) {
@@ -117,13 +148,10 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
 
 std::string JsonReport(const Listening& listening, const BusPicture& picture,
                        const std::vector<Finding>& findings) {
-  Json json = {{"lcm_url", listening.lcm_url},
-               {"seconds", listening.seconds},
-               {"healthy", findings.empty()},
-               {"checks", Json::array()},
-               {"processes", Json::array()},
-               {"channels", Json::array()},
-               {"unknown_clients", UnknownClients(picture)},
+  Json json = {{"lcm_url", listening.lcm_url},     {"seconds", listening.seconds},
+               {"healthy", findings.empty()},      {"checks", Json::array()},
+               {"processes", Json::array()},       {"channels", Json::array()},
+               {"detection_rates", Json::array()}, {"unknown_clients", UnknownClients(picture)},
                {"findings", Json::array()}};
   for (const CheckResult& check : listening.checks) {
     json["checks"].push_back({{"what", check.what}, {"ok", check.ok}, {"found", check.found}});
@@ -151,6 +179,11 @@ std::string JsonReport(const Listening& listening, const BusPicture& picture,
                                 {"age_s", listening.now - channel.last},
                                 {"gaps", channel.gaps},
                                 {"foreign", channel.foreign}});
+  }
+  for (const DetectionRate& rate : DetectionRates(listening, picture)) {
+    json["detection_rates"].push_back({{"segmenter", rate.segmenter},
+                                       {"frames_per_s", rate.frames},
+                                       {"looked_at_per_s", rate.looked_at}});
   }
   for (const Finding& finding : findings) {
     json["findings"].push_back({{"what", finding.what}, {"todo", finding.todo}});

@@ -65,15 +65,15 @@ void PrintObjects(const nlohmann::json& list, bool all) {
   std::printf("%8s  %-16s %5s  %7s %7s  %-21s  %-24s %7s  %s\n", "id", "class", "score", "points",
               "m2", "size [m]", "center [m]", "frames", "seen [s]  probabilities");
   for (const auto& object : list.at("objects")) PrintObject(object);
-  int things = 0, structure = 0;
-  for (const auto& segment : list.at("discovered")) {
-    if (all) PrintObject(segment);
-    ++(segment.value("structure", false) ? structure : things);
+  for (const char* name : {"discovered", "structure"}) {
+    for (const auto& segment : list.at(name)) {
+      if (all) PrintObject(segment);
+    }
   }
   for (const auto& object : list.at("removed")) PrintRemoved(object);
   if (!all) {
-    std::printf("%d discovered segments without a class, %d of structure (--json lists them)\n",
-                things, structure);
+    std::printf("%zu discovered segments without a class, %zu of structure (--json lists them)\n",
+                list.at("discovered").size(), list.at("structure").size());
   }
 }
 

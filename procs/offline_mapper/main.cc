@@ -113,7 +113,7 @@ void Summarise(const Arguments& arguments, const MapSession& session,
       continue;
     }
     if (object.discovered()) {
-      if (!object.is_structure) ++discovered;
+      if (!object.is_structure()) ++discovered;
       continue;
     }
     std::printf("%4u  %-16s score %.2f  %.2f x %.2f x %.2f m\n", Raw(object.instance),

@@ -97,7 +97,7 @@ object_list_t Encode(const ObjectList& list, const ClassNamer& class_name) {
   message.map_id = list.map_id;
   message.revision = list.revision;
   for (const ObjectSummary& object : list.objects) {
-    if (object.discovered() && object.is_structure) continue;
+    if (object.is_structure()) continue;
     message.objects.push_back(EncodeObject(object, class_name));
   }
   message.n_objects = static_cast<int32_t>(message.objects.size());

@@ -97,9 +97,13 @@ TEST(Bindings, EveryMemberOfTheOptionStructsHasAKey) {
   EXPECT_EQ(KeyCount(BindRefine<KeyCounter>), MemberCount<RefineOptions>());
   constexpr size_t kRange = 2;  // taken from the integration
   EXPECT_EQ(KeyCount(BindAssociation<KeyCounter>) + kRange, MemberCount<AssociationOptions>());
-  EXPECT_EQ(KeyCount(BindIntegration<KeyCounter>), MemberCount<IntegrationOptions>());
+  constexpr size_t kSensor = 1;  // taken from the surface
+  EXPECT_EQ(KeyCount(BindIntegration<KeyCounter>) + kSensor, MemberCount<IntegrationOptions>());
   EXPECT_EQ(KeyCount(BindMeshing<KeyCounter>), MemberCount<MeshingOptions>());
-  EXPECT_EQ(KeyCount(BindObjects<KeyCounter>), MemberCount<ObjectOptions>());
+  // One member has keys of its own; up_is_guess follows from whether there is an up_W.
+  constexpr size_t kNoKey = 2;
+  EXPECT_EQ(KeyCount(BindObjects<KeyCounter>) + kNoKey,
+            MemberCount<ObjectOptions>() + MemberCount<StructureOptions>());
   EXPECT_EQ(KeyCount(BindFreeSpace<KeyCounter>), MemberCount<OccupancyOptions>());
   EXPECT_EQ(KeyCount(BindDepthSegmenter<KeyCounter>), MemberCount<DepthSegmenterConfig>());
   EXPECT_EQ(KeyCount(BindMapServer<KeyCounter>), MemberCount<MapServerConfig>());
@@ -204,6 +208,7 @@ TEST(ParseConfig, SensorIsAStartThatFieldsChange) {
   const VismapConfig config = Parsed("surface { noise_axial_offset_m: 0.5 sensor: REALSENSE }");
   EXPECT_EQ(config.segmentation.surface.noise, expected);
   EXPECT_EQ(Parsed("surface { sensor: CLEAN }").segmentation.surface.noise, CleanNoise());
+  EXPECT_EQ(Parsed("surface { sensor: REALSENSE }").integration.noise, RealSenseNoise());
 }
 
 TEST(ParseConfig, NamesOfChoicesMeanWhatTheySay) {

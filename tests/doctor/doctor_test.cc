@@ -175,6 +175,27 @@ TEST(Doctor, LossesOfTheTimeOfListeningAreNamedAndOlderOnesAreNot) {
                                 HasSubstr("send.RGBD_FRAME.dropped, 107 in all"))));
 }
 
+TEST(Doctor, SaysHowManyFramesADetectorSees) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t segmenter = scene.Status("depth-segmenter");
+  segmenter.source = "slow";
+  segmenter.counter_names = {"frames", "frames_with_detections"};
+  segmenter.n_counters = 2;
+  for (int second = 0; second < 5; ++second) {
+    segmenter.counter_values = {1000 + 150 / 4 * second, 40 + 5 / 4 * second};
+    segmenter.utime = kUtime + second * 1'000'000;
+    segmenter.seq = second;
+    scene.Heard("STATUS", Pack(segmenter), second);
+  }
+  EXPECT_THAT(TextReport(scene.listening, scene.picture, {}),
+              HasSubstr("slow: 29.6 frames per second, 0.8 of them seen by a detector; the others "
+                        "are mapped too"));
+  const auto json = nlohmann::json::parse(JsonReport(scene.listening, scene.picture, {}));
+  EXPECT_NEAR(json["detection_rates"][0]["looked_at_per_s"].get<double>(), 0.8, 1e-9);
+  EXPECT_THAT(scene.Findings(), IsEmpty()) << "a slow detector is no fault";
+}
+
 TEST(Doctor, GapsSilenceAndTwoOfOneNameAreNamed) {
   Scene scene;
   scene.FullPipeline();

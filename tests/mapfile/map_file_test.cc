@@ -64,6 +64,10 @@ SemanticMap RandomMap(uint64_t seed, int blocks) {
   }
   map.labels.MutablePair(SegmentLabel{3}, SegmentLabel{30}) = {0.1F, 0.3F};
   map.labels.MutablePair(SegmentLabel{30}, SegmentLabel{7}) = {1.7F, 0};
+  const std::vector<MaskedLabel> masked{{SegmentLabel{3}, DetectionIndex{0}, 0.3F},
+                                        {SegmentLabel{12}, DetectionIndex{0}, 0.7F},
+                                        {SegmentLabel{30}, DetectionIndex{0}, 0.1F}};
+  map.labels.MutableBonds().Note(masked);
   map.labels.Merge(SegmentLabel{12}, SegmentLabel{5});
   map.labels.Merge(SegmentLabel{5}, SegmentLabel{3});
   map.labels.min_instance_ratio = 0.23F;

@@ -251,6 +251,32 @@ TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
   EXPECT_EQ(map.labels.Record(SegmentLabel{1}).class_evidence.at(ClassId{62}), 4);
 }
 
+TEST(MergeLabels, PiecesThatWereMergedEarlySeparateAgainWhenLaterFramesShowThemApart) {
+  SemanticMap map({0.02, 4});
+  SegmentedFrame split = LookAtWall(1.5);
+  testing::SplitAtColumn(70, split);
+  for (int i = 0; i < 4; ++i) Fuse(split, map);
+  for (int i = 0; i < 6; ++i) Fuse(LookAtWall(1.5), map);
+  ASSERT_EQ(map.labels.Canonical(SegmentLabel{2}), SegmentLabel{1});
+  for (int i = 0; i < 12; ++i) Fuse(split, map);
+  // Each side reads out a label of its own, and a frame that shows one side alone finds that.
+  const FrameAssociation both = Associate(split, {map.voxels, map.labels}, {});
+  EXPECT_NE(both.segments[0].label, both.segments[1].label);
+  for (int side = 0; side < 2; ++side) {
+    SegmentedFrame alone = split;
+    for (SegmentIndex& index : alone.image.index.pixels()) {
+      if (Raw(index) != side) index = SegmentIndex::kNone;
+    }
+    const FrameAssociation found = Associate(alone, {map.voxels, map.labels}, {});
+    EXPECT_EQ(found.segments[static_cast<size_t>(side)].label,
+              both.segments[static_cast<size_t>(side)].label);
+  }
+  for (int i = 0; i < 2; ++i) Fuse(LookAtWall(1.5), map);
+  EXPECT_NE(map.labels.Canonical(both.segments[0].label),
+            map.labels.Canonical(both.segments[1].label))
+      << "two frames do not undo what twelve have shown";
+}
+
 TEST(MergeLabels, SeenApartAsOftenAsTogetherTheyStayApart) {
   SemanticMap map({0.02, 4});
   SegmentedFrame split = LookAtWall(1.5);

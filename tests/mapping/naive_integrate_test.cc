@@ -38,6 +38,7 @@ IntegrationOptions RandomOptions(RandomNumbers* random) {
   options.carve_keep = random->Real(0.1, 0.9);
   options.carve_margin_voxels = random->Real(2, 8);
   options.carve_slope = random->Real(0, 8);
+  if (random->Chance(0.3)) options.noise = RealSenseNoise();
   return options;
 }
 

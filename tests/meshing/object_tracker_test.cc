@@ -61,7 +61,7 @@ void ExpectSame(const std::vector<ObjectSummary>& a, const std::vector<ObjectSum
                 0.02 * static_cast<double>(b[i].points));
     EXPECT_NEAR(a[i].score, b[i].score, 1e-2);
     EXPECT_NEAR(a[i].area, b[i].area, 1e-7);
-    EXPECT_EQ(a[i].is_structure, b[i].is_structure);
+    EXPECT_EQ(a[i].is_structure(), b[i].is_structure());
     // Boxes are fitted to an even pick of the points: a strip that few points connect may be left
     // out.
     EXPECT_LT((a[i].box.size - b[i].box.size).cwiseAbs().maxCoeff(), 0.11);

@@ -117,9 +117,9 @@ TEST(SummarizeObjects, CountsSurfaceFramesAndTimes) {
 
 TEST(SummarizeObjects, OnlyTheFloorIsStructure) {
   const auto objects = SummarizeObjects(Room());
-  EXPECT_FALSE(objects[0].is_structure);
-  EXPECT_TRUE(objects[1].is_structure);
-  EXPECT_FALSE(objects[2].is_structure);
+  EXPECT_FALSE(objects[0].is_structure());
+  EXPECT_TRUE(objects[1].is_structure());
+  EXPECT_FALSE(objects[2].is_structure());
 }
 
 TEST(SummarizeObjects, StrayPiecesDoNotBlowUpTheBox) {
@@ -159,6 +159,31 @@ TEST(SummarizeObjects, WhatWasSeenEmptyIsRemovedOnceLittleOfItIsLeft) {
   EXPECT_EQ(after[2].box.size.norm(), 0);
   EXPECT_TRUE(CutObjects(ExtractMesh(map), after)[2].triangles.empty());
   EXPECT_FALSE(SummarizeObjects(map, {.removed_max_rest = 0})[2].removed());
+}
+
+TEST(SummarizeObjects, OfWhatWasRemovedTheLastIsListedForAWhile) {
+  constexpr int64_t kSecond = 1'000'000, kLabels = 20;
+  SemanticMap map(kGrid);
+  map.labels.GrowLabels(SegmentLabel{kLabels + 2});
+  for (uint32_t label = 1; label <= kLabels; ++label) {
+    LabelRecord& record = map.labels.MutableRecord(SegmentLabel{label});
+    record.cleared_voxels = 1000;
+    record.cleared_utime = label * kSecond;
+  }
+  map.labels.MutableRecord(SegmentLabel{kLabels + 1}).last_utime = 30 * kSecond;
+  const auto listed = [&](const ObjectOptions& options) {
+    std::vector<uint32_t> labels;
+    for (const ObjectSummary& object : SummarizeObjects(map, options)) {
+      EXPECT_TRUE(object.removed());
+      labels.push_back(Raw(object.segments.front()));
+    }
+    return labels;
+  };
+  EXPECT_EQ(listed({}).size(), 20u);
+  EXPECT_THAT(listed({.removed_max_count = 3}), ElementsAre(18, 19, 20));
+  EXPECT_THAT(listed({.removed_max_age = 11.5}), ElementsAre(19, 20));
+  EXPECT_EQ(listed({.removed_max_age = 0}).size(), 20u);
+  EXPECT_TRUE(listed({.removed_max_count = 0}).empty());
 }
 
 TEST(SummarizeObjects, EmptyMapHasNoObjects) {
@@ -219,7 +244,8 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
   const auto json = nlohmann::json::parse(text);
   EXPECT_EQ(json.at("map_id"), "k \"1\"");
   ASSERT_EQ(json.at("objects").size(), 1u);
-  ASSERT_EQ(json.at("discovered").size(), 2u);
+  ASSERT_EQ(json.at("discovered").size(), 1u);
+  ASSERT_EQ(json.at("structure").size(), 1u);
   const auto& chair = json["objects"][0];
   EXPECT_EQ(chair.at("instance"), 5);
   EXPECT_EQ(chair.at("class"), 62);
@@ -231,13 +257,16 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
   EXPECT_EQ(chair.at("center").size(), 3u);
   EXPECT_EQ(chair.at("size").size(), 3u);
   EXPECT_EQ(chair.at("orientation").size(), 4u);
-  EXPECT_EQ(json["discovered"][0].at("structure"), true);
+  EXPECT_EQ(json["discovered"][0].at("structure"), false);
+  EXPECT_EQ(json["structure"][0].at("structure"), true);
+  EXPECT_EQ(json["structure"][0].at("kind"), "floor");
   EXPECT_EQ(json["discovered"][0].at("instance"), 0);
 }
 
 TEST(ObjectsJson, EmptyListsAreLists) {
   EXPECT_EQ(ObjectsJson("m", {}, {}),
-            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"removed\":[]}\n");
+            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"structure\":[],"
+            "\n\"removed\":[]}\n");
 }
 
 }  // namespace

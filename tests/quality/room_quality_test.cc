@@ -47,7 +47,8 @@ class RoomMap {
     const std::string name = "synthetic:room?frames=40&width=320";
     const auto dataset = OpenSequence(name, "", {});
     const auto detections = OpenDetections(name);
-    if (!dataset || !detections) throw std::runtime_error(dataset ? detections.error().message : dataset.error().message);
+    if (!dataset || !detections)
+      throw std::runtime_error(dataset ? detections.error().message : dataset.error().message);
     const auto proceed = [](size_t) { return true; };
     const auto mapped = MapSequence({**dataset, detections->get()}, {}, proceed, &session, &times);
     if (!mapped) throw std::runtime_error(mapped.error().message);

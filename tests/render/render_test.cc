@@ -211,7 +211,7 @@ TEST(Legend, NamesClassesWithCounts) {
   }
   objects[3].segments = {kBall};
   objects[4].segments = {kFloor};
-  objects[4].is_structure = true;
+  objects[4].structure = StructureKind::kWall;
   const auto legend = MakeLegend(objects, Coloring::kInstance, Name);
   ASSERT_EQ(legend.size(), 5u);
   EXPECT_EQ(legend[0].text, "class 5 x1");

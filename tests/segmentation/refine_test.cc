@@ -84,6 +84,39 @@ TEST(Refine, SegmentGetsTheMaskThatCoversIt) {
   EXPECT_FLOAT_EQ(out.segments[1].overlap, 1.0F);
 }
 
+TEST(Refine, SeveralDetectionsOfOneThingAreOne) {
+  // Each alone covers too little of the segment.
+  const Detection upper = Rectangle(kChair, 0.7F, 100, 10, 100, 90);
+  const Detection lower = Rectangle(kChair, 0.9F, 100, 30, 100, 90);
+  RefineOptions options;
+  options.split = false;
+  const SegmentedFrame joined = Refine({upper, lower}, options);
+  ExpectConsistent(joined);
+  EXPECT_EQ(joined.segments[1].detection, DetectionIndex{1});
+  EXPECT_FLOAT_EQ(joined.segments[1].score, 0.9F);
+  EXPECT_NEAR(joined.segments[1].overlap, 110.0 / 140, 1e-3);
+  options.same_part = 1;
+  EXPECT_EQ(Refine({upper, lower}, options).segments[1].detection, DetectionIndex::kNone);
+}
+
+TEST(Refine, AMaskOnAMuchLargerOneOfItsClassIsAnotherThing) {
+  const SegmentedFrame out =
+      Refine({Rectangle(kChair, 0.8F, 0, 10, 200, 140), Rectangle(kChair, 0.9F, 100, 10, 60, 140)});
+  ExpectConsistent(out);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex{0});
+  ASSERT_EQ(out.segments.size(), 3u);
+  EXPECT_EQ(out.segments[2].detection, DetectionIndex{1});
+}
+
+TEST(Refine, ASecondMaskThatIsTooLargeTakesNothingFromAnotherThing) {
+  const SegmentedFrame out = Refine({Rectangle(kChair, 0.9F, 0, 0, 100, kHeight),
+                                     Rectangle(kChair, 0.8F, 0, 0, 150, kHeight),
+                                     Rectangle(kChair, 0.6F, 100, 0, 100, kHeight)});
+  ExpectConsistent(out);
+  EXPECT_EQ(out.segments[0].detection, DetectionIndex{0});
+  EXPECT_EQ(out.segments[1].detection, DetectionIndex{2});
+}
+
 TEST(Refine, OverlapMustExceedTheThreshold) {
   RefineOptions options;
   options.split = false;

@@ -45,7 +45,8 @@ TEST(SyntheticPath, ObjectsComeAndGo) {
   EXPECT_FALSE(shows(3, 8));
   const auto dataset = MakeSyntheticDataset(*options, {});
   EXPECT_THAT(dataset->default_detections_path().value(), HasSubstr("&remove=8@3&appear=7@2"));
-  for (const std::string change : {"remove=8", "remove=8@0", "remove=@3", "appear=x@3"})
+  for (const std::string change : {"remove=8", "remove=8@0", "remove=@3", "appear=x@3", "move=8@3",
+                                   "move=8@3,1", "move=8@3,1,2,3"})
     EXPECT_FALSE(ParseSyntheticPath("synthetic:room?" + change)) << change;
   const auto unknown = ParseSyntheticPath("synthetic:room?remove=99@3");
   ASSERT_FALSE(unknown);

@@ -196,7 +196,7 @@ TEST(ObjectList, SurvivesTheMessageWithoutStructure) {
   chair.box.size = {0.5, 0.4, 0.9};
   ObjectSummary wall;
   wall.segments = {SegmentLabel{2}};
-  wall.is_structure = true;
+  wall.structure = StructureKind::kWall;
   list.objects = {chair, wall, gone};
   const object_list_t message = Encode(list, [](ClassId) { return std::string("chair"); });
   const Result<ObjectList> decoded = Decode(message);

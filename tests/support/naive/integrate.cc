@@ -105,7 +105,7 @@ class View {
         if (known == 0 || (own && known < all)) return 0;
       }
     }
-    const float sigma = F(KinectNoise().AxialSigma(static_cast<double>(nearest)));
+    const float sigma = F(options_.noise.AxialSigma(static_cast<double>(nearest)));
     return std::max(nearest - std::max(carve_margin_, F(options_.carve_sigmas) * sigma), 0.0F);
   }
 

@@ -1,0 +1,36 @@
+// A detector that looks at one frame in thirty: a missing mask is no evidence against an object.
+#include <gtest/gtest.h>
+
+#include "quality/mapped_sequence.h"
+#include "simulation/room.h"
+
+namespace vismap {
+namespace {
+
+using testing::LookUp;
+using testing::Mapped;
+using testing::Seen;
+
+TEST(SlowDetector, KnownObjectsHaveTheirClassesThoughOneFrameInThirtyHasMasks) {
+  const Scene room = MakeRoom();
+  const Mapped slow =
+      testing::MapAll("synthetic:room?frames=300&width=320&rate=30&detect_every=30");
+  const Mapped fast = testing::MapAll("synthetic:room?frames=300&width=320&rate=30");
+  int known = 0, found = 0;
+  for (const SceneObject& object : room.objects) {
+    const Seen seen = LookUp(room, object.id, slow.products.mesh);
+    if (object.kind != ObjectKind::kKnown) {
+      EXPECT_EQ(seen.class_id, ClassId::kUnknown) << object.name;
+      continue;
+    }
+    const Seen best = LookUp(room, object.id, fast.products.mesh);
+    if (best.class_id != object.class_id || best.share < 0.5) continue;
+    ++known;
+    if (seen.class_id == object.class_id && seen.share > 0.5) ++found;
+  }
+  EXPECT_GE(known, 8);
+  EXPECT_GE(found, known - 1);
+}
+
+}  // namespace
+}  // namespace vismap
