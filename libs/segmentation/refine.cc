@@ -62,9 +62,10 @@ class Refiner {
 
   void Split();
   void Match();
-  void DropSeenThrough();
-  /// Gives loose pieces to the object whose mask covers them.
-  void TakeLoose();
+  /// `depths` = mean depth per segment [m].
+  void DropSeenThrough(const std::vector<double>& depths);
+  /// Gives loose pieces to the object whose mask covers them. `depths` as before.
+  void TakeLoose(const std::vector<double>& depths);
   /// Gives pixels on folds to the object in whose mask they lie.
   void TakeFolds();
 
@@ -176,9 +177,12 @@ void Refiner::Match() {
 /// Mean depth per segment [m].
 std::vector<double> MeanDepths(const SegmentedFrame& out) {
   std::vector<double> depths(out.segments.size());
-  for (size_t i = 0; i < out.frame.depth.size(); ++i) {
-    const SegmentIndex segment = out.image.index.data()[i];
-    if (segment != SegmentIndex::kNone) depths[At(segment)] += out.frame.depth.data()[i];
+  const SegmentIndex* index = out.image.index.data();
+  const float* depth = out.frame.depth.data();
+  for (size_t i = 0, end = 0; i < out.frame.depth.size(); i = end) {
+    double sum = 0;  // of pixels in a row: it stays in a register
+    for (end = i; end < out.frame.depth.size() && index[end] == index[i]; ++end) sum += depth[end];
+    if (index[i] != SegmentIndex::kNone) depths[At(index[i])] += sum;
   }
   for (size_t i = 0; i < depths.size(); ++i) depths[i] /= out.segments[i].pixels;
   return depths;
@@ -204,9 +208,8 @@ bool Refiner::IsNear(double depth, double main_depth, size_t detection) const {
   return std::abs(depth - main_depth) <= options_.max_depth_extent * side;
 }
 
-void Refiner::DropSeenThrough() {
+void Refiner::DropSeenThrough(const std::vector<double>& depths) {
   const std::vector<size_t> main = MainSegments();
-  const std::vector<double> depths = MeanDepths(out_);
   for (size_t i = 0; i < out_.segments.size(); ++i) {
     FrameSegment& segment = out_.segments[i];
     if (segment.detection == DetectionIndex::kNone) continue;
@@ -255,9 +258,8 @@ void Refiner::Give(const LoosePiece& piece, SegmentIndex to) {
   out_.segments[At(to)].pixels += piece.pixels;
 }
 
-void Refiner::TakeLoose() {
+void Refiner::TakeLoose(const std::vector<double>& depths) {
   const std::vector<size_t> main = MainSegments();
-  const std::vector<double> depths = MeanDepths(out_);
   for (const LoosePiece& piece : LoosePieces()) {
     for (const int32_t k : order_) {
       const size_t to = main[At(k)];
@@ -329,8 +331,11 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
   Refiner refiner(*detections, options, &out);
   if (options.split) refiner.Split();
   refiner.Match();
-  refiner.DropSeenThrough();
-  if (options.take_loose) refiner.TakeLoose();
+  if (!detections->detections.empty()) {
+    const std::vector<double> depths = MeanDepths(out);
+    refiner.DropSeenThrough(depths);
+    if (options.take_loose) refiner.TakeLoose(depths);
+  }
   if (options.fold_min_score <= 1 && !out.image.ambiguous.empty()) refiner.TakeFolds();
   out.image.ambiguous = {};
   out.image.loose = {};
