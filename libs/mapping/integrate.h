@@ -35,7 +35,9 @@ struct IntegrationOptions {
   /// Blocks near surfaces that are kept as they are (7 kB each); of more, those out of view are
   /// packed into a fifth of that. Costs no exactness.
   int max_unpacked_blocks = 8000;
-  double vote_distance_voxels = 1.0;  ///< labels are voted for within this distance of the surface
+  /// Labels are voted for within this distance of the surface. With 1, what is only seen at a slant
+  /// or from afar stays without label, and rims go to whoever's votes reach them.
+  double vote_distance_voxels = 1.5;
   double merge_frames =
       3.0;  ///< net frames seen together after which two labels are merged; 0 = never
   double split_frames =

@@ -69,7 +69,10 @@ class Refiner {
 
   void Split();
   void Match();
-  void DropSeenThrough();
+  /// `depths` = mean depth per segment [m].
+  void DropSeenThrough(const std::vector<double>& depths);
+  /// Gives loose pieces to the object whose mask covers them. `depths` as before.
+  void TakeLoose(const std::vector<double>& depths);
   /// Gives pixels on folds to the object in whose mask they lie.
   void TakeFolds();
 
@@ -84,7 +87,11 @@ class Refiner {
   void ClaimPixels();
   bool Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const;
   int32_t Scaled(int pixels_at_vga) const;
-  double SideInMetres(const Mask& mask, double depth) const;
+  std::vector<size_t> MainSegments() const;
+  bool IsNear(double depth, double main_depth, size_t detection) const;
+  struct LoosePiece;
+  std::vector<LoosePiece> LoosePieces() const;
+  void Give(const LoosePiece& piece, SegmentIndex to);
   bool OnOneSurface(int v, int u, int y, int x) const;
   void TakeFoldsOf(int32_t k);
 
@@ -93,6 +100,17 @@ class Refiner {
     ForMask(MaskOf(k), width_, height_, [&](int v, int u) {
       if (owner_.empty() || owner_(v, u) == k) visit(v, u);
     });
+  }
+
+  template <typename Visit>
+  void ForMasksAt(int v, int u, const Visit& visit) const {
+    if (!owner_.empty()) {
+      if (owner_(v, u) != kNobody) visit(owner_(v, u));
+      return;
+    }
+    for (const int32_t k : order_) {
+      if (set_.detections[At(k)].mask.Contains(v, u)) visit(k);
+    }
   }
 
   const DetectionSet& set_;
@@ -192,35 +210,98 @@ void Refiner::Match() {
 /// Mean depth per segment [m].
 std::vector<double> MeanDepths(const SegmentedFrame& out) {
   std::vector<double> depths(out.segments.size());
-  for (size_t i = 0; i < out.frame.depth.size(); ++i) {
-    const SegmentIndex segment = out.image.index.data()[i];
-    if (segment != SegmentIndex::kNone) depths[At(segment)] += out.frame.depth.data()[i];
+  const SegmentIndex* index = out.image.index.data();
+  const float* depth = out.frame.depth.data();
+  for (size_t i = 0, end = 0; i < out.frame.depth.size(); i = end) {
+    double sum = 0;  // of pixels in a row: it stays in a register
+    for (end = i; end < out.frame.depth.size() && index[end] == index[i]; ++end) sum += depth[end];
+    if (index[i] != SegmentIndex::kNone) depths[At(index[i])] += sum;
   }
   for (size_t i = 0; i < depths.size(); ++i) depths[i] /= out.segments[i].pixels;
   return depths;
 }
 
-double Refiner::SideInMetres(const Mask& mask, double depth) const {
-  const PinholeCamera& camera = out_.frame.header.camera;
-  return depth * std::max(mask.inside.width() / camera.fx, mask.inside.height() / camera.fy);
-}
-
-void Refiner::DropSeenThrough() {
-  std::vector<size_t> main(set_.detections.size(), out_.segments.size());  // per detection
+/// The largest segment of every detection; out of range = it has none.
+std::vector<size_t> Refiner::MainSegments() const {
+  std::vector<size_t> main(set_.detections.size(), out_.segments.size());
   for (size_t i = 0; i < out_.segments.size(); ++i) {
     if (out_.segments[i].detection == DetectionIndex::kNone) continue;
     size_t& best = main[At(Raw(out_.segments[i].detection))];
     if (best == out_.segments.size() || out_.segments[i].pixels > out_.segments[best].pixels)
       best = i;
   }
-  const std::vector<double> depths = MeanDepths(out_);
+  return main;
+}
+
+bool Refiner::IsNear(double depth, double main_depth, size_t detection) const {
+  if (options_.max_depth_extent <= 0) return true;
+  const PinholeCamera& camera = out_.frame.header.camera;
+  const Image<uint8_t>& box = MaskOf(static_cast<int32_t>(detection)).inside;
+  const double side = main_depth * std::max(box.width() / camera.fx, box.height() / camera.fy);
+  return std::abs(depth - main_depth) <= options_.max_depth_extent * side;
+}
+
+void Refiner::DropSeenThrough(const std::vector<double>& depths) {
+  const std::vector<size_t> main = MainSegments();
   for (size_t i = 0; i < out_.segments.size(); ++i) {
     FrameSegment& segment = out_.segments[i];
     if (segment.detection == DetectionIndex::kNone) continue;
     const auto k = At(Raw(segment.detection));
-    const double side = SideInMetres(MaskOf(static_cast<int32_t>(k)), depths[main[k]]);
-    if (std::abs(depths[i] - depths[main[k]]) <= options_.max_depth_extent * side) continue;
-    segment = {.pixels = segment.pixels};
+    if (!IsNear(depths[i], depths[main[k]], k)) segment = {.pixels = segment.pixels};
+  }
+}
+
+/// A loose piece that no detection has yet.
+struct Refiner::LoosePiece {
+  std::vector<LooseRun> runs;
+  int32_t pixels = 0;
+  double depth = 0;             ///< summed [m]
+  std::vector<int32_t> inside;  ///< pixels per detection
+};
+
+std::vector<Refiner::LoosePiece> Refiner::LoosePieces() const {
+  std::vector<LoosePiece> pieces;
+  for (const LooseRun& run : out_.image.loose) {
+    const SegmentIndex segment = out_.image.index(run.v, run.begin);
+    if (segment != SegmentIndex::kNone &&
+        out_.segments[At(segment)].detection != DetectionIndex::kNone)
+      continue;
+    if (At(run.piece) >= pieces.size()) pieces.resize(At(run.piece) + 1);
+    LoosePiece& piece = pieces[At(run.piece)];
+    piece.runs.push_back(run);
+    piece.pixels += run.end - run.begin;
+    piece.inside.resize(set_.detections.size());
+    for (int u = run.begin; u < run.end; ++u) {
+      piece.depth += out_.frame.depth(run.v, u);
+      ForMasksAt(run.v, u, [&](int32_t k) { ++piece.inside[At(k)]; });
+    }
+  }
+  std::erase_if(pieces, [](const LoosePiece& piece) { return piece.pixels == 0; });
+  return pieces;
+}
+
+void Refiner::Give(const LoosePiece& piece, SegmentIndex to) {
+  for (const LooseRun& run : piece.runs) {
+    for (int u = run.begin; u < run.end; ++u) {
+      SegmentIndex& segment = out_.image.index(run.v, u);
+      if (segment != SegmentIndex::kNone) --out_.segments[At(segment)].pixels;
+      segment = to;
+    }
+  }
+  out_.segments[At(to)].pixels += piece.pixels;
+}
+
+void Refiner::TakeLoose(const std::vector<double>& depths) {
+  const std::vector<size_t> main = MainSegments();
+  for (const LoosePiece& piece : LoosePieces()) {
+    for (const int32_t k : order_) {
+      const size_t to = main[At(k)];
+      if (to == out_.segments.size()) continue;
+      if (piece.inside[At(k)] <= options_.min_overlap * piece.pixels) continue;
+      if (!IsNear(piece.depth / piece.pixels, depths[to], At(k))) continue;
+      Give(piece, static_cast<SegmentIndex>(to));
+      break;
+    }
   }
 }
 
@@ -277,14 +358,20 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
   }
   if (detections == nullptr) {
     out.image.ambiguous = {};
+    out.image.loose = {};
     return out;
   }
   Refiner refiner(*detections, options, &out);
   if (options.split) refiner.Split();
   refiner.Match();
-  if (options.max_depth_extent > 0) refiner.DropSeenThrough();
+  if (!detections->detections.empty()) {
+    const std::vector<double> depths = MeanDepths(out);
+    refiner.DropSeenThrough(depths);
+    if (options.take_loose) refiner.TakeLoose(depths);
+  }
   if (options.fold_min_score <= 1 && !out.image.ambiguous.empty()) refiner.TakeFolds();
   out.image.ambiguous = {};
+  out.image.loose = {};
   return out;
 }
 

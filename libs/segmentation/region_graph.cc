@@ -264,6 +264,20 @@ void JoinSmallRegions(const RegionGraph& graph, int min_pixels, double max_angle
   for (int32_t& host : *hosts) host = becomes[At(host)];
 }
 
+std::vector<LooseRun> LooseRuns(const RegionGraph& graph, const std::vector<int32_t>& before,
+                                const std::vector<int32_t>& after) {
+  std::vector<LooseRun> loose;
+  std::vector<int32_t> number(before.size(), -1);
+  int32_t pieces = 0;
+  for (const Run& run : graph.runs.runs()) {
+    const int32_t host = before[At(run.region)];
+    if (host == after[At(run.region)]) continue;
+    if (number[At(host)] < 0) number[At(host)] = pieces++;
+    loose.push_back({run.v, run.begin, run.end, number[At(host)]});
+  }
+  return loose;
+}
+
 SegmentImage PaintSegments(const RegionGraph& graph, const std::vector<int32_t>& hosts, int width) {
   const int height = graph.runs.height();
   SegmentImage image{Image<SegmentIndex>::Unset(width, height), 0};

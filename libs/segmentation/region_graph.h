@@ -56,6 +56,10 @@ std::vector<int32_t> JoinCoplanarRegions(const RegionGraph& graph, double max_si
 void JoinSmallRegions(const RegionGraph& graph, int min_pixels, double max_angle,
                       std::vector<int32_t>* hosts);
 
+/// The regions that JoinSmallRegions took from `before` to `after`, as runs.
+std::vector<LooseRun> LooseRuns(const RegionGraph& graph, const std::vector<int32_t>& before,
+                                const std::vector<int32_t>& after);
+
 /// The segments that the regions have become: those with one host are one, 0 is none; numbered
 /// 0..n-1 by their first pixel in row order.
 SegmentImage PaintSegments(const RegionGraph& graph, const std::vector<int32_t>& hosts, int width);

@@ -112,10 +112,10 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   }
   const Image<uint8_t> links = LinkImage(surface.joined);
   Image<uint8_t> strength = EdgeStrength(surface, links, options);
-  Regions regions = ConnectedRegions(surface.radius, links, strength,
-                                     ScaledPixels(options.min_seed_pixels, camera));
+  const int min_seed = ScaledPixels(options.min_seed_pixels, camera);
+  Regions regions = ConnectedRegions(surface.radius, links, strength, min_seed);
   FloodRegions(surface.radius, links, strength, &regions.image);
-  AddMissedRegions(surface.radius, links, min_pixels, &regions);
+  AddMissedRegions(surface.radius, links, min_seed, &regions);
   const RegionGraph graph = MakeRegionGraph(surface, camera, links, regions);
   std::vector<int32_t> hosts;
   if (options.coplanar_sigmas > 0) {
@@ -124,9 +124,11 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
     hosts.resize(graph.pixels.size());
     std::iota(hosts.begin(), hosts.end(), 0);
   }
+  const std::vector<int32_t> before = hosts;
   JoinSmallRegions(graph, min_pixels, options.join_angle_deg * std::numbers::pi / 180, &hosts);
   SegmentImage image = PaintSegments(graph, hosts, camera.width);
   image.ambiguous = std::move(strength);
+  image.loose = LooseRuns(graph, before, hosts);
   return image;
 }
 

@@ -33,6 +33,7 @@ SegmentationStageOptions PublishedOptions() {
   options.refine.max_depth_extent = 0;
   options.refine.resolve_overlaps = false;
   options.refine.split = false;
+  options.refine.take_loose = false;
   options.refine.fold_min_score = 2;
   return options;
 }

@@ -48,6 +48,9 @@ struct RefineOptions {
   /// larger side in metres are seen through gaps of the object, or hide it: they get no detection.
   /// 0 = off.
   double max_depth_extent = 1.5;
+  /// Pieces too small to be segments, such as a chair's legs, go to the object whose mask covers
+  /// more than min_overlap of them.
+  bool take_loose = true;
   /// Pixels on a fold go to the object whose mask they lie in, if they hang together with it; only
   /// masks with at least this score take any. Above 1 = off.
   double fold_min_score = 0.5;

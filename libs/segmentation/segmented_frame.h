@@ -8,6 +8,13 @@
 
 namespace vismap {
 
+/// The pixels [begin, end) of row v, which belong to a loose piece.
+struct LooseRun {
+  int32_t v = 0, begin = 0, end = 0;
+  int32_t piece = 0;  ///< 0, 1, ... by the piece's first pixel in row order
+  friend bool operator==(const LooseRun&, const LooseRun&) = default;
+};
+
 /// HxW of SegmentIndex (0..n-1, kNone where no segment); dies with the frame.
 struct SegmentImage {
   Image<SegmentIndex> index;
@@ -15,6 +22,10 @@ struct SegmentImage {
   /// Not 0 where a fold made geometry guess to which of two segments the pixel belongs; may be
   /// empty. Refinement lets masks decide there; it does not travel.
   Image<uint8_t> ambiguous{};
+  /// Connected pieces too small to be segments, row by row from left to right: the legs of a chair,
+  /// say. `index` has them as specks of a neighbour, or as none. Refinement lets masks decide; they
+  /// do not travel.
+  std::vector<LooseRun> loose{};
 };
 
 /// What is known of one segment of a frame.

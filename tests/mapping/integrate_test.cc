@@ -97,22 +97,32 @@ TEST(IntegrateFrame, ASurfaceThatAppearsInFreeSpaceIsKept) {
   EXPECT_LT(map.voxels.Read(map.voxels.VoxelAt({0, 0, 0.93}))->distance, 0.0);
 }
 
-TEST(IntegrateFrame, VotesOncePerVoxelAndFrameOnlyNearTheSurface) {
+void ExpectThreeVotesNearTheWall(const IntegrationOptions& options) {
   SemanticMap map({0.02, 4});
-  for (int i = 0; i < 3; ++i) Fuse(LookAtWall(1.5), map);
+  for (int i = 0; i < 3; ++i) Fuse(LookAtWall(1.5), map, options);
+  const double reach = options.vote_distance_voxels * 0.02 - 1e-4;
   for (const BlockIndex index : map.voxels.SortedIndices()) {
     const Block& block = *map.voxels.Find(index);
     if (!block.surface) continue;
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       const LabelVote vote = block.surface->Vote(offset, 0);
       const auto reading = map.voxels.Read(block, offset);
-      if (reading && std::abs(reading->distance) < 0.0199) {
+      if (reading && std::abs(reading->distance) < reach) {
         EXPECT_EQ(vote.votes, 3);
         EXPECT_EQ(vote.label, SegmentLabel{1});
       } else {
         EXPECT_EQ(vote.votes, 0);
       }
     }
+  }
+}
+
+TEST(IntegrateFrame, VotesOncePerVoxelAndFrameOnlyNearTheSurface) {
+  ExpectThreeVotesNearTheWall({});
+  for (const double voxels : {0.5, 1.0, 2.0}) {
+    IntegrationOptions options;
+    options.vote_distance_voxels = voxels;
+    ExpectThreeVotesNearTheWall(options);
   }
 }
 

@@ -22,6 +22,8 @@ int Compare(int width, int height, const SegmentationOptions& options, uint64_t 
   const SegmentImage slow = naive::SegmentDepth(surface, camera, options);
   EXPECT_EQ(fast.segment_count, slow.segment_count);
   EXPECT_TRUE(fast.index == slow.index);
+  EXPECT_EQ(fast.loose.size(), slow.loose.size());
+  EXPECT_TRUE(fast.loose == slow.loose);
   return fast.segment_count;
 }
 

@@ -275,6 +275,67 @@ TEST(Refine, PixelsOnAFoldGoToTheMaskTheyLieInAndNoOthersDo) {
   EXPECT_EQ(moved(strict), 0);
 }
 
+/// Halves with two loose pieces of 8x20 pixels: 0 in the right segment, 1 in none.
+SegmentImage HalvesWithLoosePieces() {
+  SegmentImage image = Halves();
+  for (int v = 110; v < 130; ++v) {
+    for (int u = 140; u < 148; ++u) image.index(v, u) = SegmentIndex::kNone;
+    image.loose.push_back({v, 120, 128, 0});
+    image.loose.push_back({v, 140, 148, 1});
+  }
+  return image;
+}
+
+TEST(Refine, LoosePiecesGoToTheObjectWhoseMaskCoversThem) {
+  DetectionSet set;  // a chair whose mask reaches over a part of the other segment
+  set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10)};
+  const auto taken = [&](const RefineOptions& options) {
+    const SegmentedFrame out =
+        RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, options);
+    ExpectConsistent(out);
+    EXPECT_TRUE(out.image.loose.empty());
+    EXPECT_EQ(Raw(out.image.index(115, 110)), 1);  // in the mask, but of a segment that is not
+    EXPECT_EQ(out.image.index(115, 143), SegmentIndex::kNone);  // outside of the mask
+    return Raw(out.image.index(115, 123)) == 0;
+  };
+  EXPECT_TRUE(taken({}));
+  RefineOptions off;
+  off.take_loose = false;
+  EXPECT_FALSE(taken(off));
+  set.detections = {Rectangle(kChair, 0.6F, 0, 10, 125, kHeight - 10)};  // covers 5 of 8 columns
+  EXPECT_FALSE(taken({}));
+}
+
+TEST(Refine, LoosePiecesWithoutSegmentAreTakenToo) {
+  DetectionSet set;
+  set.detections = {Rectangle(kChair, 0.6F, 0, 10, 150, kHeight - 10)};
+  const SegmentedFrame out = RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, {});
+  ExpectConsistent(out);
+  EXPECT_EQ(Raw(out.image.index(115, 143)), 0);
+  EXPECT_EQ(out.segments[0].pixels, 100 * (kHeight - 10) + 2 * 8 * 20);
+}
+
+TEST(Refine, LoosePiecesSeenThroughTheObjectAreLeft) {
+  RgbdFrame frame = Frame();
+  for (int v = 110; v < 130; ++v) {
+    for (int u = 120; u < 128; ++u) frame.depth(v, u) = 9;
+  }
+  DetectionSet set;
+  set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10)};
+  const SegmentedFrame out = RefineWithDetections(frame, HalvesWithLoosePieces(), &set, {});
+  EXPECT_EQ(Raw(out.image.index(115, 123)), 1);
+}
+
+TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
+  DetectionSet set;
+  set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10),
+                    Rectangle(kTable, 0.5F, 100, 0, 100, kHeight)};
+  RefineOptions options;
+  options.resolve_overlaps = false;
+  const SegmentedFrame out = RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, options);
+  EXPECT_EQ(Raw(out.image.index(115, 123)), 1);
+}
+
 TEST(Refine, NoSegmentsAtAllIsFine) {
   DetectionSet set;
   set.detections = {Rectangle(kTable, 0.8F, 0, 0, kWidth, kHeight)};

@@ -265,6 +265,24 @@ void JoinSmallRegions(const SurfaceMap& surface, const PinholeCamera& camera, in
   for (int32_t& region : regions->pixels()) region = becomes.at(region);
 }
 
+/// What is of another region than before.
+std::vector<LooseRun> LooseRuns(const RegionImage& before, const RegionImage& after) {
+  std::vector<LooseRun> loose;
+  std::map<int32_t, int32_t> number;
+  for (int v = 0; v < before.height(); ++v) {
+    for (int u = 0; u < before.width(); ++u) {
+      if (before(v, u) == after(v, u)) continue;
+      const auto next = static_cast<int32_t>(number.size());
+      const int32_t piece = number.try_emplace(before(v, u), next).first->second;
+      const bool goes_on = !loose.empty() && loose.back().v == v && loose.back().end == u &&
+                           loose.back().piece == piece;
+      if (!goes_on) loose.push_back({v, u, u, piece});
+      ++loose.back().end;
+    }
+  }
+  return loose;
+}
+
 SegmentImage NumberRegions(const RegionImage& regions) {
   SegmentImage image{Image<SegmentIndex>(regions.width(), regions.height(), SegmentIndex::kNone),
                      0};
@@ -293,15 +311,18 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   ForPixels(surface, [&](Pixel p) { strength(p.v, p.u) = EdgeStrength(surface, p, options); });
   RegionImage regions = Connect(
       surface, [&](Pixel p) { return surface.radius(p.v, p.u) != 0 && strength(p.v, p.u) == 0; });
-  DropSmallRegions(ScaledPixels(options.min_seed_pixels, camera), &regions);
+  const int min_seed = ScaledPixels(options.min_seed_pixels, camera);
+  DropSmallRegions(min_seed, &regions);
   FloodRegions(surface, strength, &regions);
-  AddMissedRegions(surface, min_pixels, &regions);
+  AddMissedRegions(surface, min_seed, &regions);
   if (options.coplanar_sigmas > 0)
     JoinCoplanarRegions(surface, camera, options.coplanar_sigmas, &regions);
+  const RegionImage before = regions;
   JoinSmallRegions(surface, camera, min_pixels, options.join_angle_deg * std::numbers::pi / 180,
                    &regions);
   SegmentImage image = NumberRegions(regions);
   image.ambiguous = std::move(strength);
+  image.loose = LooseRuns(before, regions);
   return image;
 }
 
