@@ -22,9 +22,10 @@ const char* NameOf(StructureKind kind);
 
 /// Lengths in m, areas in m^2.
 struct StructureOptions {
-  double flatness = 0.02;  ///< most points lie within this distance of a plane ...
-  double share = 0.8;      ///< ... and this is most ...
-  double area = 1.0;       ///< ... with at least this surface
+  double flatness =
+      0.03;  ///< most points lie within this distance of a plane (far walls are noisy) ...
+  double share = 0.8;  ///< ... and this is most ...
+  double area = 1.0;   ///< ... with at least this surface
   /// Level planes from `table_low` to `table_high` above the floor need less: tops have rims.
   double table_share = 0.6;
   double table_area = 0.3;
