@@ -78,12 +78,7 @@ std::vector<BlockMesh> MeshSet(const BlockSet& set, const MeshingJob& job) {
 }  // namespace
 
 Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
-  return ExtractMeshOf(map, BlocksWithSurface(map.voxels), options);
-}
-
-Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> part,
-                   const MeshingOptions& options) {
-  const BlockSet candidates = CandidateBlocks(map.voxels, part);
+  const BlockSet candidates = CandidateBlocks(map.voxels, BlocksWithSurface(map.voxels));
   BlockViews views(map.voxels, candidates.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
   const std::vector<BlockIndex> blocks = MayHaveSurface(candidates, views);

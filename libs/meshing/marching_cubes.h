@@ -44,11 +44,6 @@ struct MeshDelta {
 /// of an instance is the one with most evidence over its labels, weighted by their vertices.
 Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options = {});
 
-/// The same of a part of the map: of the cells of `blocks`, and of those below that reach into
-/// them.
-Mesh ExtractMeshOf(const SemanticMap& map, std::vector<BlockIndex> blocks,
-                   const MeshingOptions& options = {});
-
 /// Blocks whose surface depends on the `changed` ones, ascending: these, and their neighbours that
 /// are near a surface.
 std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, std::span<const BlockIndex> changed);
