@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "meshing/cell_grid.h"
+#include "meshing/crossed_edges.h"
 #include "meshing/surface_cells.h"
 #include "meshing/surface_vertex.h"
 
@@ -30,26 +30,24 @@ class BlockMesher {
   /// The surface that was found. The vertices have what their labels show.
   Mesh MakeMesh();
   /// Where its vertices are, as numbers of EdgeSlot.
-  std::span<const uint16_t> edge_slots() const { return std::span(slots_).first(vertices_); }
+  std::span<const uint16_t> edge_slots() const { return edges_.slots(); }
 
  private:
-  void MeshCell(int x, int y, int z);
-  void AddCell(size_t cube, size_t cell_slot);
-  bool CrossesJump(size_t cube, const float* corner) const;
-  uint32_t VertexOn(size_t slot);
+  /// A step from well before the surface to well behind it: no surface, but something hidden.
+  bool IsJump(size_t slot) const;
+  bool CrossesJumps() const;
+  void LeaveOutJumps();
 
   const MeshingJob& job_;
-  float jump_;  // in steps of truncation / 32767
+  int jump_;  // in steps of truncation / 32767
   NeighbourWalk walk_;
   SurfaceReader reader_;
   CellGrid grid_;
   VertexMaker vertex_maker_;
-  std::array<uint16_t, kEdgeSlots> vertex_of_slot_;  // kNoVertex between blocks
-  // Arrays with room for everything, so that nothing is asked on the way.
-  std::array<uint16_t, kEdgeSlots + 1> slots_;  // of the vertices
-  size_t vertices_ = 0;
+  CellBits cells_;  // meshed ones, where there are edges
+  CrossedEdges edges_;
+  // With room for everything, so that nothing is asked on the way.
   std::array<std::array<uint32_t, 3>, 5 * kBlockVoxels + 3> triangles_;
-  size_t triangle_count_ = 0;
 };
 
 }  // namespace vismap

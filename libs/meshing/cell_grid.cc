@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-constexpr float kFreeDistance = std::numeric_limits<int16_t>::max();
+constexpr int16_t kFreeDistance = std::numeric_limits<int16_t>::max();
 
 // What of a neighbour lies in the grid, along one axis: in the neighbour's own coordinates.
 struct Range {
@@ -44,7 +44,7 @@ struct CellGrid::Neighbour {
   }
 };
 
-void CellGrid::Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceReader* reader) {
+void CellGrid::Fill(const NeighbourWalk& walk, CellLayers layers, SurfaceReader* reader) {
   for (size_t slot = 0; slot < voxels_.size(); ++slot) {
     const BlockView& view = walk.At(slot);
     voxels_[slot] =
@@ -91,12 +91,11 @@ void CellGrid::CopyColumns(const Neighbour& n, const SurfaceVoxels& voxels,
                            const uint64_t* observed) {
   for (int z = n.z.begin; z < n.z.end; ++z) {
     const int16_t* from = &voxels.distance[static_cast<size_t>(LinearIndex(kFrom, 0, z))];
-    float* to = &distances_[n.GridAt(kFrom, n.y.begin, z)];
-    for (int y = n.y.begin; y < n.y.end; ++y, to += kGridSide) {
+    int16_t* to = &distances_[n.GridAt(kFrom, n.y.begin, z)];
+    for (int y = n.y.begin; y < n.y.end; ++y, to += kGridRow) {
       const uint64_t bits = observed[z] >> (kBlockSide * y + kFrom);
       for (int x = 0; x < kCount; ++x) {
-        const auto distance = static_cast<float>(from[kBlockSide * y + x]);
-        to[x] = (bits >> x & 1) != 0 ? distance : kUnseenDistance;
+        to[x] = (bits >> x & 1) != 0 ? from[kBlockSide * y + x] : kUnseenDistance;
       }
     }
   }

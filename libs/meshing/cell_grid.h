@@ -3,6 +3,9 @@
 #include <array>
 
 #include "meshing/block_views.h"
+#include "meshing/lattice_edge.h"
+#include "meshing/mesh_kernels.h"
+#include "meshing/surface_cells.h"
 #include "volume/surface_reader.h"
 
 namespace vismap {
@@ -12,17 +15,17 @@ namespace vismap {
 /// block, -1..9. Distances below the block along two axes or three are left out.
 class CellGrid {
  public:
-  /// Layers of cells, from <= z < to.
-  struct Layers {
-    int from = 0, to = kBlockSide;
-  };
   /// Copies what some layers of cells of a block depend on: of the block that the walk is at, which
   /// knows all its neighbours. Good for as long as what `reader` read.
-  void Fill(const NeighbourWalk& walk, const Layers& layers, SurfaceReader* reader);
+  void Fill(const NeighbourWalk& walk, CellLayers layers, SurfaceReader* reader);
 
   const DistanceGrid& distances() const { return distances_; }
-  const float* At(int x, int y, int z) const {
-    return &distances_[static_cast<size_t>(GridOffset(x, y, z))];
+  /// The distances at the lower end of an edge, as numbered by EdgeSlot, and at its upper one.
+  const int16_t* Lower(size_t slot) const {
+    return &distances_[slot % kAxisSlots + static_cast<size_t>(GridOffset(0, 0, 0))];
+  }
+  const int16_t* Upper(size_t slot) const {
+    return Lower(slot) + (size_t{1} << kSlotBits * (slot / kAxisSlots));
   }
 
   /// The surface voxels that hold (x, y, z), and its offset there; nullptr in free or unseen

@@ -11,15 +11,20 @@ struct LatticeEdge {
   int axis = 0;
 };
 
-/// Numbers the edges of a block's cells.
+/// Numbers the edges of a block's cells, by four bits per coordinate: a step along an axis is the
+/// same step from every slot, and a row of slots along x is one of BitRows (crossed_edges.h).
 inline constexpr int kSlotSide = kBlockSide + 1;
-inline constexpr int kEdgeSlots = kSlotSide * kSlotSide * kSlotSide * 3;
+inline constexpr int kSlotBits = 4;
+inline constexpr int kSlotStride = 1 << kSlotBits;
+inline constexpr int kAxisSlots = 1 << (3 * kSlotBits);
+inline constexpr int kEdgeSlots = 3 * kAxisSlots;
 constexpr int EdgeSlot(const LatticeEdge& e) {
-  return e.axis + 3 * (e.x + kSlotSide * (e.y + kSlotSide * e.z));
+  return e.x | e.y << kSlotBits | e.z << (2 * kSlotBits) | e.axis << (3 * kSlotBits);
 }
 constexpr LatticeEdge EdgeOfSlot(int slot) {
-  return {slot / 3 % kSlotSide, slot / (3 * kSlotSide) % kSlotSide,
-          slot / (3 * kSlotSide * kSlotSide), slot % 3};
+  constexpr int kMask = kSlotStride - 1;
+  return {slot & kMask, slot >> kSlotBits & kMask, slot >> (2 * kSlotBits) & kMask,
+          slot >> (3 * kSlotBits)};
 }
 
 }  // namespace vismap

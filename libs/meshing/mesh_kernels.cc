@@ -34,43 +34,51 @@ VISMAP_VECTOR_CLONES void PackRows(const uint64_t* flags, uint64_t* __restrict r
   }
 }
 
-constexpr std::array<int32_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+constexpr std::array<uint16_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
 
 VISMAP_VECTOR_CLONES void CopySeen(const int16_t* distances, uint64_t observed, int rows,
-                                   float* __restrict out) {
+                                   int16_t* __restrict out) {
   for (int row = 0; row < rows; ++row) {
-    const auto bits = static_cast<int32_t>(observed >> (kBlockSide * row) & 0xFF);
+    const auto bits = static_cast<uint16_t>(observed >> (kBlockSide * row) & 0xFF);
     for (int x = 0; x < kBlockSide; ++x) {
-      const auto distance = static_cast<float>(distances[row * kBlockSide + x]);
-      out[row * kGridSide + x] =
-          (bits & kBit[static_cast<size_t>(x)]) != 0 ? distance : kUnseenDistance;
+      out[row * kGridRow + x] = (bits & kBit[static_cast<size_t>(x)]) != 0
+                                    ? distances[row * kBlockSide + x]
+                                    : kUnseenDistance;
     }
   }
 }
 
+constexpr float kUnseen = kUnseenDistance;
+
 // Central difference in steps per voxel; one-sided at the rim of what was seen.
 inline float Slope(float here, float low, float high) {
-  const float below = low < kUnseenDistance ? low : here;
-  const float above = high < kUnseenDistance ? high : here;
-  const float half = low < kUnseenDistance ? 0.5F : 1.0F;
-  const float factor = high < kUnseenDistance ? half : 1.0F;
+  const float below = low > kUnseen ? low : here;
+  const float above = high > kUnseen ? high : here;
+  const float half = low > kUnseen ? 0.5F : 1.0F;
+  const float factor = high > kUnseen ? half : 1.0F;
   return (above - below) * factor;
 }
 
-VISMAP_VECTOR_CLONES void Place(const float* a, const float* b, const int32_t* axis,
+VISMAP_VECTOR_CLONES void Place(const int16_t* a, const int16_t* b, const int16_t* axis,
                                 float* __restrict t_out, float* __restrict normal_out) {
   constexpr int kN = kVertexLanes;
   for (int i = 0; i < kN; ++i) {
+    const auto low = [i](const int16_t* star, int along) {
+      return static_cast<float>(star[(2 * along + 1) * kN + i]);
+    };
+    const auto high = [i](const int16_t* star, int along) {
+      return static_cast<float>(star[(2 * along + 2) * kN + i]);
+    };
     const float from = a[i], to = b[i];
     const float exact = from / (from - to);
-    const float low = exact < 0.01F ? 0.01F : exact;
-    const float t = low > 0.99F ? 0.99F : low;
+    const float at_least = exact < 0.01F ? 0.01F : exact;
+    const float t = at_least > 0.99F ? 0.99F : at_least;
     const float x =
-        Slope(from, a[kN + i], a[2 * kN + i]) * (1 - t) + Slope(to, b[kN + i], b[2 * kN + i]) * t;
-    const float y = Slope(from, a[3 * kN + i], a[4 * kN + i]) * (1 - t) +
-                    Slope(to, b[3 * kN + i], b[4 * kN + i]) * t;
-    const float z = Slope(from, a[5 * kN + i], a[6 * kN + i]) * (1 - t) +
-                    Slope(to, b[5 * kN + i], b[6 * kN + i]) * t;
+        Slope(from, low(a, 0), high(a, 0)) * (1 - t) + Slope(to, low(b, 0), high(b, 0)) * t;
+    const float y =
+        Slope(from, low(a, 1), high(a, 1)) * (1 - t) + Slope(to, low(b, 1), high(b, 1)) * t;
+    const float z =
+        Slope(from, low(a, 2), high(a, 2)) * (1 - t) + Slope(to, low(b, 2), high(b, 2)) * t;
     const float length = std::sqrt(x * x + (y * y + z * z));
     // No slope to speak of: toward the end that lies in front of the surface.
     const float sign = from < 0 ? 1.0F : -1.0F;
@@ -81,6 +89,34 @@ VISMAP_VECTOR_CLONES void Place(const float* a, const float* b, const int32_t* a
     normal_out[i] = length > 1 ? x / length : along_x;
     normal_out[kN + i] = length > 1 ? y / length : along_y;
     normal_out[2 * kN + i] = length > 1 ? z / length : along_z;
+  }
+}
+
+// Widens what belongs to a cell to the cell's two corners along x.
+inline uint16_t Wide(uint16_t cells) { return static_cast<uint16_t>(cells | cells << 1); }
+
+VISMAP_VECTOR_CLONES void Cross(const uint16_t* behind, const uint16_t* cells, int rows,
+                                uint16_t* __restrict x_out, uint16_t* __restrict y_out,
+                                uint16_t* __restrict z_out) {
+  constexpr int kLayer = kBitRows;
+  for (int i = 0; i < rows; ++i) {
+    const uint16_t own = cells[i], before = cells[i - 1];
+    const uint16_t below = cells[i - kLayer], below_before = cells[i - kLayer - 1];
+    const uint16_t corners = behind[i];
+    const uint16_t along_x = corners ^ corners >> 1;
+    const uint16_t along_y = corners ^ behind[i + 1];
+    const uint16_t along_z = corners ^ behind[i + kLayer];
+    x_out[i] = along_x & (own | before | below | below_before);
+    y_out[i] = along_y & Wide(own | below);
+    z_out[i] = along_z & Wide(own | before);
+  }
+}
+
+VISMAP_VECTOR_CLONES void Spread(const uint8_t* bytes, const uint8_t* beyond,
+                                 uint16_t* __restrict rows_out) {
+  for (int i = 0; i < kBlockSide; ++i) {
+    const uint16_t row = bytes[i], next = beyond[i] & 1;
+    rows_out[i] = static_cast<uint16_t>(row | next << kBlockSide);
   }
 }
 
@@ -104,13 +140,24 @@ void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSi
   PackSigns(behind, signs.behind);
 }
 
-void CopyLayer(const int16_t* distances, uint64_t observed, int rows, float* first) {
+void CopyLayer(const int16_t* distances, uint64_t observed, int rows, int16_t* first) {
   CopySeen(distances, observed, rows, first);
 }
 
 void PlaceVertices(VertexLanes& vertices) {
   Place(vertices.lower.front().data(), vertices.upper.front().data(), vertices.axis.data(),
         vertices.t.data(), vertices.normal.front().data());
+}
+
+void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const BitRowsOut& out) {
+  Cross(behind, cells, rows, out.x, out.y, out.z);
+}
+
+void SpreadRows(uint64_t bytes, uint64_t beyond, uint16_t* rows_out) {
+  uint8_t own[kBlockSide], next[kBlockSide];
+  std::memcpy(own, &bytes, sizeof(own));
+  std::memcpy(next, &beyond, sizeof(next));
+  Spread(own, next, rows_out);
 }
 
 }  // namespace vismap

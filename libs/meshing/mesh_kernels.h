@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
+#include "meshing/lattice_edge.h"
 #include "volume/block.h"
 
 namespace vismap {
@@ -24,34 +26,51 @@ struct ObservationGate {
 void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSigns& signs);
 
 /// A cube of distances, x fastest, in steps of truncation / 32767; kUnseenDistance = not observed.
+/// Its strides are those of edge slots, so a slot's lower end is found without dividing.
 inline constexpr int kGridLow = -1;  ///< coordinates are -1..9: a block, one before, two behind it
 inline constexpr int kGridSide = kBlockSide + 3;
-inline constexpr float kUnseenDistance = 1e6F;
-using DistanceGrid = std::array<float, kGridSide * kGridSide * kGridSide>;
+inline constexpr int kGridRow = kSlotStride;
+inline constexpr int kGridLayer = kSlotStride * kSlotStride;
+inline constexpr int16_t kUnseenDistance = std::numeric_limits<int16_t>::min();
+using DistanceGrid = std::array<int16_t, kGridSide * kGridLayer>;
 constexpr int GridOffset(int x, int y, int z) {
-  return (x - kGridLow) + kGridSide * ((y - kGridLow) + kGridSide * (z - kGridLow));
+  return (x - kGridLow) + kGridRow * (y - kGridLow) + kGridLayer * (z - kGridLow);
 }
 
 /// Copies a layer of eight rows of eight voxels, or of its first `rows` rows. `observed` = a bit
 /// per voxel, `first` = place of the first one in the grid.
-void CopyLayer(const int16_t* distances, uint64_t observed, int rows, float* first);
+void CopyLayer(const int16_t* distances, uint64_t observed, int rows, int16_t* first);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.
-inline constexpr std::array<int, 7> kStar = {
-    0, -1, 1, -kGridSide, kGridSide, -kGridSide* kGridSide, kGridSide* kGridSide};
+inline constexpr std::array<int, 7> kStar = {0,        -1,          1,         -kGridRow,
+                                             kGridRow, -kGridLayer, kGridLayer};
 
 /// Some vertices at a time, one array per component.
 inline constexpr int kVertexLanes = 64;
 struct VertexLanes {
   template <typename T>
   using Lane = std::array<T, kVertexLanes>;
-  alignas(64) std::array<Lane<float>, 7> lower{};   ///< star of the lower end of the vertex's edge
-  alignas(64) std::array<Lane<float>, 7> upper{};   ///< and of its upper end
-  alignas(64) Lane<int32_t> axis{};                 ///< of the edge
-  alignas(64) Lane<float> t{};                      ///< place between the ends, [0.01, 0.99]
-  alignas(64) std::array<Lane<float>, 3> normal{};  ///< unit, W
+  alignas(64) std::array<Lane<int16_t>, 7> lower{};  ///< star of the lower end of the vertex's edge
+  alignas(64) std::array<Lane<int16_t>, 7> upper{};  ///< and of its upper end
+  alignas(64) Lane<int16_t> axis{};                  ///< of the edge
+  alignas(64) Lane<float> t{};                       ///< place between the ends, [0.01, 0.99]
+  alignas(64) std::array<Lane<float>, 3> normal{};   ///< unit, W
 };
 /// Computes places and normals from the rest.
 void PlaceVertices(VertexLanes& vertices);
+
+/// Bits of the voxels or cells of a block and the rims around it: bit x of row [y + 16 z]. Rows
+/// past the highest y are 0, and so serve as those before the lowest of the next layer.
+inline constexpr int kBitRows = kSlotStride;  ///< of a layer
+
+/// The lattice edges between a corner behind the surface and one before it that belong to some of
+/// the cells, per axis, in `rows` rows. Cells are read from the row before the last layer's on:
+/// cells[-17]; corners up to behind[rows + 16].
+struct BitRowsOut {
+  uint16_t *x, *y, *z;
+};
+void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const BitRowsOut& out);
+/// Eight bytes to eight rows; of `beyond` their lowest bits, as bit 8.
+void SpreadRows(uint64_t bytes, uint64_t beyond, uint16_t* rows_out);
 
 }  // namespace vismap

@@ -10,6 +10,11 @@ namespace vismap {
 /// a voxel to the next one along each axis.
 using CellBits = std::array<uint64_t, kBlockSide>;
 
+/// Layers of cells, from <= z < to.
+struct CellLayers {
+  int from = 0, to = kBlockSide;
+};
+
 /// The cells whose eight corners were all observed, with some behind the surface and some before
 /// it, of the block that the walk is at. False = there are none, and `cells` is not set.
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells);

@@ -56,7 +56,7 @@ void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
   vertices->reserve(edges.size());
   while (!edges.empty()) {
     const auto some = edges.first(std::min<size_t>(edges.size(), kVertexLanes));
-    for (size_t i = 0; i < some.size(); ++i) LoadLane(EdgeOfSlot(some[i]), i);
+    for (size_t i = 0; i < some.size(); ++i) LoadLane(some[i], i);
     PlaceVertices(lanes_);
     for (size_t i = 0; i < some.size(); ++i) FinishVertex(i, &vertices->emplace_back());
     edges = edges.subspan(some.size());
@@ -74,14 +74,15 @@ void VertexMaker::StartBlock(BlockIndex block) {
   }
 }
 
-void VertexMaker::LoadLane(const LatticeEdge& edge, size_t lane) {
-  const float* lower = grid_.At(edge.x, edge.y, edge.z);
-  const float* upper = lower + kStar[2 * static_cast<size_t>(edge.axis) + 2];
+void VertexMaker::LoadLane(uint16_t slot, size_t lane) {
+  const LatticeEdge edge = EdgeOfSlot(slot);
+  const int16_t* lower = grid_.Lower(slot);
+  const int16_t* upper = grid_.Upper(slot);
   for (size_t i = 0; i < kStar.size(); ++i) {
     lanes_.lower[i][lane] = lower[kStar[i]];
     lanes_.upper[i][lane] = upper[kStar[i]];
   }
-  lanes_.axis[lane] = edge.axis;
+  lanes_.axis[lane] = static_cast<int16_t>(edge.axis);
   const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
   const CellGrid::Place b = grid_.PlaceOf(edge.x + (edge.axis == 0), edge.y + (edge.axis == 1),
                                           edge.z + (edge.axis == 2));

@@ -26,7 +26,7 @@ class VertexMaker {
 
  private:
   void StartBlock(BlockIndex block);
-  void LoadLane(const LatticeEdge& edge, size_t lane);
+  void LoadLane(uint16_t slot, size_t lane);
   void FinishVertex(size_t lane, MeshVertex* vertex) const;
   ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;

@@ -1,0 +1,46 @@
+#include "meshing/crossed_edges.h"
+
+#include <bit>
+#include <cstring>
+
+namespace vismap {
+
+void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellLayers layers) {
+  layers_ = layers;
+  for (int z = layers.from; z <= layers.to; ++z) {
+    const auto word = [&](int x, int y) -> uint64_t {
+      const uint64_t* words = walk.At(NeighbourWalk::Slot(x, y, z / kBlockSide)).behind;
+      return words == nullptr ? 0 : words[z % kBlockSide];
+    };
+    uint16_t* rows = &behind_[static_cast<size_t>(kBitRows * z)];
+    SpreadRows(word(0, 0), word(1, 0), rows);
+    rows[kBlockSide] = static_cast<uint16_t>((word(0, 1) & 0xFF) | (word(1, 1) & 1) << kBlockSide);
+  }
+}
+
+void CrossedEdges::List(const CellBits& cells) {
+  constexpr size_t kFirst = kBitRows + 1;  // of the block's cells
+  for (size_t z = 0; z < kBlockSide; ++z) SpreadRows(cells[z], 0, &cells_[kFirst + kBitRows * z]);
+  const auto from = static_cast<size_t>(kBitRows * layers_.from);
+  uint16_t* crossed = crossed_.data() + from;
+  CrossEdges(&behind_[from], &cells_[kFirst + from], kBitRows * (layers_.to - layers_.from + 1),
+             {crossed, crossed + kAxisSlots / kSlotStride, crossed + 2 * kAxisSlots / kSlotStride});
+  count_ = 0;
+  constexpr size_t kRowsPerWord = 4, kWordsWithRows = (kSlotSide + kRowsPerWord - 1) / kRowsPerWord;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int z = layers_.from; z <= layers_.to; ++z) {
+      for (size_t i = 0; i < kWordsWithRows; ++i) {
+        const auto row = static_cast<size_t>(EdgeSlot({0, 0, z, axis})) / kSlotStride + 4 * i;
+        uint64_t bits;
+        std::memcpy(&bits, &crossed_[row], sizeof(bits));
+        for (; bits != 0; bits &= bits - 1) {
+          const size_t slot = row * kSlotStride + static_cast<size_t>(std::countr_zero(bits));
+          number_of_slot_[slot] = static_cast<uint16_t>(count_);
+          slots_[count_++] = static_cast<uint16_t>(slot);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace vismap
