@@ -79,27 +79,16 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
 }  // namespace
 
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes) {
-  std::array<LabelVote, kVoteSlots> sums;
-  std::array<int, kVoteSlots> totals{};
+  // Free of branches: which of several labels is ahead cannot be foreseen. A label that comes
+  // twice has its sum both times. More votes first, then the lower label.
+  uint64_t best = 0;
   for (const LabelVote& vote : votes) {
-    if (vote.label == SegmentLabel::kNone) continue;
-    for (size_t i = 0; i < kVoteSlots; ++i) {
-      if (sums[i].label != vote.label && sums[i].label != SegmentLabel::kNone) continue;
-      sums[i].label = vote.label;
-      totals[i] += vote.votes;
-      break;
-    }
+    uint64_t sum = 0;
+    for (const LabelVote& other : votes) sum += other.label == vote.label ? other.votes : 0;
+    const uint64_t rank = (sum + 1) << 32 | (~Raw(vote.label) & 0xFFFFFFFFu);
+    best = std::max(best, vote.label == SegmentLabel::kNone ? 0 : rank);
   }
-  SegmentLabel best = SegmentLabel::kNone;
-  int most = -1;
-  for (size_t i = 0; i < kVoteSlots; ++i) {
-    if (sums[i].label == SegmentLabel::kNone) continue;
-    if (totals[i] > most || (totals[i] == most && sums[i].label < best)) {
-      best = sums[i].label;
-      most = totals[i];
-    }
-  }
-  return best;
+  return best == 0 ? SegmentLabel::kNone : static_cast<SegmentLabel>(~static_cast<uint32_t>(best));
 }
 
 SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTable& labels) {

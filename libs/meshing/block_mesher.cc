@@ -107,6 +107,17 @@ BlockMesher::BlockMesher(const MeshingJob& job)
       walk_(job.views.views()),
       vertex_maker_(grid_, job.voxel_size, job.shown) {}
 
+inline bool BlockMesher::IsJump(size_t slot) const {
+  const int from = grid_.Lower(slot)[0], to = *grid_.Upper(slot);
+  return std::max(from, to) >= jump_ && std::min(from, to) <= -jump_;
+}
+
+bool BlockMesher::CrossesJumps() const {
+  bool any = false;
+  for (const uint16_t slot : edges_.slots()) any |= IsJump(slot);
+  return any;
+}
+
 void BlockMesher::Find(BlockIndex block) {
   edges_.Clear();
   walk_.GoTo(block);
@@ -141,17 +152,6 @@ Mesh BlockMesher::MakeMesh() {
   mesh.triangles.assign(made.begin(), made.end());
   vertex_maker_.Make(walk_.block(), edges_.slots(), &mesh.vertices);
   return mesh;
-}
-
-bool BlockMesher::IsJump(size_t slot) const {
-  const int from = grid_.Lower(slot)[0], to = *grid_.Upper(slot);
-  return std::max(from, to) >= jump_ && std::min(from, to) <= -jump_;
-}
-
-bool BlockMesher::CrossesJumps() const {
-  bool any = false;
-  for (const uint16_t slot : edges_.slots()) any |= IsJump(slot);
-  return any;
 }
 
 void BlockMesher::LeaveOutJumps() {

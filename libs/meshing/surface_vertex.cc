@@ -117,38 +117,52 @@ ShownLabel VertexMaker::LabelOf(size_t lane) const {
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
 
-SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
-  if (!HasVotes(place)) return SegmentLabel::kNone;
-  const SurfaceVoxels& voxels = *place.voxels;
-  const auto& entries = voxels.slot_label[static_cast<size_t>(place.offset)];
+inline SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
+  return HasVotes(place) ? LabelOfVotes(*place.voxels, place.offset) : SegmentLabel::kNone;
+}
+
+inline SegmentLabel VertexMaker::LabelOfVotes(const SurfaceVoxels& voxels, int offset) const {
+  const auto& entries = voxels.slot_label[static_cast<size_t>(offset)];
   if ((entries[1] | entries[2]) == 0) return Canonical(voxels.palette[entries[0] - 1u]);  // mostly
   std::array<LabelVote, kVoteSlots> votes;
   for (int slot = 0; slot < kVoteSlots; ++slot) {
     LabelVote& vote = votes[static_cast<size_t>(slot)];
-    vote = voxels.Vote(place.offset, slot);
+    vote = voxels.Vote(offset, slot);
     vote.label = Canonical(vote.label);
   }
   return StrongestLabel(votes);
 }
 
 SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
-  // Listed first, without branches: which voxels have votes cannot be foreseen.
-  std::array<CellGrid::Place, 3 * 3 * 4 + 1> voted;
+  std::array<SegmentLabel, 3 * 3 * 4> labels;
   size_t count = 0;
-  const int high_x = edge.x + 1 + (edge.axis == 0);
+  const int low_x = edge.x - 1, high_x = edge.x + 1 + (edge.axis == 0);
   const int high_y = edge.y + 1 + (edge.axis == 1);
   const int high_z = edge.z + 1 + (edge.axis == 2);
   for (int z = edge.z - 1; z <= high_z; ++z) {
     for (int y = edge.y - 1; y <= high_y; ++y) {
-      for (int x = edge.x - 1; x <= high_x; ++x) {
-        voted[count] = grid_.PlaceOf(x, y, z);
-        count += HasVotes(voted[count]) ? 1 : 0;
+      for (int x = low_x; x <= high_x;) {  // what of the row lies in one block
+        const int count_in_block = std::min(high_x - x + 1, kBlockSide - (x & (kBlockSide - 1)));
+        count += LabelsOfRow(grid_.PlaceOf(x, y, z), count_in_block, &labels[count]);
+        x += count_in_block;
       }
     }
   }
-  std::array<SegmentLabel, 3 * 3 * 4> labels;
-  for (size_t i = 0; i < count; ++i) labels[i] = LabelAt(voted[i]);
   return MostFrequent(std::span(labels).first(count));
+}
+
+inline size_t VertexMaker::LabelsOfRow(const CellGrid::Place& first, int voxels,
+                                       SegmentLabel* labels_out) const {
+  if (first.voxels == nullptr || first.voxels->palette.empty()) return 0;
+  // Listed first, without branches: which voxels have votes cannot be foreseen.
+  std::array<int, 5> voted;
+  size_t count = 0;
+  for (int i = 0; i < voxels; ++i) {
+    voted[count] = first.offset + i;
+    count += HasVotes({first.voxels, first.offset + i}) ? 1 : 0;
+  }
+  for (size_t i = 0; i < count; ++i) labels_out[i] = LabelOfVotes(*first.voxels, voted[i]);
+  return count;
 }
 
 }  // namespace vismap

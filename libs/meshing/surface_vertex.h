@@ -30,7 +30,10 @@ class VertexMaker {
   void FinishVertex(size_t lane, MeshVertex* vertex) const;
   ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
+  SegmentLabel LabelOfVotes(const SurfaceVoxels& voxels, int offset) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
+  /// Of those of some voxels along x that have votes; returns how many.
+  size_t LabelsOfRow(const CellGrid::Place& first, int voxels, SegmentLabel* labels_out) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;
   }
