@@ -81,14 +81,6 @@ std::array<Recipe, 256> ReadRecipes() {
 }
 const std::array<Recipe, 256> kRecipes = ReadRecipes();
 
-// Those with cells.
-CellLayers LayersOf(const CellBits& cells) {
-  CellLayers layers;
-  while (cells[static_cast<size_t>(layers.from)] == 0) ++layers.from;
-  while (cells[static_cast<size_t>(layers.to - 1)] == 0) --layers.to;
-  return layers;
-}
-
 template <typename Visit>
 void ForEachCell(const CellBits& cells, const Visit& visit) {
   for (int z = 0; z < kBlockSide; ++z) {
@@ -124,9 +116,9 @@ void BlockMesher::Find(BlockIndex block) {
   if (!FindSurfaceCells(walk_, &cells_)) return;
   walk_.FindLower();
   reader_.Trim(kCopiesKept);
-  const CellLayers layers = LayersOf(cells_);
-  grid_.Fill(walk_, layers, &reader_);
-  edges_.ReadCorners(walk_, layers);
+  const CellBox box = BoxAround(cells_);
+  grid_.Fill(walk_, box, &reader_);
+  edges_.ReadCorners(walk_, box.z);
   edges_.List(cells_);
   if (CrossesJumps()) LeaveOutJumps();
 }

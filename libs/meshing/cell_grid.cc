@@ -8,14 +8,10 @@ namespace {
 
 constexpr int16_t kFreeDistance = std::numeric_limits<int16_t>::max();
 
-// What of a neighbour lies in the grid, along one axis: in the neighbour's own coordinates.
-struct Range {
-  int begin, end;
-};
-Range Overlap(int neighbour) {
-  if (neighbour < 0) return {kBlockSide - 1, kBlockSide};
-  if (neighbour > 0) return {0, 2};
-  return {0, kBlockSide};
+// What of a neighbour some cells depend on, along one axis: in the neighbour's own coordinates.
+VoxelRange Overlap(int neighbour, const CellBox::Range& cells) {
+  const int origin = kBlockSide * neighbour;
+  return {std::max(0, cells.from - 1 - origin), std::min(kBlockSide, cells.to + 2 - origin)};
 }
 
 // Rows of eight are read in order, which the processor foresees; columns are not.
@@ -29,14 +25,11 @@ void PrefetchDistances(const SurfaceVoxels* voxels) {
 
 struct CellGrid::Neighbour {
   int bx, by, bz;
-  Range x = Overlap(bx), y = Overlap(by), z = Overlap(bz);
+  VoxelRange x, y, z;
 
   // Normals ask for voxels beside the corners of cells, along one axis only.
   bool IsBesideCells() const { return (bx < 0) + (by < 0) + (bz < 0) < 2; }
-  // Of the grid.
-  void KeepLayers(int from, int to) {
-    z = {std::max(z.begin, from - kBlockSide * bz), std::min(z.end, to - kBlockSide * bz)};
-  }
+  bool IsEmpty() const { return x.begin >= x.end || y.begin >= y.end || z.begin >= z.end; }
   size_t slot() const { return NeighbourWalk::Slot(bx, by, bz); }
   size_t GridAt(int vx, int vy, int vz) const {
     return static_cast<size_t>(
@@ -44,7 +37,7 @@ struct CellGrid::Neighbour {
   }
 };
 
-void CellGrid::Fill(const NeighbourWalk& walk, CellLayers layers, SurfaceReader* reader) {
+void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader) {
   for (size_t slot = 0; slot < voxels_.size(); ++slot) {
     const BlockView& view = walk.At(slot);
     voxels_[slot] =
@@ -56,9 +49,10 @@ void CellGrid::Fill(const NeighbourWalk& walk, CellLayers layers, SurfaceReader*
   // The middle columns first, while the others are on their way.
   for (const int bx : {0, -1, 1}) {
     for (int i = 0; i < 9; ++i) {
-      Neighbour neighbour{bx, i / 3 - 1, i % 3 - 1};
-      if (!neighbour.IsBesideCells()) continue;
-      neighbour.KeepLayers(layers.from - 1, layers.to + 2);
+      const int by = i / 3 - 1, bz = i % 3 - 1;
+      const Neighbour neighbour{
+          bx, by, bz, Overlap(bx, cells.x), Overlap(by, cells.y), Overlap(bz, cells.z)};
+      if (!neighbour.IsBesideCells() || neighbour.IsEmpty()) continue;
       const uint64_t* observed = walk.At(neighbour.slot()).observed;
       if (observed != nullptr) CopyNeighbour(neighbour, observed);
     }
@@ -79,11 +73,7 @@ void CellGrid::CopyNeighbour(const Neighbour& n, const uint64_t* observed) {
 }
 
 void CellGrid::CopyRows(const Neighbour& n, const SurfaceVoxels& voxels, const uint64_t* observed) {
-  for (int z = n.z.begin; z < n.z.end; ++z) {
-    const auto first = static_cast<size_t>(LinearIndex(0, n.y.begin, z));
-    CopyLayer(&voxels.distance[first], observed[z] >> (kBlockSide * n.y.begin), n.y.end - n.y.begin,
-              &distances_[n.GridAt(0, n.y.begin, z)]);
-  }
+  CopySeenRows(voxels.distance.data(), observed, n.y, n.z, &distances_[n.GridAt(0, 0, 0)]);
 }
 
 template <int kFrom, int kCount>

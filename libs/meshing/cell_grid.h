@@ -15,9 +15,9 @@ namespace vismap {
 /// block, -1..9. Distances below the block along two axes or three are left out.
 class CellGrid {
  public:
-  /// Copies what some layers of cells of a block depend on: of the block that the walk is at, which
-  /// knows all its neighbours. Good for as long as what `reader` read.
-  void Fill(const NeighbourWalk& walk, CellLayers layers, SurfaceReader* reader);
+  /// Copies what some cells of a block depend on: of the block that the walk is at, which knows all
+  /// its neighbours. Good for as long as what `reader` read.
+  void Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader);
 
   const DistanceGrid& distances() const { return distances_; }
   /// The distances at the lower end of an edge, as numbered by EdgeSlot, and at its upper one.

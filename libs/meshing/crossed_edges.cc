@@ -5,7 +5,7 @@
 
 namespace vismap {
 
-void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellLayers layers) {
+void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellBox::Range layers) {
   layers_ = layers;
   for (int z = layers.from; z <= layers.to; ++z) {
     const auto word = [&](int x, int y) -> uint64_t {

@@ -16,7 +16,7 @@ class CrossedEdges {
  public:
   /// Reads which corners of some layers of cells are behind the surface, of the block that the walk
   /// is at.
-  void ReadCorners(const NeighbourWalk& walk, CellLayers layers);
+  void ReadCorners(const NeighbourWalk& walk, CellBox::Range layers);
   void Clear() { count_ = 0; }
   /// Lists the crossed edges of some cells in the layers that were read.
   void List(const CellBits& cells);
@@ -37,7 +37,7 @@ class CrossedEdges {
  private:
   static constexpr size_t kMostEdges = 3 * kBlockSide * kSlotSide * kSlotSide;
 
-  CellLayers layers_;
+  CellBox::Range layers_;
   std::array<uint16_t, kBitRows*(kSlotSide + 1)> behind_{};
   // With the layers around those of the block, and a row before all.
   std::array<uint16_t, 1 + kBitRows*(kSlotSide + 1)> cells_{};

@@ -36,14 +36,16 @@ VISMAP_VECTOR_CLONES void PackRows(const uint64_t* flags, uint64_t* __restrict r
 
 constexpr std::array<uint16_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
 
-VISMAP_VECTOR_CLONES void CopySeen(const int16_t* distances, uint64_t observed, int rows,
-                                   int16_t* __restrict out) {
-  for (int row = 0; row < rows; ++row) {
-    const auto bits = static_cast<uint16_t>(observed >> (kBlockSide * row) & 0xFF);
-    for (int x = 0; x < kBlockSide; ++x) {
-      out[row * kGridRow + x] = (bits & kBit[static_cast<size_t>(x)]) != 0
-                                    ? distances[row * kBlockSide + x]
-                                    : kUnseenDistance;
+VISMAP_VECTOR_CLONES void CopySeen(const int16_t* distances, const uint64_t* observed, int y_begin,
+                                   int y_end, int z_begin, int z_end, int16_t* __restrict out) {
+  for (int z = z_begin; z < z_end; ++z) {
+    const uint64_t layer = observed[z];
+    for (int y = y_begin; y < y_end; ++y) {
+      const auto bits = static_cast<uint16_t>(layer >> (kBlockSide * y) & 0xFF);
+      const int16_t* from = &distances[LinearIndex(0, y, z)];
+      int16_t* to = &out[y * kGridRow + z * kGridLayer];
+      for (int x = 0; x < kBlockSide; ++x)
+        to[x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? from[x] : kUnseenDistance;
     }
   }
 }
@@ -140,8 +142,9 @@ void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSi
   PackSigns(behind, signs.behind);
 }
 
-void CopyLayer(const int16_t* distances, uint64_t observed, int rows, int16_t* first) {
-  CopySeen(distances, observed, rows, first);
+void CopySeenRows(const int16_t* distances, const uint64_t* observed, VoxelRange y, VoxelRange z,
+                  int16_t* out) {
+  CopySeen(distances, observed, y.begin, y.end, z.begin, z.end, out);
 }
 
 void PlaceVertices(VertexLanes& vertices) {

@@ -37,9 +37,13 @@ constexpr int GridOffset(int x, int y, int z) {
   return (x - kGridLow) + kGridRow * (y - kGridLow) + kGridLayer * (z - kGridLow);
 }
 
-/// Copies a layer of eight rows of eight voxels, or of its first `rows` rows. `observed` = a bit
-/// per voxel, `first` = place of the first one in the grid.
-void CopyLayer(const int16_t* distances, uint64_t observed, int rows, int16_t* first);
+struct VoxelRange {
+  int begin, end;
+};
+/// Copies some rows of eight voxels of a block. `observed` as in VoxelSigns; `out` = place of the
+/// block's first voxel in the grid.
+void CopySeenRows(const int16_t* distances, const uint64_t* observed, VoxelRange y, VoxelRange z,
+                  int16_t* out);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.
 inline constexpr std::array<int, 7> kStar = {0,        -1,          1,         -kGridRow,

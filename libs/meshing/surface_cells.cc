@@ -1,5 +1,7 @@
 #include "meshing/surface_cells.h"
 
+#include <bit>
+
 namespace vismap {
 namespace {
 
@@ -50,7 +52,25 @@ Corners ReadCorners(const NeighbourWalk& walk, int z) {
           AllOfFour(behind)};
 }
 
+// From the lowest set bit to the highest one.
+CellBox::Range RangeOf(uint64_t bits) {
+  return {std::countr_zero(bits), static_cast<int>(std::bit_width(bits))};
+}
+
 }  // namespace
+
+CellBox BoxAround(const CellBits& cells) {
+  uint64_t layer = 0, y = 0, z = 0;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    layer |= cells[i];
+    z |= uint64_t{cells[i] != 0} << i;
+  }
+  for (size_t i = 0; i < kBlockSide; ++i) y |= uint64_t{(layer >> (8 * i) & 0xFF) != 0} << i;
+  uint64_t x = layer | layer >> 32;
+  x |= x >> 16;
+  x |= x >> 8;
+  return {RangeOf(x & 0xFF), RangeOf(y), RangeOf(z)};
+}
 
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells) {
   uint64_t any = 0;

@@ -10,10 +10,15 @@ namespace vismap {
 /// a voxel to the next one along each axis.
 using CellBits = std::array<uint64_t, kBlockSide>;
 
-/// Layers of cells, from <= z < to.
-struct CellLayers {
-  int from = 0, to = kBlockSide;
+/// Cells of a block, from <= i < to along each axis.
+struct CellBox {
+  struct Range {
+    int from = 0, to = kBlockSide;
+  };
+  Range x, y, z;
 };
+/// The smallest box around some cells, of which there must be one.
+CellBox BoxAround(const CellBits& cells);
 
 /// The cells whose eight corners were all observed, with some behind the surface and some before
 /// it, of the block that the walk is at. False = there are none, and `cells` is not set.
