@@ -45,7 +45,8 @@ void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceRead
   }
   PrefetchDistances(voxels_[NeighbourWalk::Slot(-1, 0, 0)]);
   PrefetchDistances(voxels_[NeighbourWalk::Slot(1, 0, 0)]);
-  distances_.fill(kUnseenDistance);
+  const auto first_layer = distances_.begin() + GridOffset(kGridLow, kGridLow, cells.z.from - 1);
+  std::fill_n(first_layer, (cells.z.to - cells.z.from + 3) * kGridLayer, kUnseenDistance);
   // The middle columns first, while the others are on their way.
   for (const int bx : {0, -1, 1}) {
     for (int i = 0; i < 9; ++i) {

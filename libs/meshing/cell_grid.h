@@ -35,10 +35,11 @@ class CellGrid {
     int offset = 0;
   };
   Place PlaceOf(int x, int y, int z) const {
-    const SurfaceVoxels* voxels =
-        voxels_[NeighbourWalk::Slot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z))];
-    return {voxels, LinearIndex(x & 7, y & 7, z & 7)};
+    return PlaceAt(NeighbourWalk::Slot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z)),
+                   LinearIndex(x & 7, y & 7, z & 7));
   }
+  /// The same by the slot of a neighbour.
+  Place PlaceAt(size_t slot, int offset) const { return {voxels_[slot], offset}; }
 
  private:
   struct Neighbour;

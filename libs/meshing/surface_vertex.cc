@@ -35,6 +35,25 @@ bool HasVotes(const CellGrid::Place& place) {
   return (entries[0] | entries[1] | entries[2]) != 0;
 }
 
+// Where the voxels next to an edge lie along one axis, from the one before its lower end to the one
+// behind its upper end: what they add to the slots of their blocks and to their offsets there.
+struct Reach {
+  size_t count;
+  std::array<size_t, 4> slot;
+  std::array<int, 4> offset;
+};
+inline Reach ReachAlong(int axis, int lower, int edge_axis) {
+  constexpr std::array<size_t, 3> kSlotStep{9, 3, 1};
+  const auto along = static_cast<size_t>(axis);
+  Reach reach{.count = edge_axis == axis ? 4u : 3u, .slot = {}, .offset = {}};
+  for (size_t i = 0; i < reach.slot.size(); ++i) {
+    const int local = lower - 1 + static_cast<int>(i);
+    reach.slot[i] = kSlotStep[along] * static_cast<size_t>((local >> 3) + 1);
+    reach.offset[i] = (local & 7) << 3 * axis;
+  }
+  return reach;
+}
+
 // The most frequent one; ties to the lower.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
@@ -134,34 +153,32 @@ inline SegmentLabel VertexMaker::LabelOfVotes(const SurfaceVoxels& voxels, int o
 }
 
 SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
-  std::array<SegmentLabel, 3 * 3 * 4> labels;
-  size_t count = 0;
-  const int low_x = edge.x - 1, high_x = edge.x + 1 + (edge.axis == 0);
-  const int high_y = edge.y + 1 + (edge.axis == 1);
-  const int high_z = edge.z + 1 + (edge.axis == 2);
-  for (int z = edge.z - 1; z <= high_z; ++z) {
-    for (int y = edge.y - 1; y <= high_y; ++y) {
-      for (int x = low_x; x <= high_x;) {  // what of the row lies in one block
-        const int count_in_block = std::min(high_x - x + 1, kBlockSide - (x & (kBlockSide - 1)));
-        count += LabelsOfRow(grid_.PlaceOf(x, y, z), count_in_block, &labels[count]);
-        x += count_in_block;
-      }
-    }
+  VoxelsAround voted;
+  const size_t count = ListVoted(edge, &voted);
+  std::array<SegmentLabel, kMostAround> labels;
+  bool same = true;
+  for (size_t i = 0; i < count; ++i) {
+    labels[i] = LabelOfVotes(*voted[i].voxels, voted[i].offset);
+    same = same && labels[i] == labels[0];
   }
+  if (same) return count == 0 ? SegmentLabel::kNone : labels[0];  // mostly
   return MostFrequent(std::span(labels).first(count));
 }
 
-inline size_t VertexMaker::LabelsOfRow(const CellGrid::Place& first, int voxels,
-                                       SegmentLabel* labels_out) const {
-  if (first.voxels == nullptr || first.voxels->palette.empty()) return 0;
-  // Listed first, without branches: which voxels have votes cannot be foreseen.
-  std::array<int, 5> voted;
+size_t VertexMaker::ListVoted(const LatticeEdge& edge, VoxelsAround* voted) const {
+  const Reach x = ReachAlong(0, edge.x, edge.axis), y = ReachAlong(1, edge.y, edge.axis),
+              z = ReachAlong(2, edge.z, edge.axis);
   size_t count = 0;
-  for (int i = 0; i < voxels; ++i) {
-    voted[count] = first.offset + i;
-    count += HasVotes({first.voxels, first.offset + i}) ? 1 : 0;
+  // Without branches: which voxels have votes cannot be foreseen.
+  for (size_t k = 0; k < z.count; ++k) {
+    for (size_t j = 0; j < y.count; ++j) {
+      for (size_t i = 0; i < x.count; ++i) {
+        (*voted)[count] = grid_.PlaceAt(x.slot[i] + y.slot[j] + z.slot[k],
+                                        x.offset[i] + y.offset[j] + z.offset[k]);
+        count += HasVotes((*voted)[count]) ? 1 : 0;
+      }
+    }
   }
-  for (size_t i = 0; i < count; ++i) labels_out[i] = LabelOfVotes(*first.voxels, voted[i]);
   return count;
 }
 

@@ -32,8 +32,10 @@ class VertexMaker {
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
   SegmentLabel LabelOfVotes(const SurfaceVoxels& voxels, int offset) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
-  /// Of those of some voxels along x that have votes; returns how many.
-  size_t LabelsOfRow(const CellGrid::Place& first, int voxels, SegmentLabel* labels_out) const;
+  static constexpr size_t kMostAround = 3 * 3 * 4;
+  using VoxelsAround = std::array<CellGrid::Place, kMostAround + 1>;
+  /// The voxels with votes next to an edge; returns how many.
+  size_t ListVoted(const LatticeEdge& edge, VoxelsAround* voted) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;
   }
