@@ -12,16 +12,23 @@ constexpr int kRows = kBlockSide * kBlockSide;
 
 // Plain arrays and scalars only: what these loops see decides whether they vectorise.
 VISMAP_VECTOR_CLONES void FlagVoxels(const int16_t* distances, const uint16_t* weights,
-                                     const uint8_t* observations, uint16_t weight_gate,
-                                     uint16_t observation_gate, uint8_t* __restrict observed_out,
+                                     uint16_t gate, uint8_t* __restrict observed_out,
                                      uint8_t* __restrict behind_out) {
   for (int i = 0; i < kBlockVoxels; ++i) {
-    const uint16_t seen = observations[i];
-    const auto heavy = static_cast<uint8_t>(weights[i] > weight_gate ? 1 : 0);
-    const auto often = static_cast<uint8_t>(seen >= observation_gate ? 1 : 0);
+    const auto heavy = static_cast<uint8_t>(weights[i] > gate ? 1 : 0);
     const auto negative = static_cast<uint8_t>(distances[i] < 0 ? 1 : 0);
-    observed_out[i] = heavy & often;
-    behind_out[i] = heavy & often & negative;
+    observed_out[i] = heavy;
+    behind_out[i] = heavy & negative;
+  }
+}
+
+VISMAP_VECTOR_CLONES void UnflagRare(const uint8_t* observations, uint16_t gate,
+                                     uint8_t* __restrict observed, uint8_t* __restrict behind) {
+  for (int i = 0; i < kBlockVoxels; ++i) {
+    const uint16_t seen = observations[i];
+    const auto often = static_cast<uint8_t>(seen >= gate ? 1 : 0);
+    observed[i] &= often;
+    behind[i] &= often;
   }
 }
 
@@ -136,8 +143,10 @@ void PackSigns(const uint8_t* flags, std::array<uint64_t, kBlockSide>& signs) {
 
 void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSigns& signs) {
   alignas(64) uint8_t observed[kBlockVoxels], behind[kBlockVoxels];
-  FlagVoxels(voxels.distance.data(), voxels.weight.data(), voxels.observations.data(), gate.weight,
-             gate.observations, observed, behind);
+  FlagVoxels(voxels.distance.data(), voxels.weight.data(), gate.weight, observed, behind);
+  // What has a weight was seen at least once.
+  if (gate.observations > 1)
+    UnflagRare(voxels.observations.data(), gate.observations, observed, behind);
   PackSigns(observed, signs.observed);
   PackSigns(behind, signs.behind);
 }
