@@ -42,14 +42,7 @@ class CellGrid {
   Place PlaceAt(size_t slot, int offset) const { return {voxels_[slot], offset}; }
 
  private:
-  struct Neighbour;
   static int NeighbourOf(int local) { return local >> 3; }
-  void CopyNeighbour(const Neighbour& neighbour, const uint64_t* observed);
-  void CopyRows(const Neighbour& neighbour, const SurfaceVoxels& voxels, const uint64_t* observed);
-  template <int kFrom, int kCount>  // along x
-  void CopyColumns(const Neighbour& neighbour, const SurfaceVoxels& voxels,
-                   const uint64_t* observed);
-  void CopyFree(const Neighbour& neighbour, const uint64_t* observed);
 
   std::array<const SurfaceVoxels*, 27> voxels_{};
   DistanceGrid distances_;

@@ -43,17 +43,42 @@ VISMAP_VECTOR_CLONES void PackRows(const uint64_t* flags, uint64_t* __restrict r
 
 constexpr std::array<uint16_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
 
-VISMAP_VECTOR_CLONES void CopySeen(const int16_t* distances, const uint64_t* observed, int y_begin,
-                                   int y_end, int z_begin, int z_end, int16_t* __restrict out) {
+// How much is copied of a layer is known beforehand: that leaves one loop to foresee.
+template <int kFirstX, int kCountX, int kFirstY, int kCountY>
+inline void CopyPart(const int16_t* distances, const uint64_t* observed, int z_begin, int z_end,
+                     int16_t* __restrict out) {
   for (int z = z_begin; z < z_end; ++z) {
-    const uint64_t layer = observed[z];
-    for (int y = y_begin; y < y_end; ++y) {
-      const auto bits = static_cast<uint16_t>(layer >> (kBlockSide * y) & 0xFF);
+    for (int y = kFirstY; y < kFirstY + kCountY; ++y) {
+      const auto bits = static_cast<uint16_t>(observed[z] >> (kBlockSide * y) & 0xFF);
       const int16_t* from = &distances[LinearIndex(0, y, z)];
       int16_t* to = &out[y * kGridRow + z * kGridLayer];
-      for (int x = 0; x < kBlockSide; ++x)
+      for (int x = kFirstX; x < kFirstX + kCountX; ++x)
         to[x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? from[x] : kUnseenDistance;
     }
+  }
+}
+
+template <int kFirstX, int kCountX>
+inline void CopyRows(const int16_t* distances, const uint64_t* observed, int by, int z_begin,
+                     int z_end, int16_t* __restrict out) {
+  constexpr int kLast = kBlockSide - 1;
+  if (by == 0) {
+    CopyPart<kFirstX, kCountX, 0, kBlockSide>(distances, observed, z_begin, z_end, out);
+  } else if (by < 0) {
+    CopyPart<kFirstX, kCountX, kLast, 1>(distances, observed, z_begin, z_end, out);
+  } else {
+    CopyPart<kFirstX, kCountX, 0, 2>(distances, observed, z_begin, z_end, out);
+  }
+}
+
+VISMAP_VECTOR_CLONES void Copy(const int16_t* distances, const uint64_t* observed, int bx, int by,
+                               int z_begin, int z_end, int16_t* __restrict out) {
+  if (bx == 0) {
+    CopyRows<0, kBlockSide>(distances, observed, by, z_begin, z_end, out);
+  } else if (bx < 0) {
+    CopyRows<kBlockSide - 1, 1>(distances, observed, by, z_begin, z_end, out);
+  } else {
+    CopyRows<0, 2>(distances, observed, by, z_begin, z_end, out);
   }
 }
 
@@ -151,9 +176,9 @@ void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSi
   PackSigns(behind, signs.behind);
 }
 
-void CopySeenRows(const int16_t* distances, const uint64_t* observed, VoxelRange y, VoxelRange z,
-                  int16_t* out) {
-  CopySeen(distances, observed, y.begin, y.end, z.begin, z.end, out);
+void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part,
+              int16_t* out) {
+  Copy(distances, observed, part.bx, part.by, part.z.begin, part.z.end, out);
 }
 
 void PlaceVertices(VertexLanes& vertices) {

@@ -40,10 +40,16 @@ constexpr int GridOffset(int x, int y, int z) {
 struct VoxelRange {
   int begin, end;
 };
-/// Copies some rows of eight voxels of a block. `observed` as in VoxelSigns; `out` = place of the
-/// block's first voxel in the grid.
-void CopySeenRows(const int16_t* distances, const uint64_t* observed, VoxelRange y, VoxelRange z,
-                  int16_t* out);
+/// What of a block some cells depend on, by where it lies: the cells' own (0), or beside it, at its
+/// lower (-1) or upper side (1), where one voxel or two count.
+struct SeenPart {
+  int bx = 0, by = 0;
+  VoxelRange z{0, kBlockSide};
+};
+/// Copies distances of a block. `observed` as in VoxelSigns; `out` = where the block's first voxel
+/// is, or would be, in the grid.
+void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part,
+              int16_t* out);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.
 inline constexpr std::array<int, 7> kStar = {0,        -1,          1,         -kGridRow,
