@@ -65,6 +65,9 @@ void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceRead
     voxels_[slot] =
         view.has_surface && view.voxels == nullptr ? reader->Read(*view.block) : view.voxels;
   }
+  for (int i = 0; i < 8; ++i) {
+    upper_voxels_[static_cast<size_t>(i)] = voxels_[NeighbourWalk::Slot(i & 1, i >> 1 & 1, i >> 2)];
+  }
   PrefetchDistances(voxels_[NeighbourWalk::Slot(-1, 0, 0)]);
   PrefetchDistances(voxels_[NeighbourWalk::Slot(1, 0, 0)]);
   const auto first_layer = distances_.begin() + GridOffset(kGridLow, kGridLow, cells.z.from - 1);

@@ -28,23 +28,28 @@ class CellGrid {
     return Lower(slot) + (size_t{1} << kSlotBits * (slot / kAxisSlots));
   }
 
-  /// The surface voxels that hold (x, y, z), and its offset there; nullptr in free or unseen
-  /// blocks.
+  /// The surface voxels that hold a voxel, and its offset there; nullptr in free or unseen blocks.
   struct Place {
     const SurfaceVoxels* voxels = nullptr;
     int offset = 0;
   };
-  Place PlaceOf(int x, int y, int z) const {
-    return PlaceAt(NeighbourWalk::Slot(NeighbourOf(x), NeighbourOf(y), NeighbourOf(z)),
-                   LinearIndex(x & 7, y & 7, z & 7));
+  /// Of the voxel at the lower end of an edge, as numbered by EdgeSlot, and at its upper one.
+  Place LowerPlace(size_t slot) const {
+    const size_t at = slot % kAxisSlots;
+    // Of each coordinate's four bits the highest tells the block.
+    const size_t blocks = at >> 3 & 0x111;
+    const size_t offset = (at & 0x7) | (at >> 1 & 0x38) | (at >> 2 & 0x1C0);
+    return {upper_voxels_[(blocks | blocks >> 3 | blocks >> 6) & 7], static_cast<int>(offset)};
   }
-  /// The same by the slot of a neighbour.
+  Place UpperPlace(size_t slot) const {
+    return LowerPlace(slot + (size_t{1} << kSlotBits * (slot / kAxisSlots)));
+  }
+  /// Of the voxel with an offset in a neighbour, by its slot in the walk.
   Place PlaceAt(size_t slot, int offset) const { return {voxels_[slot], offset}; }
 
  private:
-  static int NeighbourOf(int local) { return local >> 3; }
-
   std::array<const SurfaceVoxels*, 27> voxels_{};
+  std::array<const SurfaceVoxels*, 8> upper_voxels_{};  // the same, of (i & 1, i >> 1 & 1, i >> 2)
   DistanceGrid distances_;
 };
 

@@ -6,9 +6,10 @@ namespace vismap {
 namespace {
 
 Rgb8 Blend(Rgb8 a, Rgb8 b, float t) {
-  const auto mix = [t](uint8_t low, uint8_t high) {
-    const float value = static_cast<float>(low) * (1 - t) + static_cast<float>(high) * t;
-    return static_cast<uint8_t>(static_cast<int>(value + 0.5F));
+  constexpr uint32_t kOne = 256;
+  const auto share = static_cast<uint32_t>(static_cast<int>(t * float{kOne} + 0.5F));
+  const auto mix = [share](uint32_t low, uint32_t high) {
+    return static_cast<uint8_t>((low * (kOne - share) + high * share + kOne / 2) / kOne);
   };
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
 }
@@ -93,32 +94,31 @@ void VertexMaker::StartBlock(BlockIndex block) {
   }
 }
 
-void VertexMaker::LoadLane(uint16_t slot, size_t lane) {
-  const LatticeEdge edge = EdgeOfSlot(slot);
+inline void VertexMaker::LoadLane(uint16_t slot, size_t lane) {
   const int16_t* lower = grid_.Lower(slot);
   const int16_t* upper = grid_.Upper(slot);
   for (size_t i = 0; i < kStar.size(); ++i) {
     lanes_.lower[i][lane] = lower[kStar[i]];
     lanes_.upper[i][lane] = upper[kStar[i]];
   }
-  lanes_.axis[lane] = static_cast<int16_t>(edge.axis);
-  const CellGrid::Place a = grid_.PlaceOf(edge.x, edge.y, edge.z);
-  const CellGrid::Place b = grid_.PlaceOf(edge.x + (edge.axis == 0), edge.y + (edge.axis == 1),
-                                          edge.z + (edge.axis == 2));
-  origins_[lane] = {edge, {a, b}};
-  Prefetch(a);
-  Prefetch(b);
+  lanes_.axis[lane] = static_cast<int16_t>(slot / kAxisSlots);
+  Origin& origin = origins_[lane];
+  origin = {slot, {grid_.LowerPlace(slot), grid_.UpperPlace(slot)}};
+  for (const CellGrid::Place& end : origin.ends) Prefetch(end);
 }
 
-void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {
-  const auto& [edge, ends] = origins_[lane];
+inline void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {
+  const auto& [slot, ends] = origins_[lane];
   const float t = lanes_.t[lane];
-  const std::array<int, 3> at{edge.x, edge.y, edge.z};
-  const auto axis = static_cast<size_t>(edge.axis);
-  const auto center = [&](size_t i) { return centers_W_[i][static_cast<size_t>(at[i])]; };
-  vertex->position_W = {center(0), center(1), center(2)};
-  vertex->position_W[edge.axis] = static_cast<float>(
-      (centers_[axis][static_cast<size_t>(at[axis])] + static_cast<double>(t)) * voxel_size_);
+  const LatticeEdge edge = EdgeOfSlot(slot);
+  const auto center = [this](int axis, int at) {
+    return centers_W_[static_cast<size_t>(axis)][static_cast<size_t>(at)];
+  };
+  vertex->position_W = {center(0, edge.x), center(1, edge.y), center(2, edge.z)};
+  const int along = slot >> (kSlotBits * edge.axis) & (kSlotStride - 1);
+  const double lower = centers_[static_cast<size_t>(edge.axis)][static_cast<size_t>(along)];
+  vertex->position_W[edge.axis] =
+      static_cast<float>((lower + static_cast<double>(t)) * voxel_size_);
   vertex->normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
   vertex->color = ColorOf(ends[0], ends[1], t);
   const ShownLabel label = LabelOf(lane);
@@ -128,11 +128,11 @@ void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {
 }
 
 ShownLabel VertexMaker::LabelOf(size_t lane) const {
-  const auto& [edge, ends] = origins_[lane];
+  const auto& [slot, ends] = origins_[lane];
   const size_t nearer = lanes_.t[lane] <= 0.5F ? 0 : 1;
   SegmentLabel label = LabelAt(ends[nearer]);
   if (label == SegmentLabel::kNone) label = LabelAt(ends[1 - nearer]);
-  if (label == SegmentLabel::kNone) label = LabelAround(edge);
+  if (label == SegmentLabel::kNone) label = LabelAround(EdgeOfSlot(slot));
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
 

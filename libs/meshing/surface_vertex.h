@@ -45,7 +45,7 @@ class VertexMaker {
   std::span<const ShownLabel> shown_;
   VertexLanes lanes_;
   struct Origin {
-    LatticeEdge edge;
+    uint16_t slot;
     std::array<CellGrid::Place, 2> ends;
   };
   std::array<Origin, kVertexLanes> origins_;
