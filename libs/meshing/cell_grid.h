@@ -44,8 +44,10 @@ class CellGrid {
   Place UpperPlace(size_t slot) const {
     return LowerPlace(slot + (size_t{1} << kSlotBits * (slot / kAxisSlots)));
   }
-  /// Of the voxel with an offset in a neighbour, by its slot in the walk.
-  Place PlaceAt(size_t slot, int offset) const { return {voxels_[slot], offset}; }
+  /// Of the voxel (x, y, z).
+  Place PlaceOf(int x, int y, int z) const {
+    return {voxels_[NeighbourWalk::Slot(x >> 3, y >> 3, z >> 3)], LinearIndex(x & 7, y & 7, z & 7)};
+  }
 
  private:
   std::array<const SurfaceVoxels*, 27> voxels_{};

@@ -36,25 +36,6 @@ bool HasVotes(const CellGrid::Place& place) {
   return (entries[0] | entries[1] | entries[2]) != 0;
 }
 
-// Where the voxels next to an edge lie along one axis, from the one before its lower end to the one
-// behind its upper end: what they add to the slots of their blocks and to their offsets there.
-struct Reach {
-  size_t count;
-  std::array<size_t, 4> slot;
-  std::array<int, 4> offset;
-};
-inline Reach ReachAlong(int axis, int lower, int edge_axis) {
-  constexpr std::array<size_t, 3> kSlotStep{9, 3, 1};
-  const auto along = static_cast<size_t>(axis);
-  Reach reach{.count = edge_axis == axis ? 4u : 3u, .slot = {}, .offset = {}};
-  for (size_t i = 0; i < reach.slot.size(); ++i) {
-    const int local = lower - 1 + static_cast<int>(i);
-    reach.slot[i] = kSlotStep[along] * static_cast<size_t>((local >> 3) + 1);
-    reach.offset[i] = (local & 7) << 3 * axis;
-  }
-  return reach;
-}
-
 // The most frequent one; ties to the lower.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
@@ -154,7 +135,8 @@ inline SegmentLabel VertexMaker::LabelOfVotes(const SurfaceVoxels& voxels, int o
 
 SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
   VoxelsAround voted;
-  const size_t count = ListVoted(edge, &voted);
+  size_t count = ListBeside(edge, &voted);
+  if (count == 0) count = ListAround(edge, &voted);
   std::array<SegmentLabel, kMostAround> labels;
   bool same = true;
   for (size_t i = 0; i < count; ++i) {
@@ -165,16 +147,37 @@ SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
   return MostFrequent(std::span(labels).first(count));
 }
 
-size_t VertexMaker::ListVoted(const LatticeEdge& edge, VoxelsAround* voted) const {
-  const Reach x = ReachAlong(0, edge.x, edge.axis), y = ReachAlong(1, edge.y, edge.axis),
-              z = ReachAlong(2, edge.z, edge.axis);
+// Both without branches: which voxels have votes cannot be foreseen.
+
+size_t VertexMaker::ListBeside(const LatticeEdge& edge, VoxelsAround* voted) const {
   size_t count = 0;
-  // Without branches: which voxels have votes cannot be foreseen.
-  for (size_t k = 0; k < z.count; ++k) {
-    for (size_t j = 0; j < y.count; ++j) {
-      for (size_t i = 0; i < x.count; ++i) {
-        (*voted)[count] = grid_.PlaceAt(x.slot[i] + y.slot[j] + z.slot[k],
-                                        x.offset[i] + y.offset[j] + z.offset[k]);
+  const auto add = [&](const Eigen::Vector3i& at) {
+    (*voted)[count] = grid_.PlaceOf(at.x(), at.y(), at.z());
+    count += HasVotes((*voted)[count]) ? 1 : 0;
+  };
+  const Eigen::Vector3i lower(edge.x, edge.y, edge.z), along = Eigen::Vector3i::Unit(edge.axis);
+  const Eigen::Vector3i upper = lower + along;
+  add(lower - along);
+  add(upper + along);
+  for (const int turn : {1, 2}) {
+    const Eigen::Vector3i aside = Eigen::Vector3i::Unit((edge.axis + turn) % 3);
+    for (const Eigen::Vector3i& end : {lower, upper}) {
+      add(end - aside);
+      add(end + aside);
+    }
+  }
+  return count;
+}
+
+size_t VertexMaker::ListAround(const LatticeEdge& edge, VoxelsAround* voted) const {
+  const int high_x = edge.x + 1 + (edge.axis == 0);
+  const int high_y = edge.y + 1 + (edge.axis == 1);
+  const int high_z = edge.z + 1 + (edge.axis == 2);
+  size_t count = 0;
+  for (int z = edge.z - 1; z <= high_z; ++z) {
+    for (int y = edge.y - 1; y <= high_y; ++y) {
+      for (int x = edge.x - 1; x <= high_x; ++x) {
+        (*voted)[count] = grid_.PlaceOf(x, y, z);
         count += HasVotes((*voted)[count]) ? 1 : 0;
       }
     }

@@ -12,9 +12,9 @@ namespace vismap {
 /// Makes the vertices of a block, where the surface crosses the edges of its cells: position linear
 /// between the two voxels (kept 1 % off them, so that no triangle collapses), normal from the
 /// interpolated gradient, colour interpolated, and the label of the nearest voxel that has votes:
-/// of the two ends, else the most frequent one among the voxels next to them (ties to the lower
-/// label). A vertex depends on the voxels around its edge only, so every block that has the edge
-/// makes the same one.
+/// of the two ends, else the most frequent one among the voxels that share a face with them, else
+/// a corner (ties to the lower label). A vertex depends on the voxels around its edge only, so
+/// every block that has the edge makes the same one.
 class VertexMaker {
  public:
   /// `shown` = what labels show, see ShowLabels. The grid is that of the block at hand.
@@ -34,8 +34,10 @@ class VertexMaker {
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   static constexpr size_t kMostAround = 3 * 3 * 4;
   using VoxelsAround = std::array<CellGrid::Place, kMostAround + 1>;
-  /// The voxels with votes next to an edge; returns how many.
-  size_t ListVoted(const LatticeEdge& edge, VoxelsAround* voted) const;
+  /// The voxels with votes that share a face with an end of an edge; returns how many.
+  size_t ListBeside(const LatticeEdge& edge, VoxelsAround* voted) const;
+  /// Those that share a corner with one.
+  size_t ListAround(const LatticeEdge& edge, VoxelsAround* voted) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;
   }
