@@ -27,6 +27,7 @@ class BlockMesher {
 
   /// Finds the surface of a block.
   void Find(BlockIndex block);
+  BlockIndex block() const { return walk_.block(); }
   /// The surface that was found. The vertices have what their labels show.
   Mesh MakeMesh();
   /// Where its vertices are, as numbers of EdgeSlot.

@@ -43,15 +43,6 @@ bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {
   return all != 0;
 }
 
-template <typename Condition>
-std::vector<BlockIndex> BlocksIf(const std::vector<BlockView>& views, const Condition& condition) {
-  std::vector<BlockIndex> blocks;
-  for (const BlockView& view : views) {
-    if (condition(view)) blocks.push_back(view.index);
-  }
-  return blocks;
-}
-
 }  // namespace
 
 BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks)
@@ -67,11 +58,11 @@ BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& block
 }
 
 std::vector<BlockIndex> BlockViews::WithSurface() const {
-  return BlocksIf(views_, [](const BlockView& view) { return view.has_surface; });
-}
-
-std::vector<BlockIndex> BlockViews::WithBehind() const {
-  return BlocksIf(views_, [](const BlockView& view) { return view.behind != nullptr; });
+  std::vector<BlockIndex> blocks;
+  for (const BlockView& view : views_) {
+    if (view.has_surface) blocks.push_back(view.index);
+  }
+  return blocks;
 }
 
 void BlockViews::ReadVoxels(const MeshingOptions& options) {

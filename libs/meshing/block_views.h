@@ -29,8 +29,6 @@ class BlockViews {
 
   /// Those with surface voxels, ascending.
   std::vector<BlockIndex> WithSurface() const;
-  /// Those with voxels behind the surface, ascending, once voxels are read.
-  std::vector<BlockIndex> WithBehind() const;
   /// Sets `observed` and `behind`.
   void ReadVoxels(const MeshingOptions& options);
 

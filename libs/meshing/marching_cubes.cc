@@ -12,11 +12,6 @@
 namespace vismap {
 namespace {
 
-// Those of some blocks whose cells reach voxels behind the surface.
-std::vector<BlockIndex> MayHaveSurface(const BlockSet& blocks, const BlockViews& views) {
-  return blocks.Intersection(BlockSet(views.WithBehind()).Grown(1, 0)).Blocks();
-}
-
 // The meshes of ascending blocks, as `take(mesher)` makes them of the surface found in each.
 template <typename Local, typename Take>
 std::vector<Local> MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job,
@@ -63,16 +58,9 @@ BlockSet Affected(const BlockSet& changed, const BlockSet& near, const BlockView
 
 // Of every block, also of those without surface.
 std::vector<BlockMesh> MeshSet(const BlockSet& set, const MeshingJob& job) {
-  const std::vector<BlockIndex> meshed = MayHaveSurface(set, job.views);
-  auto meshes = MeshEach<Mesh>(meshed, job, [](BlockMesher* mesher) { return mesher->MakeMesh(); });
-  std::vector<BlockMesh> blocks;
-  blocks.reserve(set.size());
-  size_t next = 0;
-  for (const BlockIndex& block : set.Blocks()) {
-    const bool is_meshed = next < meshed.size() && meshed[next] == block;
-    blocks.push_back({block, is_meshed ? std::move(meshes[next++]) : Mesh{}});
-  }
-  return blocks;
+  return MeshEach<BlockMesh>(set.Blocks(), job, [](BlockMesher* mesher) {
+    return BlockMesh{mesher->block(), mesher->MakeMesh()};
+  });
 }
 
 }  // namespace
@@ -81,7 +69,7 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
   const BlockSet candidates = CandidateBlocks(map.voxels, BlocksWithSurface(map.voxels));
   BlockViews views(map.voxels, candidates.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
-  const std::vector<BlockIndex> blocks = MayHaveSurface(candidates, views);
+  const std::vector<BlockIndex> blocks = candidates.Blocks();
   const std::vector<ShownLabel> shown = ShowSegments(map.labels);
   const auto parts =
       MeshEach<LocalMesh>(blocks, {views, map.voxels.voxel_size(), options.jump_fraction, shown},

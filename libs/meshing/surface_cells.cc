@@ -52,6 +52,14 @@ Corners ReadCorners(const NeighbourWalk& walk, int z) {
           AllOfFour(behind)};
 }
 
+// Whether there is anything behind the surface where the cells of a block reach.
+bool ReachBehind(const NeighbourWalk& walk) {
+  for (int i = 0; i < 8; ++i) {
+    if (walk.At(NeighbourWalk::Slot(i & 1, i >> 1 & 1, i >> 2)).behind != nullptr) return true;
+  }
+  return false;
+}
+
 // From the lowest set bit to the highest one.
 CellBox::Range RangeOf(uint64_t bits) {
   return {std::countr_zero(bits), static_cast<int>(std::bit_width(bits))};
@@ -73,6 +81,7 @@ CellBox BoxAround(const CellBits& cells) {
 }
 
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells) {
+  if (!ReachBehind(walk)) return false;  // mostly
   uint64_t any = 0;
   Corners below = ReadCorners(walk, 0);
   for (int z = 0; z < kBlockSide; ++z) {
