@@ -31,24 +31,56 @@ void BlockSet::Append(const BlockIndex& at, uint64_t bits) {
   }
 }
 
-BlockSet BlockSet::Shifted(const BlockIndex& step) const {
-  BlockSet shifted;
-  shifted.runs_.reserve(runs_.size() * (step.z == 0 ? 1 : 2));
-  for (const Run& run : runs_) {
-    const BlockIndex at{run.at.x + step.x, run.at.y + step.y, run.at.z};
-    if (step.z < 0) shifted.Append({at.x, at.y, at.z - 1}, run.bits << kRunMask);
-    shifted.Append(at, step.z < 0 ? run.bits >> 1 : run.bits << step.z);
-    if (step.z > 0) shifted.Append({at.x, at.y, at.z + 1}, run.bits >> kRunMask);
-  }
-  return shifted;
+BlockSet BlockSet::Grown(int below, int above) const {
+  return GrownAlongZ(below, above)
+      .GrownAside({0, 1, 0}, below, above)
+      .GrownAside({1, 0, 0}, below, above);
 }
 
-BlockSet BlockSet::Grown(int below, int above) const {
-  BlockSet grown = *this;
-  for (const BlockIndex& axis : {BlockIndex{0, 0, 1}, BlockIndex{0, 1, 0}, BlockIndex{1, 0, 0}}) {
-    const BlockSet before = grown;
-    if (below > 0) grown = grown.Union(before.Shifted({-axis.x, -axis.y, -axis.z}));
-    if (above > 0) grown = grown.Union(before.Shifted(axis));
+BlockSet BlockSet::GrownAlongZ(int below, int above) const {
+  BlockSet grown, before, behind;  // what steps into the next run is little
+  grown.runs_.reserve(runs_.size());
+  for (const auto& [at, bits] : runs_) {
+    grown.Append(at, bits | (below > 0 ? bits >> 1 : 0) | (above > 0 ? bits << 1 : 0));
+    before.Append({at.x, at.y, at.z - 1}, below > 0 ? bits << kRunMask : 0);
+    behind.Append({at.x, at.y, at.z + 1}, above > 0 ? bits >> kRunMask : 0);
+  }
+  if (!before.runs_.empty()) grown = grown.Union(before);
+  if (!behind.runs_.empty()) grown = grown.Union(behind);
+  return grown;
+}
+
+// Merges the runs with copies of them that are moved by a step along x or y.
+BlockSet BlockSet::GrownAside(const BlockIndex& step, int below, int above) const {
+  struct Copy {
+    std::span<const Run> runs;  // never empty
+    BlockIndex step, at{};
+    void Move() {
+      const BlockIndex& from = runs.front().at;
+      at = {from.x + step.x, from.y + step.y, from.z};
+    }
+  };
+  BlockSet grown;
+  if (runs_.empty()) return grown;
+  grown.runs_.reserve(2 * runs_.size());
+  std::vector<Copy> copies{{runs_, {0, 0, 0}}};
+  if (below > 0) copies.push_back({runs_, {-step.x, -step.y, 0}});
+  if (above > 0) copies.push_back({runs_, step});
+  for (Copy& copy : copies) copy.Move();
+  while (!copies.empty()) {
+    BlockIndex next = copies.front().at;
+    for (const Copy& copy : copies) next = std::min(next, copy.at);
+    uint64_t bits = 0;
+    bool one_ended = false;
+    for (Copy& copy : copies) {
+      if (copy.at != next) continue;
+      bits |= copy.runs.front().bits;
+      copy.runs = copy.runs.subspan(1);
+      one_ended = one_ended || copy.runs.empty();
+      if (!copy.runs.empty()) copy.Move();
+    }
+    grown.runs_.push_back({next, bits});
+    if (one_ended) std::erase_if(copies, [](const Copy& copy) { return copy.runs.empty(); });
   }
   return grown;
 }

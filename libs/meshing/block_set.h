@@ -19,8 +19,6 @@ class BlockSet {
 
   /// With every block also those up to `below` lower and `above` higher along each axis; 0 or 1.
   BlockSet Grown(int below, int above) const;
-  /// All of them moved; each coordinate of the step -1, 0 or 1.
-  BlockSet Shifted(const BlockIndex& step) const;
   BlockSet Union(const BlockSet& other) const;
   BlockSet Intersection(const BlockSet& other) const;
 
@@ -35,6 +33,8 @@ class BlockSet {
     uint64_t bits;
   };
   void Append(const BlockIndex& at, uint64_t bits);
+  BlockSet GrownAlongZ(int below, int above) const;
+  BlockSet GrownAside(const BlockIndex& step, int below, int above) const;
 
   std::vector<Run> runs_;  // ascending; none without bits
 };

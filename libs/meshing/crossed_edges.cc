@@ -4,6 +4,11 @@
 #include <cstring>
 
 namespace vismap {
+namespace {
+
+constexpr int kRowsPerWord = 4;
+
+}  // namespace
 
 void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellBox::Range layers) {
   layers_ = layers;
@@ -26,20 +31,22 @@ void CrossedEdges::List(const CellBits& cells) {
   CrossEdges(&behind_[from], &cells_[kFirst + from], kBitRows * (layers_.to - layers_.from + 1),
              {crossed, crossed + kAxisSlots / kSlotStride, crossed + 2 * kAxisSlots / kSlotStride});
   count_ = 0;
-  constexpr size_t kRowsPerWord = 4, kWordsWithRows = (kSlotSide + kRowsPerWord - 1) / kRowsPerWord;
   for (int axis = 0; axis < 3; ++axis) {
     for (int z = layers_.from; z <= layers_.to; ++z) {
-      for (size_t i = 0; i < kWordsWithRows; ++i) {
-        const auto row = static_cast<size_t>(EdgeSlot({0, 0, z, axis})) / kSlotStride + 4 * i;
-        uint64_t bits;
-        std::memcpy(&bits, &crossed_[row], sizeof(bits));
-        for (; bits != 0; bits &= bits - 1) {
-          const size_t slot = row * kSlotStride + static_cast<size_t>(std::countr_zero(bits));
-          number_of_slot_[slot] = static_cast<uint16_t>(count_);
-          slots_[count_++] = static_cast<uint16_t>(slot);
-        }
-      }
+      for (int y = 0; y < kSlotSide; y += kRowsPerWord)
+        AddSlots(static_cast<size_t>(EdgeSlot({0, y, z, axis})));
     }
+  }
+}
+
+inline void CrossedEdges::AddSlots(size_t first) {
+  uint64_t bits;
+  static_assert(sizeof(bits) == kRowsPerWord * sizeof(crossed_[0]));
+  std::memcpy(&bits, &crossed_[first / kSlotStride], sizeof(bits));
+  for (; bits != 0; bits &= bits - 1) {
+    const size_t slot = first + static_cast<size_t>(std::countr_zero(bits));
+    number_of_slot_[slot] = static_cast<uint16_t>(count_);
+    slots_[count_++] = static_cast<uint16_t>(slot);
   }
 }
 

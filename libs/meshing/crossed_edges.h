@@ -35,6 +35,9 @@ class CrossedEdges {
   }
 
  private:
+  // Those crossed among a word of rows, from one slot on.
+  void AddSlots(size_t first);
+
   static constexpr size_t kMostEdges = 3 * kBlockSide * kSlotSide * kSlotSide;
 
   CellBox::Range layers_;

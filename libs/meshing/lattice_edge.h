@@ -12,7 +12,7 @@ struct LatticeEdge {
 };
 
 /// Numbers the edges of a block's cells, by four bits per coordinate: a step along an axis is the
-/// same step from every slot, and a row of slots along x is one of BitRows (crossed_edges.h).
+/// same step from every slot, and sixteen slots along x are a row of bits (see CrossEdges).
 inline constexpr int kSlotSide = kBlockSide + 1;
 inline constexpr int kSlotBits = 4;
 inline constexpr int kSlotStride = 1 << kSlotBits;

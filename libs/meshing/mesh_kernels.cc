@@ -186,7 +186,7 @@ void PlaceVertices(VertexLanes& vertices) {
         vertices.t.data(), vertices.normal.front().data());
 }
 
-void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const BitRowsOut& out) {
+void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const EdgeRows& out) {
   Cross(behind, cells, rows, out.x, out.y, out.z);
 }
 

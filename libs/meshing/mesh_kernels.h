@@ -69,18 +69,19 @@ struct VertexLanes {
 /// Computes places and normals from the rest.
 void PlaceVertices(VertexLanes& vertices);
 
-/// Bits of the voxels or cells of a block and the rims around it: bit x of row [y + 16 z]. Rows
-/// past the highest y are 0, and so serve as those before the lowest of the next layer.
+/// Rows of bits of the lattice around a block: bit x of row y + kBitRows * z. Rows without voxels
+/// or cells are 0, so those past the highest y serve as the one before the lowest of the next
+/// layer.
 inline constexpr int kBitRows = kSlotStride;  ///< of a layer
 
-/// The lattice edges between a corner behind the surface and one before it that belong to some of
-/// the cells, per axis, in `rows` rows. Cells are read from the row before the last layer's on:
-/// cells[-17]; corners up to behind[rows + 16].
-struct BitRowsOut {
+/// Which lattice edges along one axis each; bits of their lower ends.
+struct EdgeRows {
   uint16_t *x, *y, *z;
 };
-void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const BitRowsOut& out);
-/// Eight bytes to eight rows; of `beyond` their lowest bits, as bit 8.
+/// Finds the edges of some cells that have one end behind the surface and one before it, in `rows`
+/// rows. Reads behind[0 .. rows + kBitRows) and cells[-kBitRows - 1 .. rows).
+void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const EdgeRows& out);
+/// Eight bytes to eight rows; of `beyond` the lowest bit of each, as bit 8.
 void SpreadRows(uint64_t bytes, uint64_t beyond, uint16_t* rows_out);
 
 }  // namespace vismap
