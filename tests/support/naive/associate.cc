@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <tuple>
 
 #include "support/naive/voxel_access.h"
 #include "volume/surface_reader.h"
@@ -132,31 +131,52 @@ void FindPairs(const FrameCounts& counts, const std::map<SegmentLabel, int>& tak
   }
 }
 
-// Which instance each detection of the frame is: one-to-one, by the summed evidence of its
-// segments' labels.
+// How much the labels of a detection's segments speak for an instance.
+double EvidenceFor(InstanceId instance, int detection, const SegmentedFrame& frame,
+                   const MapView& map, const FrameAssociation& association) {
+  double evidence = 0;
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    const SegmentLabel label = association.segments[s].label;
+    if (Raw(frame.segments[s].detection) != detection || label == SegmentLabel::kNone) continue;
+    if (Raw(label) >= Raw(map.labels.next_label())) continue;  // new in this frame
+    const auto& known = map.labels.Record(label).instance_evidence;
+    const auto amount = known.find(instance);
+    if (amount != known.end())
+      evidence += static_cast<double>(amount->second) * frame.segments[s].pixels;
+  }
+  return evidence;
+}
+
+// Which instance each detection of the frame is: again and again the pair with most evidence of
+// those that are left, ties to the lower detection, then to the lower instance.
 void MatchInstances(const SegmentedFrame& frame, const MapView& map,
                     FrameAssociation& association) {
-  std::map<std::pair<int, InstanceId>, double> evidence;
   std::set<int> detections;
   for (size_t s = 0; s < frame.segments.size(); ++s) {
-    const FrameSegment& segment = frame.segments[s];
-    const SegmentLabel label = association.segments[s].label;
-    if (segment.detection == DetectionIndex::kNone || label == SegmentLabel::kNone) continue;
-    detections.insert(Raw(segment.detection));
-    if (Raw(label) >= Raw(map.labels.next_label())) continue;  // new in this frame
-    for (const auto& [instance, amount] : map.labels.Record(label).instance_evidence) {
-      evidence[{Raw(segment.detection), instance}] += static_cast<double>(amount) * segment.pixels;
-    }
+    const int detection = Raw(frame.segments[s].detection);
+    if (detection >= 0 && association.segments[s].label != SegmentLabel::kNone)
+      detections.insert(detection);
   }
-  std::vector<std::tuple<double, int, InstanceId>> ranked;
-  for (const auto& [key, amount] : evidence) ranked.emplace_back(-amount, key.first, key.second);
-  std::sort(ranked.begin(), ranked.end());
+  std::set<InstanceId> instances;
+  for (const SegmentLabel label : map.labels.Alive()) {
+    for (const auto& [instance, amount] : map.labels.Record(label).instance_evidence)
+      instances.insert(instance);
+  }
   std::map<int, InstanceId> instance_of;
-  std::set<InstanceId> used;
-  for (const auto& [amount, detection, instance] : ranked) {
-    if (amount >= 0 || instance_of.contains(detection) || used.contains(instance)) continue;
-    instance_of[detection] = instance;
-    used.insert(instance);
+  while (true) {
+    double most = 0;
+    std::pair<int, InstanceId> best{-1, InstanceId::kNone};
+    for (const int detection : detections) {
+      if (instance_of.contains(detection)) continue;
+      for (const InstanceId instance : instances) {
+        const double evidence = EvidenceFor(instance, detection, frame, map, association);
+        if (evidence > most) best = {detection, instance};
+        most = std::max(most, evidence);
+      }
+    }
+    if (best.first < 0) break;
+    instance_of[best.first] = best.second;
+    instances.erase(best.second);
   }
   for (const int detection : detections) {
     if (instance_of.contains(detection)) continue;
@@ -164,11 +184,9 @@ void MatchInstances(const SegmentedFrame& frame, const MapView& map,
     association.next_instance = static_cast<InstanceId>(Raw(association.next_instance) + 1);
   }
   for (size_t s = 0; s < frame.segments.size(); ++s) {
-    const FrameSegment& segment = frame.segments[s];
-    if (segment.detection == DetectionIndex::kNone ||
-        association.segments[s].label == SegmentLabel::kNone)
-      continue;
-    association.segments[s].instance = instance_of.at(Raw(segment.detection));
+    if (association.segments[s].label == SegmentLabel::kNone) continue;
+    const auto matched = instance_of.find(Raw(frame.segments[s].detection));
+    if (matched != instance_of.end()) association.segments[s].instance = matched->second;
   }
 }
 
