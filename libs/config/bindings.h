@@ -110,6 +110,9 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Direction("up_W", config.up_W);
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
+  bind.Value("min_discovered_frames", options.min_discovered_frames);
+  bind.Value("min_discovered_area_m2", options.min_discovered_area);
+  bind.Value("min_discovered_fill", options.min_discovered_fill);
   bind.Value("removed_max_rest", options.removed_max_rest);
   bind.Value("removed_max_count", options.removed_max_count);
   bind.Value("removed_max_age_s", options.removed_max_age);
@@ -125,6 +128,8 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Value("table_high_m", options.structure.table_high);
   bind.Value("ceiling_low_m", options.structure.ceiling_low);
   bind.Value("max_tilt_deg", options.structure.max_tilt_deg);
+  bind.Value("flush_roughness", options.structure.flush_roughness);
+  bind.Value("flush_gap_m", options.structure.flush_gap);
 }
 
 template <typename Binder>

@@ -1,5 +1,6 @@
 #include "meshing/structure.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,6 +58,25 @@ bool IsBitOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
   return false;
 }
 
+double MeanSquareFrom(const SurfacePlane& plane, const SurfaceSpread& piece) {
+  const double off = (piece.mean_W - plane.point_W).dot(plane.normal_W);
+  return plane.normal_W.dot(piece.covariance_W * plane.normal_W) + off * off;
+}
+
+// How far a piece is from a plane, in units of how far it may be; above 1 = not flush with it.
+double FlushDistance(const SurfacePlane& plane, const SurfaceSpread& piece,
+                     const StructureOptions& options) {
+  // No plane is known better than this part of its tolerance: exact depth has no noise at all.
+  constexpr double kLeast = 0.1;
+  const double roughness = std::max(plane.roughness, kLeast * options.flatness);
+  return std::sqrt(MeanSquareFrom(plane, piece)) / (options.flush_roughness * roughness);
+}
+
+// On table tops lie flat things.
+bool TakesFlushPieces(StructureKind kind) {
+  return kind != StructureKind::kNone && kind != StructureKind::kTableTop;
+}
+
 }  // namespace
 
 const char* NameOf(StructureKind kind) {
@@ -85,7 +105,7 @@ SurfacePlane FindPlane(std::span<const Eigen::Vector3f> points_W, double area,
   std::vector<Eigen::Vector3f> picked;
   for (size_t i = 0; i < points_W.size(); i += stride) picked.push_back(points_W[i]);
   const PlaneFit fit = FitPlane(picked, options.flatness);
-  return {fit.point_W, fit.normal_W, fit.inliers, fit.inliers * area};
+  return {fit.point_W, fit.normal_W, fit.inliers, fit.inliers * area, fit.roughness};
 }
 
 std::vector<StructureKind> NameStructure(std::span<const SurfacePlane> planes,
@@ -107,6 +127,48 @@ std::vector<StructureKind> NameStructure(std::span<const SurfacePlane> planes,
       kinds[i] = StructureKind::kFloor;
   }
   return kinds;
+}
+
+SurfaceSpread SpreadOf(std::span<const Eigen::Vector3f> points_W) {
+  SurfaceSpread spread;
+  if (points_W.empty()) return spread;
+  for (const Eigen::Vector3f& p : points_W) {
+    spread.mean_W += p.cast<double>();
+    spread.bounds_W.extend(p.cast<double>());
+  }
+  spread.mean_W /= static_cast<double>(points_W.size());
+  for (const Eigen::Vector3f& p : points_W) {
+    const Eigen::Vector3d d = p.cast<double>() - spread.mean_W;
+    spread.covariance_W += d * d.transpose();
+  }
+  spread.covariance_W /= static_cast<double>(points_W.size());
+  return spread;
+}
+
+double SpannedArea(const SurfaceSpread& spread) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread.covariance_W,
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d variances = solver.eigenvalues().cwiseMax(0);  // ascending
+  // Points spread evenly over a side a have the variance a^2 / 12.
+  return 12 * std::sqrt(variances[1] * variances[2]);
+}
+
+void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const SurfaceSpread> spreads,
+                     const StructureOptions& options, std::vector<StructureKind>* kinds) {
+  if (options.flush_roughness <= 0) return;
+  const std::vector<StructureKind> known = *kinds;
+  for (size_t i = 0; i < known.size(); ++i) {
+    if (known[i] != StructureKind::kNone || spreads[i].bounds_W.isEmpty()) continue;
+    double closest = 1;
+    for (size_t j = 0; j < known.size(); ++j) {
+      if (!TakesFlushPieces(known[j])) continue;
+      const double distance = FlushDistance(planes[j], spreads[i], options);
+      if (distance >= closest) continue;
+      if (spreads[i].bounds_W.exteriorDistance(spreads[j].bounds_W) > options.flush_gap) continue;
+      closest = distance;
+      (*kinds)[i] = known[j];
+    }
+  }
 }
 
 Eigen::Vector3d LevelUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
