@@ -59,6 +59,7 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("same_part", options.same_part);
   bind.Value("max_depth_extent", options.max_depth_extent);
   bind.Value("take_loose", options.take_loose);
+  bind.Value("loose_depth_extent", options.loose_depth_extent);
   bind.Value("fold_min_score", options.fold_min_score);
   bind.Value("split", options.split);
   bind.Value("split_min_score", options.split_min_score);
