@@ -233,6 +233,7 @@ void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* obje
     const double bottom = object.box.center_W.dot(options.up_W) - object.box.size.z() / 2;
     lowest = std::min(lowest, bottom);
   }
+  JoinFlushAreas(spreads, options.structure, &planes);
   auto kinds = NameStructure(planes, options.up_W, lowest, options.structure);
   NameFlushPieces(planes, spreads, options.structure, &kinds);
   for (size_t i = 0; i < kinds.size(); ++i) (*objects)[i].structure = kinds[i];

@@ -26,7 +26,7 @@ bool IsUpright(const SurfacePlane& plane, const Eigen::Vector3d& up_W,
 }
 
 bool IsLarge(const SurfacePlane& plane, const StructureOptions& options) {
-  return plane.area >= options.area && plane.share >= options.share;
+  return std::max(plane.area, plane.joint_area) >= options.area && plane.share >= options.share;
 }
 
 StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, double floor,
@@ -70,6 +70,12 @@ double FlushDistance(const SurfacePlane& plane, const SurfaceSpread& piece,
   constexpr double kLeast = 0.1;
   const double roughness = std::max(plane.roughness, kLeast * options.flatness);
   return std::sqrt(MeanSquareFrom(plane, piece)) / (options.flush_roughness * roughness);
+}
+
+bool IsFlush(const SurfacePlane& plane, const SurfaceSpread& own, const SurfaceSpread& piece,
+             const StructureOptions& options) {
+  return FlushDistance(plane, piece, options) < 1 &&
+         own.bounds_W.exteriorDistance(piece.bounds_W) <= options.flush_gap;
 }
 
 // On table tops lie flat things.
@@ -151,6 +157,28 @@ double SpannedArea(const SurfaceSpread& spread) {
   const Eigen::Vector3d variances = solver.eigenvalues().cwiseMax(0);  // ascending
   // Points spread evenly over a side a have the variance a^2 / 12.
   return 12 * std::sqrt(variances[1] * variances[2]);
+}
+
+void JoinFlushAreas(std::span<const SurfaceSpread> spreads, const StructureOptions& options,
+                    std::vector<SurfacePlane>* planes) {
+  std::vector<size_t> flat;
+  for (size_t i = 0; i < planes->size(); ++i) {
+    SurfacePlane& plane = (*planes)[i];
+    plane.joint_area = 0;
+    if (plane.area > 0 && plane.share >= options.share && options.flush_roughness > 0)
+      flat.push_back(i);
+  }
+  for (const size_t i : flat) {
+    double joint_area = (*planes)[i].area;
+    for (const size_t j : flat) {
+      if (i == j) continue;
+      const auto [less, more] =
+          (*planes)[i].area < (*planes)[j].area ? std::pair(i, j) : std::pair(j, i);
+      if (IsFlush((*planes)[more], spreads[more], spreads[less], options))
+        joint_area += (*planes)[j].area;
+    }
+    (*planes)[i].joint_area = joint_area;
+  }
 }
 
 void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const SurfaceSpread> spreads,

@@ -48,6 +48,7 @@ struct SurfacePlane {
   double area = 0;                                      ///< of that
   /// Root mean square distance from it of what is within twice the flatness: noise, mostly [m].
   double roughness = 0;
+  double joint_area = 0;  ///< with that of other flat pieces in it, see JoinFlushAreas; 0 = alone
 };
 
 /// Where a surface lies, to the second order.
@@ -66,6 +67,13 @@ double SpannedArea(const SurfaceSpread& spread);
 
 SurfacePlane FindPlane(std::span<const Eigen::Vector3f> points_W, double area,
                        const StructureOptions& options);
+
+/// Sets the joint area of planes from the flat pieces of surface that are flush with each other
+/// (the smaller one with the plane of the larger one): furniture cuts a wall into pieces none of
+/// which may be large enough for one. Table tops are told by what is in one piece: flat things of
+/// one height may lie side by side. `spreads` = of the same surfaces.
+void JoinFlushAreas(std::span<const SurfaceSpread> spreads, const StructureOptions& options,
+                    std::vector<SurfacePlane>* planes);
 
 /// Names each plane; those without area are none. The floor is the lowest level plane of at least
 /// `area`, or where there is none, `lowest` [m along up_W].

@@ -76,7 +76,8 @@ TEST(NameFlushPieces, PiecesOfANoisyWallAreWallAndWhatStandsOutIsNot) {
   EXPECT_THAT(NameBeside(kWall, pieces), ElementsAre(kWall, kWall, kNone, kNone));
   EXPECT_THAT(NameBeside(kWall, pieces, {.flush_roughness = 5}),
               ElementsAre(kWall, kWall, kWall, kNone));
-  EXPECT_THAT(NameBeside(kWall, pieces, {.flush_gap = 2.5}), ElementsAre(kWall, kWall, kNone, kWall));
+  EXPECT_THAT(NameBeside(kWall, pieces, {.flush_gap = 2.5}),
+              ElementsAre(kWall, kWall, kNone, kWall));
   EXPECT_THAT(NameBeside(kWall, pieces, {.flush_roughness = 0}),
               ElementsAre(kWall, kNone, kNone, kNone));
   EXPECT_THAT(NameBeside(kTableTop, pieces), ElementsAre(kTableTop, kNone, kNone, kNone))
@@ -108,6 +109,41 @@ TEST(NameFlushPieces, TheClosestPlaneDecidesWhateverTheOrder) {
     NameFlushPieces(planes, spreads, {}, &kinds);
     EXPECT_EQ(kinds[2], kWall);
   }
+}
+
+/// The kinds of pieces of surface, up being z.
+std::vector<StructureKind> NameJoined(const std::vector<std::vector<Eigen::Vector3f>>& pieces,
+                                      const StructureOptions& options = {}) {
+  std::vector<SurfacePlane> planes;
+  std::vector<SurfaceSpread> spreads;
+  for (const auto& points : pieces) {
+    planes.push_back(FindPlane(points, 1e-4 * static_cast<double>(points.size()), options));
+    spreads.push_back(SpreadOf(points));
+  }
+  JoinFlushAreas(spreads, options, &planes);
+  return NameStructure(planes, Eigen::Vector3d::UnitZ(), 0, options);
+}
+
+TEST(JoinFlushAreas, PiecesOfAWallAreAWallTogether) {
+  const auto left = Upright({0, 0}, {1, 0.8}, 0, 0.01);
+  const auto right = Upright({1.2, 0}, {1.8, 0.8}, 0.005, 0.01);
+  const auto before = Upright({1.2, 0}, {1.8, 0.8}, -0.06, 0.01);
+  const auto far = Upright({3, 0}, {3.6, 0.8}, 0, 0.01);
+  using enum StructureKind;
+  EXPECT_THAT(NameJoined({left, right}), ElementsAre(kWall, kWall));
+  EXPECT_THAT(NameJoined({right, left}), ElementsAre(kWall, kWall));
+  EXPECT_THAT(NameJoined({left, before}), ElementsAre(kNone, kNone));
+  EXPECT_THAT(NameJoined({left, far}), ElementsAre(kNone, kNone));
+  EXPECT_THAT(NameJoined({left, right}, {.flush_roughness = 0}), ElementsAre(kNone, kNone));
+}
+
+TEST(JoinFlushAreas, BoxesOfOneHeightAreNoTableTop) {
+  std::vector<std::vector<Eigen::Vector3f>> lids{Upright({0, 0}, {0.5, 0.5}, 0, 0.005),
+                                                 Upright({0.6, 0}, {1.1, 0.5}, 0, 0.005)};
+  for (auto& lid : lids) {
+    for (Eigen::Vector3f& p : lid) p = {p.x(), p.z(), 0.8F + p.y()};
+  }
+  EXPECT_THAT(NameJoined(lids), ElementsAre(StructureKind::kNone, StructureKind::kNone));
 }
 
 TEST(FindPlane, RoughnessIsTheNoise) {
