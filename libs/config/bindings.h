@@ -59,6 +59,7 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("same_part", options.same_part);
   bind.Value("max_depth_extent", options.max_depth_extent);
   bind.Value("take_loose", options.take_loose);
+  bind.Value("loose_depth_extent", options.loose_depth_extent);
   bind.Value("fold_min_score", options.fold_min_score);
   bind.Value("split", options.split);
   bind.Value("split_min_score", options.split_min_score);
@@ -110,6 +111,9 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Direction("up_W", config.up_W);
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
+  bind.Value("min_discovered_frames", options.min_discovered_frames);
+  bind.Value("min_discovered_area_m2", options.min_discovered_area);
+  bind.Value("min_discovered_fill", options.min_discovered_fill);
   bind.Value("removed_max_rest", options.removed_max_rest);
   bind.Value("removed_max_count", options.removed_max_count);
   bind.Value("removed_max_age_s", options.removed_max_age);
@@ -125,6 +129,8 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Value("table_high_m", options.structure.table_high);
   bind.Value("ceiling_low_m", options.structure.ceiling_low);
   bind.Value("max_tilt_deg", options.structure.max_tilt_deg);
+  bind.Value("flush_roughness", options.structure.flush_roughness);
+  bind.Value("flush_gap_m", options.structure.flush_gap);
 }
 
 template <typename Binder>

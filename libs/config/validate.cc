@@ -43,6 +43,12 @@ void Check(const ObjectOptions& objects, Problems* problems) {
                    "objects.min_instance_points must not be negative");
   problems->Unless(objects.min_discovered_points >= 0,
                    "objects.min_discovered_points must not be negative");
+  problems->Unless(objects.min_discovered_frames >= 0,
+                   "objects.min_discovered_frames must not be negative");
+  problems->Unless(InRange(objects.min_discovered_area, 0, 1e6),
+                   "objects.min_discovered_area_m2 must be in [0, 1e6] m2");
+  problems->Unless(InRange(objects.min_discovered_fill, 0, 1),
+                   "objects.min_discovered_fill must be in [0, 1]");
   problems->Unless(InRange(objects.removed_max_rest, 0, 10),
                    "objects.removed_max_rest must be in [0, 10]");
   problems->Unless(objects.removed_max_count >= 0, "objects.removed_max_count must be 0 or more");
@@ -68,6 +74,10 @@ void Check(const ObjectOptions& objects, Problems* problems) {
                    "objects: 0 < table_low_m <= table_high_m < ceiling_low_m does not hold");
   problems->Unless(InRange(objects.structure.max_tilt_deg, 0, 45),
                    "objects.max_tilt_deg must be in [0, 45]");
+  problems->Unless(InRange(objects.structure.flush_roughness, 0, 100),
+                   "objects.flush_roughness must be in [0, 100]");
+  problems->Unless(InRange(objects.structure.flush_gap, 0, 1e6),
+                   "objects.flush_gap_m must be in [0, 1e6] m");
 }
 
 void Check(const OccupancyOptions& options, const VoxelGridOptions& grid, Problems* problems) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "datasets/register_depth.h"
 #include "datasets/text_file.h"
 #include "geometry/camera.h"
 #include "geometry/pose.h"
@@ -23,7 +24,9 @@ struct FrameFiles {
 
 /// What a folder holds, whatever its format.
 struct SequenceFiles {
-  PinholeCamera camera;                       ///< of the depth images
+  /// Of the depth images; with `depth_from`, of the colour images, where depth is carried over to.
+  PinholeCamera camera;
+  std::optional<DepthSource> depth_from;      ///< when depth was not recorded as colour sees it
   std::optional<PinholeCamera> color_camera;  ///< when colour is of another size than depth
   double depth_unit_m = 0.001;
   std::vector<FrameFiles> frames;  ///< as recorded, unusable ones included

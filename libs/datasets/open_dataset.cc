@@ -42,11 +42,8 @@ class FolderDataset : public Dataset {
     SensorFrame frame;
     frame.header = Header(i);
     frame.depth_unit_m = files_.depth_unit_m;
-    Result<Image<uint16_t>> depth =
-        ReadPng16(files_.frames[i].depth, files_.camera.width, files_.camera.height);
+    Result<Image<uint16_t>> depth = ReadDepthOf(files_.frames[i].depth);
     if (!depth) return Fail(depth.error().message);
-    // 65535 means "no return" to Kinects, 0 to everything after this line
-    std::replace(depth->pixels().begin(), depth->pixels().end(), uint16_t{65535}, uint16_t{0});
     frame.depth = std::move(*depth);
     Result<std::vector<uint8_t>> color = ReadColorOf(files_.frames[i].color);
     if (!color) return Fail(color.error().message);
@@ -74,6 +71,16 @@ class FolderDataset : public Dataset {
   }
 
  private:
+  Result<Image<uint16_t>> ReadDepthOf(const fs::path& path) const {
+    const PinholeCamera& recorded = files_.depth_from ? files_.depth_from->camera : files_.camera;
+    Result<Image<uint16_t>> depth = ReadPng16(path, recorded.width, recorded.height);
+    if (!depth) return Fail(depth.error().message);
+    // 65535 means "no return" to Kinects, 0 to everything after this line
+    std::replace(depth->pixels().begin(), depth->pixels().end(), uint16_t{65535}, uint16_t{0});
+    if (!files_.depth_from) return depth;
+    return RegisterDepth(*depth, files_.depth_unit_m, *files_.depth_from, files_.camera);
+  }
+
   Result<std::vector<uint8_t>> ReadColorOf(const fs::path& path) const {
     const PinholeCamera& camera = files_.camera;
     if (!files_.color_camera) return ReadColorAsJpeg(path, camera.width, camera.height);

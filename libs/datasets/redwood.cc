@@ -48,6 +48,7 @@ Result<SequenceFiles> ListRedwood(const fs::path& folder) {
                       : Fail("trajectory.log has only " + std::to_string(poses->size()) + " poses");
   }
   return SequenceFiles{.camera = parameters->camera,
+                       .depth_from = {},
                        .color_camera = {},
                        .depth_unit_m = 1 / parameters->units,
                        .frames = std::move(*frames)};

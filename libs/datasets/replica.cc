@@ -83,6 +83,7 @@ Result<SequenceFiles> ListReplica(const fs::path& folder) {
   }
   for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, kRate);
   return SequenceFiles{.camera = parameters->camera,
+                       .depth_from = {},
                        .color_camera = {},
                        .depth_unit_m = 1 / parameters->scale,
                        .frames = std::move(*frames)};

@@ -60,6 +60,7 @@ Result<SequenceFiles> ListScanNet(const fs::path& folder) {
   const auto color_camera = FindColorCamera(folder, *camera, frames->front().color);
   if (!color_camera) return Fail(color_camera.error().message);
   return SequenceFiles{.camera = *camera,
+                       .depth_from = {},
                        .color_camera = *color_camera,
                        .depth_unit_m = 0.001,
                        .frames = std::move(*frames)};

@@ -129,6 +129,7 @@ Result<SequenceFiles> ListSceneNn(const fs::path& folder) {
     return Fail(set.error().message);
   }
   return SequenceFiles{.camera = ini->camera,
+                       .depth_from = {},
                        .color_camera = {},
                        .depth_unit_m = ini->depth_unit_m,
                        .frames = std::move(*frames)};

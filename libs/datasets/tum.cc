@@ -225,6 +225,7 @@ Result<SequenceFiles> Finish(const Result<PinholeCamera>& intrinsics,
   const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, frames);
   if (!camera) return Fail(camera.error().message);
   SequenceFiles files{.camera = *camera,
+                      .depth_from = {},
                       .color_camera = {},
                       .depth_unit_m = kDepthUnit,
                       .frames = std::move(frames)};

@@ -35,12 +35,18 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
 /// The same options with the upward direction that the surface suggests, when it is but a guess.
 ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces);
 
-/// Sets box and plane of an object from points of its surface [m], all or an even pick of them; of
-/// one that was removed neither.
+/// Sets box, plane and spread of an object from points of its surface [m], all or an even pick of
+/// them; of one that was removed none.
 void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
                    ObjectSummary* object);
 
-/// Sets the structure of all objects, of which box and plane are set.
+/// Sets the structure of all objects, which are measured.
 void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
+
+/// Takes out discovered segments that are neither structure nor things, see
+/// `min_discovered_frames`,
+/// `_area` and `_fill`. The objects are measured and have their structure. Of what was removed no
+/// surface is left to judge, only its frames count.
+void LeaveOutScraps(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 }  // namespace vismap

@@ -99,13 +99,15 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
       from.emplace_back(label, surfaces.Of(label).version);
     if (from != record.from && !IsLargeAndAsBefore(object.points, record.points)) {
       MeasureObject(PointsOf(object.segments, map, surfaces, places), options, &object);
-      record = {std::move(from), object.points, object.box, object.plane};
+      record = {std::move(from), object.points, object.box, object.plane, object.spread};
     }
     object.box = record.box;
     object.plane = record.plane;
+    object.spread = record.spread;
   });
   measured_ = std::move(measured);
   SetStructure(options, &objects);
+  LeaveOutScraps(options, &objects);
   return objects;
 }
 

@@ -35,6 +35,7 @@ class ObjectTracker {
     int64_t points = 0;
     OrientedBox box;
     SurfacePlane plane;
+    SurfaceSpread spread;
   };
   using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
 

@@ -163,6 +163,14 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
   return objects;
 }
 
+// Of a discovered segment.
+bool IsThing(const ObjectSummary& object, const ObjectOptions& options) {
+  if (object.frames < static_cast<uint32_t>(options.min_discovered_frames)) return false;
+  return object.removed() ||
+         (object.area >= options.min_discovered_area &&
+          object.area >= options.min_discovered_fill * SpannedArea(object.spread));
+}
+
 }  // namespace
 
 LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
@@ -209,21 +217,32 @@ void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOption
   if (object->removed()) return;
   object->box = FitUprightBox(MainParts(points_W, options.part_gap, options.min_part_share),
                               options.up_W, options.box_outliers);
-  object->plane =
-      object->discovered() ? FindPlane(points_W, object->area, options.structure) : SurfacePlane();
+  if (!object->discovered()) return;
+  object->plane = FindPlane(points_W, object->area, options.structure);
+  object->spread = SpreadOf(points_W);
 }
 
 void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
   std::vector<SurfacePlane> planes;
+  std::vector<SurfaceSpread> spreads;
   double lowest = std::numeric_limits<double>::infinity();
   for (const ObjectSummary& object : *objects) {
     planes.push_back(object.plane);
+    spreads.push_back(object.spread);
     if (object.removed()) continue;
     const double bottom = object.box.center_W.dot(options.up_W) - object.box.size.z() / 2;
     lowest = std::min(lowest, bottom);
   }
-  const auto kinds = NameStructure(planes, options.up_W, lowest, options.structure);
+  JoinFlushAreas(spreads, options.structure, &planes);
+  auto kinds = NameStructure(planes, options.up_W, lowest, options.structure);
+  NameFlushPieces(planes, spreads, options.structure, &kinds);
   for (size_t i = 0; i < kinds.size(); ++i) (*objects)[i].structure = kinds[i];
+}
+
+void LeaveOutScraps(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
+  std::erase_if(*objects, [&](const ObjectSummary& object) {
+    return object.discovered() && !object.is_structure() && !IsThing(object, options);
+  });
 }
 
 ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces) {
@@ -241,6 +260,7 @@ std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& 
     MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);
   });
   SetStructure(options, &objects);
+  LeaveOutScraps(options, &objects);
   return objects;
 }
 

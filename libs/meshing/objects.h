@@ -33,6 +33,7 @@ struct ObjectSummary {
   ObjectState state = ObjectState::kPresent;
   int64_t removed_utime = 0;  ///< of the frame that found it gone; 0 = present [us]
   SurfacePlane plane;         ///< of a discovered segment
+  SurfaceSpread spread;       ///< of a discovered segment
   StructureKind structure = StructureKind::kNone;  ///< kNone = a thing
 
   bool discovered() const { return instance == InstanceId::kNone; }
@@ -45,6 +46,13 @@ struct ObjectOptions {
   bool up_is_guess = false;                         ///< the surface may know better, see LevelUp
   int min_instance_points = 10;     ///< instances with fewer surface vertices are left out
   int min_discovered_points = 100;  ///< the same for segments without an instance
+  /// Segments without an instance that are no structure either are things only if so many frames
+  /// saw them: one or two may be wrong in the same way ...
+  int min_discovered_frames = 3;
+  double min_discovered_area = 0.01;  ///< ... with at least so much surface [m^2] ...
+  /// ... that is at least this part of what they span (SpannedArea): less are shreds along the rims
+  /// of things, or specks that noise has scattered over a wall. A plate's is 1, a body's is more.
+  double min_discovered_fill = 0.3;
   /// Removed: less surface is left [points] than this part of what was seen empty since the object
   /// was last seen [voxels], which is at least as much as the two numbers above ask for. 0 = never.
   double removed_max_rest = 0.5;

@@ -119,6 +119,8 @@ PlaneFit LeastSquaresPlane(std::span<const Eigen::Vector3f> points) {
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   fit.normal_W = solver.eigenvectors().col(0);
+  fit.roughness =
+      std::sqrt(std::max(solver.eigenvalues()[0], 0.0) / static_cast<double>(points.size()));
   return fit;
 }
 

@@ -30,7 +30,8 @@ std::vector<Eigen::Vector3f> MainParts(std::span<const Eigen::Vector3f> points_W
 struct PlaneFit {
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< unit, either side
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();
-  double inliers = 0;  ///< share of the points within `flatness` of it, [0, 1]
+  double inliers = 0;    ///< share of the points within `flatness` of it, [0, 1]
+  double roughness = 0;  ///< root mean square distance of those within 2 x `flatness` [m]
 };
 PlaneFit FitPlane(std::span<const Eigen::Vector3f> points_W, double flatness);
 

@@ -10,6 +10,29 @@ double SizeOf(SegmentLabel label, std::span<const double> sizes) {
   return Raw(label) < sizes.size() ? sizes[Raw(label)] : 0;
 }
 
+// Whether a label shows more than that one detection took it for the instance. A frame gives at
+// most 1 (score times overlap), so more than that is of several. What is not, must make up a
+// quarter of the frames that a detector looked at: it saw little of the thing so far, but took it
+// for that.
+bool Confirms(const LabelRecord& record, InstanceId instance) {
+  constexpr float kOfOneFrame = 1, kLeastShare = 0.25F;
+  const auto found = record.instance_evidence.find(instance);
+  if (found == record.instance_evidence.end()) return false;
+  return found->second > kOfOneFrame ||
+         found->second >= kLeastShare * static_cast<float>(record.frames_with_detector);
+}
+
+// Takes out instances that no label confirms.
+void LeaveOutHearsay(const LabelTable& table, LabelReadOut* read_out) {
+  std::erase_if(read_out->instances, [&](const auto& entry) {
+    const auto& [id, instance] = entry;
+    const auto confirms = [&](SegmentLabel label) { return Confirms(table.Record(label), id); };
+    if (std::any_of(instance.labels.begin(), instance.labels.end(), confirms)) return false;
+    for (const SegmentLabel label : instance.labels) read_out->labels[Raw(label)] = {};
+    return true;
+  });
+}
+
 // Turns sums of evidence into shares, and picks the class.
 void Normalise(InstanceReading* reading) {
   std::erase_if(reading->class_probability, [](const auto& entry) { return !(entry.second > 0); });
@@ -38,6 +61,7 @@ LabelReadOut ReadLabels(const LabelTable& table, std::span<const double> sizes) 
       instance.class_probability[class_id] += static_cast<double>(evidence) * SizeOf(label, sizes);
     }
   }
+  LeaveOutHearsay(table, &read_out);
   for (auto& [id, instance] : read_out.instances) Normalise(&instance);
   return read_out;
 }

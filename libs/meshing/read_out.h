@@ -24,7 +24,9 @@ struct LabelReadOut {
 
 /// `sizes[l]` = how much surface label l has; the class of an instance is the argmax of
 /// sum over its labels of Psi(l, c) * sizes[l]. Empty = all labels weigh the same. Labels beyond
-/// its end count as size 0. Class 0 (unknown) is never evidence.
+/// its end count as size 0. Class 0 (unknown) is never evidence. Unlike the paper's, an instance
+/// needs more than one detection in many frames: of those that a detector looked at, the evidence
+/// of one of its labels must be a quarter, or more than one frame can give (1).
 LabelReadOut ReadLabels(const LabelTable& table, std::span<const double> sizes = {});
 
 /// What a voxel with a label shows.

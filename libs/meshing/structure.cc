@@ -1,5 +1,6 @@
 #include "meshing/structure.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,7 +26,7 @@ bool IsUpright(const SurfacePlane& plane, const Eigen::Vector3d& up_W,
 }
 
 bool IsLarge(const SurfacePlane& plane, const StructureOptions& options) {
-  return plane.area >= options.area && plane.share >= options.share;
+  return std::max(plane.area, plane.joint_area) >= options.area && plane.share >= options.share;
 }
 
 StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, double floor,
@@ -57,6 +58,31 @@ bool IsBitOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
   return false;
 }
 
+double MeanSquareFrom(const SurfacePlane& plane, const SurfaceSpread& piece) {
+  const double off = (piece.mean_W - plane.point_W).dot(plane.normal_W);
+  return plane.normal_W.dot(piece.covariance_W * plane.normal_W) + off * off;
+}
+
+// How far a piece is from a plane, in units of how far it may be; above 1 = not flush with it.
+double FlushDistance(const SurfacePlane& plane, const SurfaceSpread& piece,
+                     const StructureOptions& options) {
+  // No plane is known better than this part of its tolerance: exact depth has no noise at all.
+  constexpr double kLeast = 0.1;
+  const double roughness = std::max(plane.roughness, kLeast * options.flatness);
+  return std::sqrt(MeanSquareFrom(plane, piece)) / (options.flush_roughness * roughness);
+}
+
+bool IsFlush(const SurfacePlane& plane, const SurfaceSpread& own, const SurfaceSpread& piece,
+             const StructureOptions& options) {
+  return FlushDistance(plane, piece, options) < 1 &&
+         own.bounds_W.exteriorDistance(piece.bounds_W) <= options.flush_gap;
+}
+
+// On table tops lie flat things.
+bool TakesFlushPieces(StructureKind kind) {
+  return kind != StructureKind::kNone && kind != StructureKind::kTableTop;
+}
+
 }  // namespace
 
 const char* NameOf(StructureKind kind) {
@@ -85,7 +111,7 @@ SurfacePlane FindPlane(std::span<const Eigen::Vector3f> points_W, double area,
   std::vector<Eigen::Vector3f> picked;
   for (size_t i = 0; i < points_W.size(); i += stride) picked.push_back(points_W[i]);
   const PlaneFit fit = FitPlane(picked, options.flatness);
-  return {fit.point_W, fit.normal_W, fit.inliers, fit.inliers * area};
+  return {fit.point_W, fit.normal_W, fit.inliers, fit.inliers * area, fit.roughness};
 }
 
 std::vector<StructureKind> NameStructure(std::span<const SurfacePlane> planes,
@@ -107,6 +133,70 @@ std::vector<StructureKind> NameStructure(std::span<const SurfacePlane> planes,
       kinds[i] = StructureKind::kFloor;
   }
   return kinds;
+}
+
+SurfaceSpread SpreadOf(std::span<const Eigen::Vector3f> points_W) {
+  SurfaceSpread spread;
+  if (points_W.empty()) return spread;
+  for (const Eigen::Vector3f& p : points_W) {
+    spread.mean_W += p.cast<double>();
+    spread.bounds_W.extend(p.cast<double>());
+  }
+  spread.mean_W /= static_cast<double>(points_W.size());
+  for (const Eigen::Vector3f& p : points_W) {
+    const Eigen::Vector3d d = p.cast<double>() - spread.mean_W;
+    spread.covariance_W += d * d.transpose();
+  }
+  spread.covariance_W /= static_cast<double>(points_W.size());
+  return spread;
+}
+
+double SpannedArea(const SurfaceSpread& spread) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread.covariance_W,
+                                                              Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d variances = solver.eigenvalues().cwiseMax(0);  // ascending
+  // Points spread evenly over a side a have the variance a^2 / 12.
+  return 12 * std::sqrt(variances[1] * variances[2]);
+}
+
+void JoinFlushAreas(std::span<const SurfaceSpread> spreads, const StructureOptions& options,
+                    std::vector<SurfacePlane>* planes) {
+  std::vector<size_t> flat;
+  for (size_t i = 0; i < planes->size(); ++i) {
+    SurfacePlane& plane = (*planes)[i];
+    plane.joint_area = 0;
+    if (plane.area > 0 && plane.share >= options.share && options.flush_roughness > 0)
+      flat.push_back(i);
+  }
+  for (const size_t i : flat) {
+    double joint_area = (*planes)[i].area;
+    for (const size_t j : flat) {
+      if (i == j) continue;
+      const auto [less, more] =
+          (*planes)[i].area < (*planes)[j].area ? std::pair(i, j) : std::pair(j, i);
+      if (IsFlush((*planes)[more], spreads[more], spreads[less], options))
+        joint_area += (*planes)[j].area;
+    }
+    (*planes)[i].joint_area = joint_area;
+  }
+}
+
+void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const SurfaceSpread> spreads,
+                     const StructureOptions& options, std::vector<StructureKind>* kinds) {
+  if (options.flush_roughness <= 0) return;
+  const std::vector<StructureKind> known = *kinds;
+  for (size_t i = 0; i < known.size(); ++i) {
+    if (known[i] != StructureKind::kNone || spreads[i].bounds_W.isEmpty()) continue;
+    double closest = 1;
+    for (size_t j = 0; j < known.size(); ++j) {
+      if (!TakesFlushPieces(known[j])) continue;
+      const double distance = FlushDistance(planes[j], spreads[i], options);
+      if (distance >= closest) continue;
+      if (spreads[i].bounds_W.exteriorDistance(spreads[j].bounds_W) > options.flush_gap) continue;
+      closest = distance;
+      (*kinds)[i] = known[j];
+    }
+  }
 }
 
 Eigen::Vector3d LevelUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,

@@ -88,7 +88,8 @@ class Refiner {
   bool Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const;
   int32_t Scaled(int pixels_at_vga) const;
   std::vector<size_t> MainSegments() const;
-  bool IsNear(double depth, double main_depth, size_t detection) const;
+  /// Whether a depth [m] is within `extent` larger sides of the detection's mask of another.
+  bool IsNear(double depth, double main_depth, size_t detection, double extent) const;
   struct LoosePiece;
   std::vector<LoosePiece> LoosePieces() const;
   void Give(const LoosePiece& piece, SegmentIndex to);
@@ -233,12 +234,12 @@ std::vector<size_t> Refiner::MainSegments() const {
   return main;
 }
 
-bool Refiner::IsNear(double depth, double main_depth, size_t detection) const {
-  if (options_.max_depth_extent <= 0) return true;
+bool Refiner::IsNear(double depth, double main_depth, size_t detection, double extent) const {
+  if (extent <= 0) return true;
   const PinholeCamera& camera = out_.frame.header.camera;
   const Image<uint8_t>& box = MaskOf(static_cast<int32_t>(detection)).inside;
   const double side = main_depth * std::max(box.width() / camera.fx, box.height() / camera.fy);
-  return std::abs(depth - main_depth) <= options_.max_depth_extent * side;
+  return std::abs(depth - main_depth) <= extent * side;
 }
 
 void Refiner::DropSeenThrough(const std::vector<double>& depths) {
@@ -247,7 +248,8 @@ void Refiner::DropSeenThrough(const std::vector<double>& depths) {
     FrameSegment& segment = out_.segments[i];
     if (segment.detection == DetectionIndex::kNone) continue;
     const auto k = At(Raw(segment.detection));
-    if (!IsNear(depths[i], depths[main[k]], k)) segment = {.pixels = segment.pixels};
+    if (!IsNear(depths[i], depths[main[k]], k, options_.max_depth_extent))
+      segment = {.pixels = segment.pixels};
   }
 }
 
@@ -298,7 +300,8 @@ void Refiner::TakeLoose(const std::vector<double>& depths) {
       const size_t to = main[At(k)];
       if (to == out_.segments.size()) continue;
       if (piece.inside[At(k)] <= options_.min_overlap * piece.pixels) continue;
-      if (!IsNear(piece.depth / piece.pixels, depths[to], At(k))) continue;
+      if (!IsNear(piece.depth / piece.pixels, depths[to], At(k), options_.loose_depth_extent))
+        continue;
       Give(piece, static_cast<SegmentIndex>(to));
       break;
     }

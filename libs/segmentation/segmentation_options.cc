@@ -68,6 +68,8 @@ std::vector<std::string> Validate(const RefineOptions& options) {
   problems.Unless(InRange(options.min_score, 0, 1), "min_score must be in [0, 1]");
   problems.Unless(InRange(options.max_depth_extent, 0, 100),
                   "max_depth_extent must be in [0, 100]");
+  problems.Unless(InRange(options.loose_depth_extent, 0, 100),
+                  "loose_depth_extent must be in [0, 100]");
   problems.Unless(InRange(options.fold_min_score, 0, 2), "fold_min_score must be in [0, 2]");
   problems.Unless(InRange(options.split_min_score, 0, 1), "split_min_score must be in [0, 1]");
   problems.Unless(InRange(options.split_min_mask_part, 0, 1),

@@ -51,6 +51,9 @@ struct RefineOptions {
   /// Pieces too small to be segments, such as a chair's legs, go to the object whose mask covers
   /// more than min_overlap of them.
   bool take_loose = true;
+  /// The same as max_depth_extent for such pieces: less, as gaps between the slats of a chair show
+  /// many pieces of what is behind it; 0 = off.
+  double loose_depth_extent = 1.0;
   /// Pixels on a fold go to the object whose mask they lie in, if they hang together with it; only
   /// masks with at least this score take any. Above 1 = off.
   double fold_min_score = 0.5;

@@ -200,7 +200,7 @@ TEST(SceneNn, FindsDetectionsInTheFolder) {
   EXPECT_THAT(*dataset->default_detections_path(), HasSubstr("seq/detections.json"));
 }
 
-TEST(SevenScenes, PassesJpegThroughAndTakes65535AsNoReturn) {
+TEST(SevenScenes, PassesJpegThrough) {
   const TempFolder folder;
   WriteSevenScenes(folder);
   const auto dataset = OpenOrFail(folder / "seq", {.camera_id = CameraId{3}});
@@ -212,8 +212,7 @@ TEST(SevenScenes, PassesJpegThroughAndTakes65535AsNoReturn) {
   EXPECT_EQ(frame.header.frame_number, 2);
   EXPECT_EQ(frame.header.utime, 66667);
   EXPECT_EQ(frame.header.camera_id, CameraId{3});
-  EXPECT_EQ(frame.header.camera, (PinholeCamera{16, 12, 585, 585, 320, 240}));
-  EXPECT_EQ(ReadOrFail(*dataset, 2).depth(3, 3), 0);
+  EXPECT_EQ(frame.header.camera, (PinholeCamera{16, 12, 525, 525, 320, 240}));
 }
 
 TEST(SevenScenes, ReadsIntrinsics) {
@@ -223,6 +222,19 @@ TEST(SevenScenes, ReadsIntrinsics) {
   const auto dataset = OpenOrFail(folder / "seq");
   ASSERT_TRUE(dataset);
   EXPECT_EQ(dataset->Header(0).camera, (PinholeCamera{16, 12, 500, 510, 8, 6}));
+  EXPECT_EQ(ReadOrFail(*dataset, 2).depth(3, 3), 0) << "65535 is no return";
+}
+
+TEST(SevenScenes, RawKinectDepthAndPosesBecomeThoseOfTheColourCamera) {
+  const TempFolder folder;
+  WriteSevenScenes(folder);
+  const auto raw = OpenOrFail(folder / "seq");
+  folder.Write("seq/camera-intrinsics.txt", "5.0e+02 0 8\n0 5.1e+02 6\n0 0 1\n");
+  const auto registered = OpenOrFail(folder / "seq");
+  ASSERT_TRUE(raw && registered);
+  const Pose T_D_C = registered->Header(0).T_W_C.inverse() * raw->Header(0).T_W_C;
+  EXPECT_TRUE(T_D_C.linear().isIdentity(1e-9));
+  EXPECT_TRUE(T_D_C.translation().isApprox(Eigen::Vector3d(0.025, 0, 0), 1e-9));
 }
 
 TEST(SevenScenes, CountsUnusablePosesWithTheirReason) {

@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
         Expected{"scenes/101", "scenenn", 120, 1, 120, kAsus, 301},
         Expected{"scenes/102", "scenenn", 80, 1, 80, kAsus, 170},
         Expected{"replica/r1", "scenenn", 120, 1, 120, {512, 512, 256, 256, 255.5, 255.5}, 244},
-        Expected{"7scenes", "7scenes", 200, 0, 398, {640, 480, 585, 585, 320, 240}, 655},
+        Expected{"7scenes", "7scenes", 200, 0, 398, {640, 480, 525, 525, 320, 240}, 655},
         Expected{"tum_fr1_rpy", "tum", 15, 0, 14, {640, 480, 525, 525, 319.5, 239.5}, -1},
         Expected{"redwood5", "redwood", 5, 0, 4, {640, 480, 525, 525, 319.5, 239.5}, -1}));
 

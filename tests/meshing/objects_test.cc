@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "meshing/label_surfaces.h"
 #include "meshing/object_mesh.h"
 #include "meshing/objects_json.h"
 #include "support/analytic_map.h"
@@ -167,6 +168,7 @@ TEST(SummarizeObjects, OfWhatWasRemovedTheLastIsListedForAWhile) {
   map.labels.GrowLabels(SegmentLabel{kLabels + 2});
   for (uint32_t label = 1; label <= kLabels; ++label) {
     LabelRecord& record = map.labels.MutableRecord(SegmentLabel{label});
+    record.frames = 9;
     record.cleared_voxels = 1000;
     record.cleared_utime = label * kSecond;
   }
@@ -184,6 +186,61 @@ TEST(SummarizeObjects, OfWhatWasRemovedTheLastIsListedForAWhile) {
   EXPECT_THAT(listed({.removed_max_age = 11.5}), ElementsAre(19, 20));
   EXPECT_EQ(listed({.removed_max_age = 0}).size(), 20u);
   EXPECT_TRUE(listed({.removed_max_count = 0}).empty());
+}
+
+TEST(SummarizeObjects, WhatFewFramesSawIsNoThingUnlessADetectorNamedIt) {
+  SemanticMap map = Room();
+  for (const SegmentLabel label : {kFloor, kBoxLeft, kBoxRight, kBall})
+    map.labels.MutableRecord(label).frames = 2;
+  const auto objects = SummarizeObjects(map);
+  ASSERT_EQ(objects.size(), 2u);
+  EXPECT_EQ(objects[0].instance, InstanceId{5});
+  EXPECT_EQ(objects[1].structure, StructureKind::kFloor);
+  EXPECT_EQ(SummarizeObjects(map, {.min_discovered_frames = 2}).size(), 3u);
+  map.labels.MutableRecord(kBall).cleared_voxels = 1'000'000;
+  EXPECT_EQ(SummarizeObjects(map).size(), 2u) << "nor was what is gone";
+}
+
+/// A discovered segment of so much surface, spread evenly over a rectangle along x and y [m].
+ObjectSummary Spread(double x, double y, double area) {
+  ObjectSummary object;
+  object.segments = {kBall};
+  object.frames = 10;
+  object.area = area;
+  object.spread.covariance_W.diagonal() = Vector3d(x * x, y * y, 1e-6) / 12;
+  return object;
+}
+
+TEST(LeaveOutScraps, LeavesThingsOfSomeSizeThatAreInOnePiece) {
+  std::vector<ObjectSummary> objects{
+      Spread(0.2, 0.1, 0.02),    // a plate
+      Spread(0.1, 0.1, 0.05),    // a body
+      Spread(0.05, 0.1, 0.005),  // too small
+      Spread(1.2, 0.03, 0.03),   // a broomstick
+      Spread(1.2, 0.5, 0.03),    // specks on a wall
+  };
+  objects.push_back(objects.back());
+  objects.back().structure = StructureKind::kWall;
+  LeaveOutScraps({}, &objects);
+  ASSERT_EQ(objects.size(), 4u);
+  EXPECT_EQ(objects[0].area, 0.02);
+  EXPECT_EQ(objects[1].area, 0.05);
+  EXPECT_EQ(objects[2].area, 0.03);
+  EXPECT_FALSE(objects[2].is_structure());
+  EXPECT_TRUE(objects[3].is_structure());
+}
+
+TEST(LeaveOutScraps, LimitsAreOptions) {
+  const auto left = [](const ObjectOptions& options) {
+    std::vector<ObjectSummary> objects{Spread(0.05, 0.1, 0.005), Spread(1.2, 0.5, 0.03)};
+    LeaveOutScraps(options, &objects);
+    return objects.size();
+  };
+  EXPECT_EQ(left({}), 0u);
+  EXPECT_EQ(left({.min_discovered_area = 0}), 1u);
+  EXPECT_EQ(left({.min_discovered_fill = 0}), 1u);
+  EXPECT_EQ(left({.min_discovered_frames = 11, .min_discovered_area = 0, .min_discovered_fill = 0}),
+            0u);
 }
 
 TEST(SummarizeObjects, EmptyMapHasNoObjects) {

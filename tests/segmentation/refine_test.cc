@@ -316,14 +316,24 @@ TEST(Refine, LoosePiecesWithoutSegmentAreTakenToo) {
 }
 
 TEST(Refine, LoosePiecesSeenThroughTheObjectAreLeft) {
-  RgbdFrame frame = Frame();
-  for (int v = 110; v < 130; ++v) {
-    for (int u = 120; u < 128; ++u) frame.depth(v, u) = 9;
-  }
-  DetectionSet set;
+  DetectionSet set;  // a chair 1 m away, of 0.7 m
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10)};
-  const SegmentedFrame out = RefineWithDetections(frame, HalvesWithLoosePieces(), &set, {});
-  EXPECT_EQ(Raw(out.image.index(115, 123)), 1);
+  const auto taken = [&](float depth, const RefineOptions& options) {
+    RgbdFrame frame = Frame();
+    for (int v = 110; v < 130; ++v) {
+      for (int u = 120; u < 128; ++u) frame.depth(v, u) = depth;
+    }
+    const SegmentedFrame out = RefineWithDetections(frame, HalvesWithLoosePieces(), &set, options);
+    return Raw(out.image.index(115, 123)) == 0;
+  };
+  EXPECT_TRUE(taken(1.6F, {}));
+  EXPECT_FALSE(taken(1.8F, {}));
+  RefineOptions far;
+  far.loose_depth_extent = 1.5;
+  EXPECT_TRUE(taken(1.8F, far));
+  EXPECT_FALSE(taken(9, far));
+  far.loose_depth_extent = 0;
+  EXPECT_TRUE(taken(9, far));
 }
 
 TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
