@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 # One kernel of each room, as it stands in a mangled name.
-KERNELS = ("FitPlanes", "MarkFolds", "PackNormals", "Project", "Judge", "Fuse", "FlagVoxels", "CopySeen")
+KERNELS = ("FitPlanes", "MarkFolds", "PackNormals", "Project", "Judge", "Fuse", "FlagVoxels", "Cross", "Place")
 
 
 def run(*command):
