@@ -80,6 +80,26 @@ void MatchInstances(const SegmentedFrame& frame, const MapView& map,
   }
 }
 
+// Segments of a detection whose points mostly vote for a label that went to another one.
+void FindCuts(const SegmentedFrame& frame, const FrameCounts& counts, const LabelMatching& matching,
+              FrameAssociation& association) {
+  std::map<std::pair<int32_t, SegmentLabel>, int64_t> held;  // by the strongest vote of each voxel
+  for (const ChoiceCount& count : counts.choices) {
+    const DetectionIndex detection = frame.segments[static_cast<size_t>(count.segment)].detection;
+    if (detection != DetectionIndex::kNone) held[{count.segment, count.choices[0]}] += count.points;
+  }
+  for (const auto& [key, points] : held) {
+    const auto segment = static_cast<size_t>(key.first);
+    const auto owner = matching.segment_of.find(key.second);
+    if (owner == matching.segment_of.end() || 2 * points <= counts.points[segment] ||
+        association.segments[segment].label == SegmentLabel::kNone)
+      continue;
+    const FrameSegment& other = frame.segments[static_cast<size_t>(owner->second)];
+    if (other.detection != frame.segments[segment].detection)
+      association.segments[segment].cut_from = key.second;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> Validate(const AssociationOptions& options) {
@@ -120,6 +140,7 @@ FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,
     association.next_label = static_cast<SegmentLabel>(Raw(association.next_label) + 1);
   }
   FindPairs(counts, matching, map, options, association);
+  FindCuts(frame, counts, matching, association);
   MatchInstances(frame, map, association);
   return association;
 }

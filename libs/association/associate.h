@@ -21,6 +21,9 @@ struct FrameAssociation {
   struct Segment {
     SegmentLabel label = SegmentLabel::kNone;  ///< kNone: too few points in range to say
     InstanceId instance = InstanceId::kNone;
+    /// The label that most of the segment's points vote for, though another segment got it, with
+    /// another detection or none: a mask has cut this one out of it. kNone mostly.
+    SegmentLabel cut_from = SegmentLabel::kNone;
   };
   std::vector<Segment> segments;  ///< indexed by SegmentIndex
   /// Alive labels (a < b) that lay together on one frame segment, and those seen as separate

@@ -89,6 +89,8 @@ void BindIntegration(Binder& bind, IntegrationOptions& options) {
   bind.Value("vote_distance_voxels", options.vote_distance_voxels);
   bind.Value("merge_frames", options.merge_frames);
   bind.Value("split_frames", options.split_frames);
+  bind.Value("mask_evidence", options.mask_evidence);
+  bind.Value("cut_votes", options.cut_votes);
   bind.Value("carve_frames", options.carve_frames);
   bind.Value("free_frames", options.free_frames);
   bind.Value("carve_keep", options.carve_keep);

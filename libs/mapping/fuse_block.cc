@@ -89,10 +89,11 @@ SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, size_t i) {
 }  // namespace
 
 FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid,
-                                 std::vector<SegmentLabel> labels,
-                                 const IntegrationOptions& options, const VoxelGridOptions& grid)
+                                 Labels labels, const IntegrationOptions& options,
+                                 const VoxelGridOptions& grid)
     : frame_(frame),
       labels_(std::move(labels)),
+      cut_votes_(options.cut_votes),
       voxel_size_(grid.voxel_size),
       carving_(LimitsOf(options, grid)) {
   const Pose T_C_W = frame.frame.header.T_W_C.inverse();
@@ -143,13 +144,16 @@ void FrameProjection::BlendColors(const VoxelSamples& samples, const VoxelArray<
 int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                               SurfaceVoxels& voxels) const {
   int64_t evicted = 0;
+  const bool has_kept = HasKeptLabels(voxels);
   SegmentLabel last = SegmentLabel::kNone;
   uint8_t entry = 0;
   ForEach(VoxelsWith(samples.flags, kTakesVote), [&](size_t i) {
     const SegmentIndex segment = frame_.image.index.data()[pixel[i]];
     if (segment == SegmentIndex::kNone) return;
-    const SegmentLabel label = labels_[static_cast<size_t>(Raw(segment))];
-    if (label == SegmentLabel::kNone) return;
+    const SegmentLabel label = labels_.of_segment[static_cast<size_t>(Raw(segment))];
+    if (label == SegmentLabel::kNone || (has_kept && VotesForKept(voxels, i))) return;
+    const SegmentLabel cut_from = labels_.cuts.CutFrom(static_cast<size_t>(Raw(segment)));
+    if (cut_from != SegmentLabel::kNone) TakeVotesFrom(cut_from, voxels, i);
     if (label != last) {
       entry = PaletteEntry(voxels, label);
       last = label;
@@ -157,6 +161,30 @@ int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int3
     if (!AddVoteForEntry(voxels, static_cast<int>(i), entry)) ++evicted;
   });
   return evicted;
+}
+
+bool FrameProjection::HasKeptLabels(const SurfaceVoxels& voxels) const {
+  return labels_.cuts.any_kept() &&
+         std::any_of(voxels.palette.begin(), voxels.palette.end(),
+                     [this](SegmentLabel label) { return labels_.cuts.IsKept(label); });
+}
+
+// With the votes of a frame or two only, the label may be no more than a mask's rim.
+bool FrameProjection::VotesForKept(const SurfaceVoxels& voxels, size_t voxel) const {
+  for (int slot = 0; slot < kVoteSlots; ++slot) {
+    const LabelVote vote = voxels.Vote(static_cast<int>(voxel), slot);
+    if (vote.votes > 1 && labels_.cuts.IsKept(vote.label)) return true;
+  }
+  return false;
+}
+
+// One stays, so that the voxel still knows the label.
+void FrameProjection::TakeVotesFrom(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const {
+  for (size_t slot = 0; slot < kVoteSlots; ++slot) {
+    const LabelVote vote = voxels.Vote(static_cast<int>(voxel), static_cast<int>(slot));
+    if (vote.votes == 0 || labels_.table.Canonical(vote.label) != label) continue;
+    voxels.slot_votes[voxel][slot] = static_cast<uint8_t>(std::max(vote.votes - cut_votes_, 1));
+  }
 }
 
 FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& projected,

@@ -6,6 +6,7 @@
 
 #include "mapping/depth_pyramid.h"
 #include "mapping/integrate.h"
+#include "mapping/mask_cuts.h"
 #include "mapping/visible_blocks.h"
 #include "mapping/voxel_kernels.h"
 
@@ -15,10 +16,15 @@ namespace vismap {
 /// of voxels.
 class FrameProjection {
  public:
-  /// `labels`: the persistent label of each of the frame's segments. `pyramid`: of its depth.
-  FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid,
-                  std::vector<SegmentLabel> labels, const IntegrationOptions& options,
-                  const VoxelGridOptions& grid);
+  /// What stands for the segments of the frame in the map.
+  struct Labels {
+    std::vector<SegmentLabel> of_segment;
+    const MaskCuts& cuts;
+    const LabelTable& table;
+  };
+  /// `pyramid`: of the frame's depth. All must outlive this.
+  FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid, Labels labels,
+                  const IntegrationOptions& options, const VoxelGridOptions& grid);
 
   /// What a frame did to one block.
   struct Outcome {
@@ -42,9 +48,13 @@ class FrameProjection {
                    const VoxelArray<float>& shares, SurfaceVoxels& voxels) const;
   int64_t Vote(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                SurfaceVoxels& voxels) const;
+  bool HasKeptLabels(const SurfaceVoxels& voxels) const;
+  bool VotesForKept(const SurfaceVoxels& voxels, size_t voxel) const;
+  void TakeVotesFrom(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const;
 
   const SegmentedFrame& frame_;
-  std::vector<SegmentLabel> labels_;
+  Labels labels_;
+  int cut_votes_;
   Eigen::Matrix3d R_C_W_;
   Eigen::Vector3d t_C_W_;
   double voxel_size_;

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/require.h"
 #include "mapping/fuse_block.h"
+#include "mapping/mask_cuts.h"
 #include "mapping/visible_blocks.h"
 
 namespace vismap {
@@ -103,13 +104,18 @@ bool BelongToDifferentObjects(SegmentLabel a, SegmentLabel b, const LabelTable& 
   return x != y && x != InstanceId::kNone && y != InstanceId::kNone;
 }
 
-// Labels that keep lying together on one segment, and seldom apart, are one piece of surface.
-void MergeLabels(const FrameAssociation& association, double merge_frames, LabelTable& labels,
-                 MapDelta& delta) {
+// Labels that keep lying together on one segment, and seldom apart, are one piece of surface; but
+// where only masks tell them apart, a frame without says nothing.
+void MergeLabels(const FrameAssociation& association, const MaskCuts& cuts, double merge_frames,
+                 LabelTable& labels, MapDelta& delta) {
   if (merge_frames <= 0) return;
-  for (const auto& [a, b] : association.together) labels.MutablePair(a, b).together += 1;
+  std::vector<std::pair<SegmentLabel, SegmentLabel>> together = association.together;
+  std::erase_if(together, [&](const auto& pair) {
+    return cuts.IsKept(pair.first) || cuts.IsKept(pair.second);
+  });
+  for (const auto& [a, b] : together) labels.MutablePair(a, b).together += 1;
   for (const auto& [a, b] : association.apart) labels.MutablePair(a, b).apart += 1;
-  for (const auto& pair : association.together) {
+  for (const auto& pair : together) {
     const SegmentLabel a = labels.Canonical(pair.first), b = labels.Canonical(pair.second);
     if (a == b) continue;
     const PairEvidence& evidence = labels.MutablePair(a, b);
@@ -138,6 +144,9 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
   check(options.split_frames >= 0 && options.split_frames < MaskBonds::kMost,
         "integration: split_frames must be 0 (never) or more, and below 5");
+  check(options.mask_evidence >= 0, "integration: mask_evidence must be 0 (never) or more");
+  check(options.cut_votes >= 0 && options.cut_votes <= 255,
+        "integration: cut_votes must be 0..255");
   check(options.carve_frames >= 0 && options.carve_frames <= 100,
         "integration: carve_frames must be 0 (no carving) to 100");
   check(options.free_frames >= 0 && options.free_frames <= 10000,
@@ -163,6 +172,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
               frame.image.index.height() == header.camera.height,
           "depth and segment images have the size of the camera");
   MapDelta delta;
+  const MaskCuts cuts(association, map->labels, options.mask_evidence);
   CountEvidence(frame, association, map->labels);
   SeparateObjects(frame, association, options.split_frames, map->labels, delta);
 
@@ -173,7 +183,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   const VisibilityOptions visibility{map->voxels.block_size(), map->voxels.truncation(),
                                      options.min_range,        options.max_range,
                                      options.free_space_range, options.free_space};
-  const FrameProjection projection(frame, pyramid, std::move(labels), options,
+  const FrameProjection projection(frame, pyramid, {std::move(labels), cuts, map->labels}, options,
                                    map->voxels.options());
   const auto may_change = [&](const VisibleBlock& target) {
     if (target.view == BlockView::kMixed) return true;
@@ -187,7 +197,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   if (revision > kPackAfter)
     map->voxels.PackUnused(revision - kPackAfter, static_cast<size_t>(options.max_unpacked_blocks));
   NoteCleared(delta, header.utime, map->labels);
-  MergeLabels(association, options.merge_frames, map->labels, delta);
+  MergeLabels(association, cuts, options.merge_frames, map->labels, delta);
 
   map->last_utime = std::max(map->last_utime, header.utime);
   map->last_camera_W = header.T_W_C.translation();

@@ -43,6 +43,12 @@ struct IntegrationOptions {
   double split_frames =
       2.0;  ///< net frames under different masks after which an instance is split; 0 = never
 
+  /// Evidence of masks, in frames times score, from which on a label stands: frames that do not
+  /// show it apart do not vote on its voxels (see MaskCuts); 0 = never.
+  double mask_evidence = 2.0;
+  int cut_votes = 2;  ///< a vote of such a label, where a mask cuts it out of another one, takes so
+                      ///< many from that one
+
   // Carving: what was removed or moved goes when the camera sees past where it stood. A voxel that
   // rays clearly pass first only loses weight; its distance changes once little weight is left. So
   // a few wrong frames move no surface, and the heaviest one is gone after
@@ -67,8 +73,8 @@ std::vector<std::string> Validate(const IntegrationOptions& options);
 /// on the number of threads.
 ///
 /// Departures from the published code: labels are voted for once per voxel and frame and only near
-/// the surface; full vote slots evict; counts move along when labels merge; merging weighs evidence
-/// against as well as for.
+/// the surface, and not against what only masks can show; full vote slots evict; counts move along
+/// when labels merge; merging weighs evidence against as well as for.
 MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
                         const IntegrationOptions& options, SemanticMap* map);
 

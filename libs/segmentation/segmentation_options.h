@@ -58,7 +58,7 @@ struct RefineOptions {
   /// masks with at least this score take any. Above 1 = off.
   double fold_min_score = 0.5;
   bool split = true;                 ///< good masks may split segments
-  double split_min_score = 0.7;      ///< only masks with at least this score split
+  double split_min_score = 0.35;     ///< only masks with at least this score split
   double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the one segment
   int split_min_pixels = 300;        ///< of the part cut out [px at 640x480, scaled by area]
   int split_min_rest_pixels = 500;   ///< of the part left [px at 640x480, scaled by area]

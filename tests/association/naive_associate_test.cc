@@ -82,6 +82,7 @@ void ExpectSame(const FrameAssociation& fast, const FrameAssociation& slow) {
   for (size_t s = 0; s < fast.segments.size(); ++s) {
     EXPECT_EQ(fast.segments[s].label, slow.segments[s].label) << "segment " << s;
     EXPECT_EQ(fast.segments[s].instance, slow.segments[s].instance) << "segment " << s;
+    EXPECT_EQ(fast.segments[s].cut_from, slow.segments[s].cut_from) << "segment " << s;
   }
   EXPECT_EQ(fast.together, slow.together);
   EXPECT_EQ(fast.apart, slow.apart);

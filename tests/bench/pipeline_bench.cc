@@ -99,7 +99,7 @@ void AddRatios(const FrameTimes& slow, const FrameTimes& fast, StageTimes* ratio
 
 bool SameAssociation(const FrameAssociation& a, const FrameAssociation& b) {
   const auto same = [](const FrameAssociation::Segment& x, const FrameAssociation::Segment& y) {
-    return x.label == y.label && x.instance == y.instance;
+    return x.label == y.label && x.instance == y.instance && x.cut_from == y.cut_from;
   };
   return std::ranges::equal(a.segments, b.segments, same) && a.together == b.together &&
          a.apart == b.apart;

@@ -252,13 +252,23 @@ TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
   SegmentedFrame split = LookAtWall(1.5);
   testing::SplitAtColumn(70, split);
   testing::Detect(0, 0, ClassId{62}, split);
+  split.segments[0].score = 0.5F;  // with more, the masks would be believed
   for (int i = 0; i < 4; ++i)
     Fuse(split, map);  // seen once only, it would be outvoted before it could merge
   int merged = 0;
   for (int i = 0; i < 6; ++i) merged += static_cast<int>(Fuse(LookAtWall(1.5), map).merged.size());
   EXPECT_EQ(merged, 1);
   EXPECT_EQ(map.labels.Canonical(SegmentLabel{2}), SegmentLabel{1});
-  EXPECT_EQ(map.labels.Record(SegmentLabel{1}).class_evidence.at(ClassId{62}), 4);
+  EXPECT_EQ(map.labels.Record(SegmentLabel{1}).class_evidence.at(ClassId{62}), 2);
+}
+
+TEST(MergeLabels, WhatMasksTellApartStaysApartInFramesWithoutMasks) {
+  SemanticMap map({0.02, 4});
+  SegmentedFrame split = LookAtWall(1.5);
+  testing::SplitAtColumn(70, split);
+  testing::Detect(0, 0, ClassId{62}, split);
+  for (int i = 0; i < 4; ++i) Fuse(split, map);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(Fuse(LookAtWall(1.5), map).merged.empty());
 }
 
 TEST(MergeLabels, PiecesThatWereMergedEarlySeparateAgainWhenLaterFramesShowThemApart) {

@@ -56,6 +56,7 @@ void ExpectSameAssociation(const FrameAssociation& fast, const FrameAssociation&
   for (size_t s = 0; s < fast.segments.size(); ++s) {
     EXPECT_EQ(fast.segments[s].label, slow.segments[s].label);
     EXPECT_EQ(fast.segments[s].instance, slow.segments[s].instance);
+    EXPECT_EQ(fast.segments[s].cut_from, slow.segments[s].cut_from);
   }
   EXPECT_EQ(fast.together, slow.together);
   EXPECT_EQ(fast.apart, slow.apart);

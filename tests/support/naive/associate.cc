@@ -131,6 +131,25 @@ void FindPairs(const FrameCounts& counts, const std::map<SegmentLabel, int>& tak
   }
 }
 
+// Segments of a detection whose points mostly vote for a label that went to another one.
+void FindCuts(const SegmentedFrame& frame, const FrameCounts& counts,
+              const std::map<SegmentLabel, int>& taken, FrameAssociation& association) {
+  for (size_t s = 0; s < frame.segments.size(); ++s) {
+    FrameAssociation::Segment& match = association.segments[s];
+    if (frame.segments[s].detection == DetectionIndex::kNone || match.label == SegmentLabel::kNone)
+      continue;
+    for (const auto& [label, other] : taken) {
+      int64_t held = 0;
+      for (const auto& [key, count] : counts.choices) {
+        if (key.first == static_cast<int>(s) && key.second.front() == label) held += count;
+      }
+      const bool is_another =
+          frame.segments[static_cast<size_t>(other)].detection != frame.segments[s].detection;
+      if (held > counts.points[s] - held && is_another) match.cut_from = label;
+    }
+  }
+}
+
 // How much the labels of a detection's segments speak for an instance.
 double EvidenceFor(InstanceId instance, int detection, const SegmentedFrame& frame,
                    const MapView& map, const FrameAssociation& association) {
@@ -213,6 +232,7 @@ FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,
     association.next_label = static_cast<SegmentLabel>(Raw(association.next_label) + 1);
   }
   FindPairs(counts, taken, map, options, association);
+  FindCuts(frame, counts, taken, association);
   MatchInstances(frame, map, association);
   return association;
 }

@@ -181,12 +181,50 @@ StoredVoxel FuseVoxel(StoredVoxel voxel, const Sample& sample, const Image<Rgb8>
   return voxel;
 }
 
-/// The label that the frame's segment at a pixel has in the map; kNone = no segment, or no label.
-SegmentLabel LabelAt(const SegmentedFrame& frame, const FrameAssociation& association,
-                     size_t pixel) {
+/// What the frame's segment at a pixel is in the map; without label where there is no segment.
+FrameAssociation::Segment SegmentAt(const SegmentedFrame& frame,
+                                    const FrameAssociation& association, size_t pixel) {
   const SegmentIndex segment = frame.image.index.data()[pixel];
-  if (segment == SegmentIndex::kNone) return SegmentLabel::kNone;
-  return association.segments[static_cast<size_t>(Raw(segment))].label;
+  if (segment == SegmentIndex::kNone) return {};
+  return association.segments[static_cast<size_t>(Raw(segment))];
+}
+
+/// The evidence that masks gave a label, and whether it is enough to stand against other votes.
+bool IsMasked(SegmentLabel label, const LabelTable& labels, const IntegrationOptions& options) {
+  const auto next = Raw(labels.next_label());
+  if (options.mask_evidence <= 0 || label == SegmentLabel::kNone || Raw(label) >= next)
+    return false;
+  const LabelRecord& record = labels.Record(labels.Canonical(label));
+  double evidence = 0;
+  for (const auto& [class_id, amount] : record.class_evidence)
+    evidence += static_cast<double>(amount);
+  return evidence > options.mask_evidence && 4 * evidence >= record.frames_with_detector;
+}
+
+bool IsShown(SegmentLabel label, const FrameAssociation& association) {
+  return std::ranges::any_of(association.segments,
+                             [&](const auto& segment) { return segment.label == label; });
+}
+
+/// The vote of a frame's segment on one voxel; false = it, or another one, was lost.
+bool VoteOn(SurfaceVoxels& voxels, int offset, const FrameAssociation::Segment& segment,
+            const FrameAssociation& association, const LabelTable& labels,
+            const IntegrationOptions& options) {
+  if (segment.label == SegmentLabel::kNone) return true;
+  for (const LabelVote& vote : ReadVotes(voxels, offset)) {
+    const SegmentLabel label = labels.Canonical(vote.label);
+    if (vote.votes >= 2 && IsMasked(label, labels, options) && !IsShown(label, association))
+      return true;
+  }
+  if (segment.cut_from != SegmentLabel::kNone && IsMasked(segment.label, labels, options)) {
+    for (uint8_t& votes : voxels.slot_votes[static_cast<size_t>(offset)]) {
+      const auto slot = &votes - voxels.slot_votes[static_cast<size_t>(offset)].data();
+      const SegmentLabel label = voxels.Vote(offset, static_cast<int>(slot)).label;
+      if (votes > 0 && labels.Canonical(label) == segment.cut_from)
+        votes = static_cast<uint8_t>(std::max(votes - options.cut_votes, 1));
+    }
+  }
+  return AddVote(voxels, offset, segment.label);
 }
 
 template <typename Visit>
@@ -201,7 +239,7 @@ void ForVoxels(const Visit& visit) {
 /// Fuses what the frame says of one block into it; true when that changed it.
 bool FuseBlock(const SegmentedFrame& frame, const FrameAssociation& association,
                const std::vector<std::optional<Sample>>& samples, const IntegrationOptions& options,
-               float truncation, Block& block, MapDelta* delta) {
+               float truncation, const LabelTable& labels, Block& block, MapDelta* delta) {
   bool changed = false;
   for (int offset = 0; offset < kBlockVoxels; ++offset) {
     std::optional<Sample> sample = samples[static_cast<size_t>(offset)];
@@ -220,8 +258,8 @@ bool FuseBlock(const SegmentedFrame& frame, const FrameAssociation& association,
     const SegmentLabel was = StrongestLabel(voxels, offset);
     if (may_turn && voxels.distance[static_cast<size_t>(offset)] > 0 && was != SegmentLabel::kNone)
       ++delta->cleared[was];
-    const SegmentLabel label = LabelAt(frame, association, sample->pixel);
-    if (sample->votes && label != SegmentLabel::kNone && !AddVote(voxels, offset, label))
+    if (sample->votes && !VoteOn(voxels, offset, SegmentAt(frame, association, sample->pixel),
+                                 association, labels, options))
       ++delta->votes_evicted;
     ++delta->voxels_updated;
     changed = true;
@@ -295,7 +333,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
     if (said.near + said.free == 0) continue;
     Block& block = map->voxels.FindOrCreate(index);
     if (said.near > 0 && !block.surface) MakeSurface(block);
-    if (FuseBlock(frame, association, samples, options, truncation, block, &delta))
+    if (FuseBlock(frame, association, samples, options, truncation, map->labels, block, &delta))
       delta.changed_blocks.push_back(index);
   }
   const MapDelta labels = UpdateLabels(frame, association, options, map);
