@@ -37,6 +37,16 @@ void ReadSurface(const BlockView& view, const ObservationGate& gate, VoxelSigns*
   ReadSigns(copy, gate, *signs);
 }
 
+// What ReadSurface reads of a block in the map: it would wait for every line.
+void PrefetchSurface(const BlockView& view) {
+  constexpr size_t kPerLine = 32;
+  if (view.voxels == nullptr) return;
+  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) {
+    __builtin_prefetch(&view.voxels->distance[i]);
+    __builtin_prefetch(&view.voxels->weight[i]);
+  }
+}
+
 bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {
   uint64_t all = 0;
   for (const uint64_t word : bits) all |= word;
@@ -76,7 +86,9 @@ void BlockViews::ReadVoxels(const MeshingOptions& options) {
     }
   }
   signs_.resize(surfaces.size());
+  constexpr size_t kAhead = 2;
   ParallelFor(surfaces.size(), 32, [&](size_t i) {
+    if (i + kAhead < surfaces.size()) PrefetchSurface(*surfaces[i + kAhead]);
     ReadSurface(*surfaces[i], gate, &signs_[i]);
     surfaces[i]->observed = signs_[i].observed.data();
     if (HasBits(signs_[i].behind)) surfaces[i]->behind = signs_[i].behind.data();
@@ -96,6 +108,13 @@ void NeighbourWalk::FindLower() {
       if (x < 0 || y < 0) FindColumn(x, y);
     }
   }
+}
+
+const BlockView* NeighbourWalk::Next() const {
+  for (auto view = cursors_[Slot(0, 0, -1) / 3]; view != views_.end(); ++view) {
+    if (view->behind != nullptr && block_ < view->index) return &*view;
+  }
+  return nullptr;
 }
 
 void NeighbourWalk::FindColumn(int x, int y) {

@@ -54,6 +54,9 @@ class NeighbourWalk {
   void GoTo(BlockIndex block);
   /// Finds the other nineteen.
   void FindLower();
+  /// The block that comes after this one of those with voxels behind the surface, so that it can be
+  /// prefetched; nullptr = none.
+  const BlockView* Next() const;
   /// Never nullptr; unseen where there are no views. Slots not found are those of an earlier block.
   const BlockView& At(size_t slot) const { return *found_[slot]; }
   BlockIndex block() const { return block_; }

@@ -24,7 +24,7 @@ Rgb8 ColorOf(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
 }
 
 // Colours and votes come from all over a block: without this every one of them is waited for.
-void Prefetch(const CellGrid::Place& place) {
+void PrefetchVoxel(const CellGrid::Place& place) {
   if (place.voxels == nullptr) return;
   __builtin_prefetch(&place.voxels->color[static_cast<size_t>(place.offset)]);
   __builtin_prefetch(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
@@ -50,6 +50,15 @@ SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
 }
 
 }  // namespace
+
+void VertexMaker::Prefetch(const SurfaceVoxels& voxels) {
+  constexpr size_t kPerLine = 64 / 3;  // colours and votes have three bytes a voxel
+  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) {
+    __builtin_prefetch(&voxels.color[i]);
+    __builtin_prefetch(&voxels.slot_label[i]);
+  }
+  __builtin_prefetch(&voxels.palette);
+}
 
 void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
                        std::vector<MeshVertex>* vertices) {
@@ -85,7 +94,7 @@ inline void VertexMaker::LoadLane(uint16_t slot, size_t lane) {
   lanes_.axis[lane] = static_cast<int16_t>(slot / kAxisSlots);
   Origin& origin = origins_[lane];
   origin = {slot, {grid_.LowerPlace(slot), grid_.UpperPlace(slot)}};
-  for (const CellGrid::Place& end : origin.ends) Prefetch(end);
+  for (const CellGrid::Place& end : origin.ends) PrefetchVoxel(end);
 }
 
 inline void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {

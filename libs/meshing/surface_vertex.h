@@ -21,6 +21,8 @@ class VertexMaker {
   VertexMaker(const CellGrid& grid, double voxel_size, std::span<const ShownLabel> shown)
       : grid_(grid), voxel_size_(voxel_size), shown_(shown) {}
 
+  /// Asks memory for what the vertices of a block will need.
+  static void Prefetch(const SurfaceVoxels& voxels);
   /// One vertex per edge, in their order. Edges are numbers of EdgeSlot.
   void Make(BlockIndex block, std::span<const uint16_t> edges, std::vector<MeshVertex>* vertices);
 
