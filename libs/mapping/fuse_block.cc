@@ -151,7 +151,7 @@ int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int3
     const SegmentIndex segment = frame_.image.index.data()[pixel[i]];
     if (segment == SegmentIndex::kNone) return;
     const SegmentLabel label = labels_.of_segment[static_cast<size_t>(Raw(segment))];
-    if (label == SegmentLabel::kNone || (has_kept && VotesForKept(voxels, i))) return;
+    if (label == SegmentLabel::kNone || (has_kept && IsHeldByKept(voxels, i))) return;
     const SegmentLabel cut_from = labels_.cuts.CutFrom(static_cast<size_t>(Raw(segment)));
     if (cut_from != SegmentLabel::kNone) TakeVotesFrom(cut_from, voxels, i);
     if (label != last) {
@@ -169,11 +169,13 @@ bool FrameProjection::HasKeptLabels(const SurfaceVoxels& voxels) const {
                      [this](SegmentLabel label) { return labels_.cuts.IsKept(label); });
 }
 
-// With the votes of a frame or two only, the label may be no more than a mask's rim.
-bool FrameProjection::VotesForKept(const SurfaceVoxels& voxels, size_t voxel) const {
+// Where others have more votes, the label may be no more than the rim of a sloppy mask.
+bool FrameProjection::IsHeldByKept(const SurfaceVoxels& voxels, size_t voxel) const {
+  const auto& votes = voxels.slot_votes[voxel];
+  const uint8_t most = std::max<uint8_t>(*std::max_element(votes.begin(), votes.end()), 2);
   for (int slot = 0; slot < kVoteSlots; ++slot) {
     const LabelVote vote = voxels.Vote(static_cast<int>(voxel), slot);
-    if (vote.votes > 1 && labels_.cuts.IsKept(vote.label)) return true;
+    if (vote.votes >= most && labels_.cuts.IsKept(vote.label)) return true;
   }
   return false;
 }

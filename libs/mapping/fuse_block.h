@@ -49,7 +49,7 @@ class FrameProjection {
   int64_t Vote(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                SurfaceVoxels& voxels) const;
   bool HasKeptLabels(const SurfaceVoxels& voxels) const;
-  bool VotesForKept(const SurfaceVoxels& voxels, size_t voxel) const;
+  bool IsHeldByKept(const SurfaceVoxels& voxels, size_t voxel) const;
   void TakeVotesFrom(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const;
 
   const SegmentedFrame& frame_;

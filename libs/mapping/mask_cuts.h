@@ -18,7 +18,7 @@ class MaskCuts {
   MaskCuts(const FrameAssociation& association, const LabelTable& labels, double min_evidence);
 
   /// Whether masks have shown a label, canonical or merged, which this frame does not show: where a
-  /// voxel votes for it, the frame has nothing to say, nor whether others are the same as it.
+  /// voxel votes for it most, the frame has nothing to say, nor whether others are the same as it.
   bool IsKept(SegmentLabel label) const {
     return Raw(label) < kept_.size() && kept_[Raw(label)] != 0;
   }

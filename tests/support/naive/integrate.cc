@@ -211,9 +211,11 @@ bool VoteOn(SurfaceVoxels& voxels, int offset, const FrameAssociation::Segment& 
             const FrameAssociation& association, const LabelTable& labels,
             const IntegrationOptions& options) {
   if (segment.label == SegmentLabel::kNone) return true;
+  int most = 2;
+  for (const LabelVote& vote : ReadVotes(voxels, offset)) most = std::max<int>(most, vote.votes);
   for (const LabelVote& vote : ReadVotes(voxels, offset)) {
     const SegmentLabel label = labels.Canonical(vote.label);
-    if (vote.votes >= 2 && IsMasked(label, labels, options) && !IsShown(label, association))
+    if (vote.votes == most && IsMasked(label, labels, options) && !IsShown(label, association))
       return true;
   }
   if (segment.cut_from != SegmentLabel::kNone && IsMasked(segment.label, labels, options)) {
