@@ -51,11 +51,10 @@ class Viewer {
   }
 
   void Print() const {
-    size_t triangles = 0;
-    for (const auto& entry : mesh_.blocks()) triangles += entry.second.triangles.size();
     std::printf("map %s: %lld frames, %zu triangles in %zu blocks, %d objects, %lld gaps closed\n",
                 mesh_.position().map_id.c_str(), static_cast<long long>(mesh_.position().revision),
-                triangles, mesh_.blocks().size(), objects_, static_cast<long long>(mesh_.gaps()));
+                mesh_.triangle_count(), mesh_.block_count(), objects_,
+                static_cast<long long>(mesh_.gaps()));
     std::fflush(stdout);
   }
 

@@ -1,5 +1,6 @@
 #include "wire/mesh_follower.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "base/digest.h"
@@ -36,26 +37,35 @@ FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (message.full) {
     blocks_.clear();
+    triangles_ = 0;
     digest_.Clear();
   }
   for (const mesh_delta_t& part : sequence_.ready()) {
     for (const mesh_block_t& block : part.blocks) digest_.Set(block);
     Result<MeshUpdate> update = Decode(part);
-    for (BlockMesh& block : update->mesh.blocks) {
-      if (block.mesh.vertices.empty()) {
-        blocks_.erase(block.block);
-      } else {
-        blocks_.insert_or_assign(block.block, std::move(block.mesh));
-      }
-    }
+    for (BlockMesh& block : update->mesh.blocks) Set(std::move(block));
   }
   utime_ = message.utime;
   return outcome;
 }
 
+void MeshFollower::Set(BlockMesh block) {
+  if (const auto known = blocks_.find(block.block); known != blocks_.end()) {
+    triangles_ -= known->second.triangles.size();
+    blocks_.erase(known);
+  }
+  if (block.mesh.vertices.empty()) return;
+  triangles_ += block.mesh.triangles.size();
+  blocks_.emplace(block.block, std::move(block.mesh));
+}
+
 Mesh MeshFollower::Joined() const {
+  std::vector<BlockIndex> ascending;
+  for (const auto& entry : blocks_) ascending.push_back(entry.first);
+  std::sort(ascending.begin(), ascending.end());
   Mesh joined;
-  for (const auto& [index, mesh] : blocks_) {
+  for (const BlockIndex& index : ascending) {
+    const Mesh& mesh = blocks_.at(index);
     const auto first = static_cast<uint32_t>(joined.vertices.size());
     joined.vertices.insert(joined.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& triangle : mesh.triangles) {

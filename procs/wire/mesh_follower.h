@@ -1,8 +1,9 @@
 #pragma once
 
+#include <tsl/robin_map.h>
+
 #include <array>
 #include <cstdint>
-#include <map>
 #include <string>
 
 #include "wire/mesh_update.h"
@@ -20,8 +21,8 @@ class MeshDigest {
   std::string Hex() const;
 
  private:
-  std::map<BlockIndex, uint64_t> blocks_;  // hash of each
-  uint64_t sum_ = 0;                       // of the hashes, so that order cannot matter
+  tsl::robin_map<BlockIndex, uint64_t, BlockIndexHash> blocks_;  // hash of each
+  uint64_t sum_ = 0;  // of the hashes, so that order cannot matter
 };
 
 /// A copy of a map's surface, kept equal to the server's by its MESH_DELTAs: what a viewer holds.
@@ -34,15 +35,19 @@ class MeshFollower {
   const FollowerPosition& position() const { return sequence_.position(); }
   int64_t utime() const { return utime_; }  ///< of the newest frame contained [us]
   int64_t gaps() const { return sequence_.gaps(); }
-  /// Blocks with a surface.
-  const std::map<BlockIndex, Mesh>& blocks() const { return blocks_; }
+  /// How many blocks have a surface, and triangles that has.
+  size_t block_count() const { return blocks_.size(); }
+  size_t triangle_count() const { return triangles_; }
   std::string Digest() const { return digest_.Hex(); }
-  /// All blocks as one mesh; blocks do not share vertices.
+  /// All blocks as one mesh, ascending; blocks do not share vertices.
   Mesh Joined() const;
 
  private:
+  void Set(BlockMesh block);
+
   UpdateSequence<mesh_delta_t> sequence_;
-  std::map<BlockIndex, Mesh> blocks_;
+  tsl::robin_map<BlockIndex, Mesh, BlockIndexHash> blocks_;  // with a surface
+  size_t triangles_ = 0;
   MeshDigest digest_;
   int64_t utime_ = 0;
 };

@@ -169,8 +169,9 @@ TEST_F(MeshStream, UpdatesBlockByBlockGiveTheMeshOfTheWholeMap) {
     Deliver();
     ASSERT_EQ(follower_.Digest(), Truth()) << frame;
   }
-  EXPECT_GT(follower_.blocks().size(), 12u);
+  EXPECT_GT(follower_.block_count(), 12u);
   EXPECT_GT(follower_.Joined().triangles.size(), 1000u);
+  EXPECT_EQ(follower_.triangle_count(), follower_.Joined().triangles.size());
 }
 
 TEST_F(MeshStream, MergedLabelsAndNewInstancesReachBlocksThatDidNotChange) {
@@ -226,13 +227,13 @@ TEST_F(MeshStream, OnlyBlocksThatLostTheirSurfaceAreSentEmpty) {
   publisher_.PublishAll(growing_.map());
   Deliver();
   EXPECT_EQ(empty_blocks_, 0u);
-  const size_t before = follower_.blocks().size();
+  const size_t before = follower_.block_count();
   Note(growing_.Shrink());
   publisher_.PublishChanges(growing_.map());
   Deliver();
   EXPECT_EQ(follower_.Digest(), Truth());
   EXPECT_GT(empty_blocks_, 0u);
-  EXPECT_EQ(empty_blocks_, before - follower_.blocks().size());
+  EXPECT_EQ(empty_blocks_, before - follower_.block_count());
 }
 
 TEST_F(MeshStream, AFollowerThatMissedTheEndOfASurfaceHearsOfItLater) {
