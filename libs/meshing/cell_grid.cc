@@ -82,8 +82,7 @@ void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceRead
     const SurfaceVoxels* voxels = voxels_[n.slot()];
     const Distances& distances = voxels == nullptr ? kFreeDistances : voxels->distance;
     CopySeen(distances.data(), observed, {n.bx, n.by, layers},
-             &distances_[static_cast<size_t>(
-                 GridOffset(kBlockSide * n.bx, kBlockSide * n.by, kBlockSide * n.bz))]);
+             GridOffset(kBlockSide * n.bx, kBlockSide * n.by, kBlockSide * n.bz), &distances_);
   }
 }
 

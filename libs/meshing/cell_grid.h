@@ -19,7 +19,6 @@ class CellGrid {
   /// its neighbours. Good for as long as what `reader` read.
   void Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader);
 
-  const DistanceGrid& distances() const { return distances_; }
   /// The distances at the lower end of an edge, as numbered by EdgeSlot, and at its upper one.
   const int16_t* Lower(size_t slot) const {
     return &distances_[slot % kAxisSlots + static_cast<size_t>(GridOffset(0, 0, 0))];

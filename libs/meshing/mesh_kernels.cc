@@ -46,39 +46,39 @@ constexpr std::array<uint16_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
 // How much is copied of a layer is known beforehand: that leaves one loop to foresee.
 template <int kFirstX, int kCountX, int kFirstY, int kCountY>
 inline void CopyPart(const int16_t* distances, const uint64_t* observed, int z_begin, int z_end,
-                     int16_t* __restrict out) {
+                     int first, int16_t* __restrict grid) {
   for (int z = z_begin; z < z_end; ++z) {
     for (int y = kFirstY; y < kFirstY + kCountY; ++y) {
       const auto bits = static_cast<uint16_t>(observed[z] >> (kBlockSide * y) & 0xFF);
       const int16_t* from = &distances[LinearIndex(0, y, z)];
-      int16_t* to = &out[y * kGridRow + z * kGridLayer];
+      const int row = first + y * kGridRow + z * kGridLayer;
       for (int x = kFirstX; x < kFirstX + kCountX; ++x)
-        to[x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? from[x] : kUnseenDistance;
+        grid[row + x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? from[x] : kUnseenDistance;
     }
   }
 }
 
 template <int kFirstX, int kCountX>
 inline void CopyRows(const int16_t* distances, const uint64_t* observed, int by, int z_begin,
-                     int z_end, int16_t* __restrict out) {
+                     int z_end, int first, int16_t* __restrict grid) {
   constexpr int kLast = kBlockSide - 1;
   if (by == 0) {
-    CopyPart<kFirstX, kCountX, 0, kBlockSide>(distances, observed, z_begin, z_end, out);
+    CopyPart<kFirstX, kCountX, 0, kBlockSide>(distances, observed, z_begin, z_end, first, grid);
   } else if (by < 0) {
-    CopyPart<kFirstX, kCountX, kLast, 1>(distances, observed, z_begin, z_end, out);
+    CopyPart<kFirstX, kCountX, kLast, 1>(distances, observed, z_begin, z_end, first, grid);
   } else {
-    CopyPart<kFirstX, kCountX, 0, 2>(distances, observed, z_begin, z_end, out);
+    CopyPart<kFirstX, kCountX, 0, 2>(distances, observed, z_begin, z_end, first, grid);
   }
 }
 
 VISMAP_VECTOR_CLONES void Copy(const int16_t* distances, const uint64_t* observed, int bx, int by,
-                               int z_begin, int z_end, int16_t* __restrict out) {
+                               int z_begin, int z_end, int first, int16_t* __restrict grid) {
   if (bx == 0) {
-    CopyRows<0, kBlockSide>(distances, observed, by, z_begin, z_end, out);
+    CopyRows<0, kBlockSide>(distances, observed, by, z_begin, z_end, first, grid);
   } else if (bx < 0) {
-    CopyRows<kBlockSide - 1, 1>(distances, observed, by, z_begin, z_end, out);
+    CopyRows<kBlockSide - 1, 1>(distances, observed, by, z_begin, z_end, first, grid);
   } else {
-    CopyRows<0, 2>(distances, observed, by, z_begin, z_end, out);
+    CopyRows<0, 2>(distances, observed, by, z_begin, z_end, first, grid);
   }
 }
 
@@ -176,9 +176,9 @@ void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSi
   PackSigns(behind, signs.behind);
 }
 
-void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part,
-              int16_t* out) {
-  Copy(distances, observed, part.bx, part.by, part.z.begin, part.z.end, out);
+void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part, int first,
+              DistanceGrid* grid) {
+  Copy(distances, observed, part.bx, part.by, part.z.begin, part.z.end, first, grid->data());
 }
 
 void PlaceVertices(VertexLanes& vertices) {

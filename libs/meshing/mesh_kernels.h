@@ -46,10 +46,10 @@ struct SeenPart {
   int bx = 0, by = 0;
   VoxelRange z{0, kBlockSide};
 };
-/// Copies distances of a block. `observed` as in VoxelSigns; `out` = where the block's first voxel
-/// is, or would be, in the grid.
-void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part,
-              int16_t* out);
+/// Copies distances of a block. `observed` as in VoxelSigns; `first` = GridOffset of the block's
+/// first voxel, which need not lie in the grid.
+void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part, int first,
+              DistanceGrid* grid);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.
 inline constexpr std::array<int, 7> kStar = {0,        -1,          1,         -kGridRow,

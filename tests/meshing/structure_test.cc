@@ -49,16 +49,27 @@ std::vector<Eigen::Vector3f> Upright(const Eigen::Vector2d& low, const Eigen::Ve
   return points;
 }
 
+struct Measured {
+  std::vector<SurfacePlane> planes;
+  std::vector<SurfaceSpread> spreads;
+};
+/// Of pieces with a point per square centimetre.
+Measured Measure(const std::vector<std::vector<Eigen::Vector3f>>& pieces,
+                 const StructureOptions& options) {
+  Measured measured;
+  for (const auto& points : pieces) {
+    measured.planes.push_back(
+        FindPlane(points, 1e-4 * static_cast<double>(points.size()), options));
+    measured.spreads.push_back(SpreadOf(points));
+  }
+  return measured;
+}
+
 /// Pieces, the first of which is structure, and what becomes of the others.
 std::vector<StructureKind> NameBeside(StructureKind first,
                                       const std::vector<std::vector<Eigen::Vector3f>>& pieces,
                                       const StructureOptions& options = {}) {
-  std::vector<SurfacePlane> planes;
-  std::vector<SurfaceSpread> spreads;
-  for (const auto& points : pieces) {
-    planes.push_back(FindPlane(points, 1e-4 * static_cast<double>(points.size()), options));
-    spreads.push_back(SpreadOf(points));
-  }
+  auto [planes, spreads] = Measure(pieces, options);
   std::vector<StructureKind> kinds(pieces.size(), StructureKind::kNone);
   kinds[0] = first;
   NameFlushPieces(planes, spreads, options, &kinds);
@@ -114,12 +125,7 @@ TEST(NameFlushPieces, TheClosestPlaneDecidesWhateverTheOrder) {
 /// The kinds of pieces of surface, up being z.
 std::vector<StructureKind> NameJoined(const std::vector<std::vector<Eigen::Vector3f>>& pieces,
                                       const StructureOptions& options = {}) {
-  std::vector<SurfacePlane> planes;
-  std::vector<SurfaceSpread> spreads;
-  for (const auto& points : pieces) {
-    planes.push_back(FindPlane(points, 1e-4 * static_cast<double>(points.size()), options));
-    spreads.push_back(SpreadOf(points));
-  }
+  auto [planes, spreads] = Measure(pieces, options);
   JoinFlushAreas(spreads, options, &planes);
   return NameStructure(planes, Eigen::Vector3d::UnitZ(), 0, options);
 }
