@@ -1,7 +1,6 @@
 #include "freespace/coarsen.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -64,18 +63,30 @@ void AddUniform(const Overlaps& xs, const Overlaps& ys, const Overlaps& zs,
   }
 }
 
+/// How many bits of each byte are set. The processors that packages are built for have no
+/// instruction for that.
+constexpr uint64_t BitsPerByte(uint64_t bits) {
+  bits -= (bits >> 1) & 0x5555555555555555u;
+  bits = (bits & 0x3333333333333333u) + ((bits >> 2) & 0x3333333333333333u);
+  return (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+}
+
+constexpr uint32_t SumOfBytes(uint64_t bytes) {
+  constexpr uint64_t kEveryOther = 0x00ff00ff00ff00ffu;
+  const uint64_t pairs = (bytes & kEveryOther) + ((bytes >> 8) & kEveryOther);
+  return static_cast<uint32_t>((pairs * 0x0001000100010001u) >> 48);
+}
+
 void AddPlane(const std::array<uint64_t, 8>& plane, const Overlaps& xs, const Overlaps& ys,
               const Overlaps& zs, std::array<uint32_t, kBlockVoxels>* count) {
   for (const Overlap& z : zs) {
-    for (int layer = z.begin; layer < z.begin + z.count; ++layer) {
-      const uint64_t slab = plane[static_cast<size_t>(layer)];
-      if (slab == 0) continue;
-      for (const Overlap& y : ys) {
-        for (const Overlap& x : xs) {
-          const uint64_t voxels = slab & y.rows & (x.mask * kEveryRow);
-          (*count)[CellOffset(x, y, z)] += static_cast<uint32_t>(std::popcount(voxels));
-        }
+    for (const Overlap& x : xs) {
+      uint64_t in_rows = 0;  // voxels in each row of the layers, at most 64
+      for (int layer = z.begin; layer < z.begin + z.count; ++layer) {
+        in_rows += BitsPerByte(plane[static_cast<size_t>(layer)] & (x.mask * kEveryRow));
       }
+      if (in_rows == 0) continue;
+      for (const Overlap& y : ys) (*count)[CellOffset(x, y, z)] += SumOfBytes(in_rows & y.rows);
     }
   }
 }

@@ -27,7 +27,8 @@ struct OccupancyPlanes {
 /// equal when the states are equal: a block whose voxels all agree is always held as uniform.
 class BlockOccupancy {
  public:
-  explicit BlockOccupancy(CellState everywhere = CellState::kUnknown) : uniform_(everywhere) {}
+  BlockOccupancy() = default;
+  explicit BlockOccupancy(CellState everywhere) : uniform_(everywhere) {}
   /// Throws when a voxel is both free and occupied.
   explicit BlockOccupancy(const OccupancyPlanes& planes);
 
@@ -47,7 +48,7 @@ class BlockOccupancy {
   }
 
  private:
-  CellState uniform_;
+  CellState uniform_ = CellState::kUnknown;
   std::shared_ptr<const OccupancyPlanes> planes_;
 };
 

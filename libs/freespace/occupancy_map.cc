@@ -48,17 +48,9 @@ std::vector<BlockIndex> SortedUnique(std::span<const BlockIndex> indices) {
 
 }  // namespace
 
-std::vector<BlockIndex> OccupancyMap::SortedIndices() const {
-  std::vector<BlockIndex> indices;
-  indices.reserve(blocks_.size());
-  for (const auto& entry : blocks_) indices.push_back(entry.first);
-  std::sort(indices.begin(), indices.end());
-  return indices;
-}
-
 const BlockOccupancy& OccupancyMap::At(BlockIndex index) const {
-  const auto found = blocks_.find(index);
-  return found == blocks_.end() ? kUnknownBlock : found->second;
+  const BlockOccupancy* found = blocks_.Find(index);
+  return found == nullptr ? kUnknownBlock : *found;
 }
 
 CellState OccupancyMap::At(const Eigen::Vector3d& p_W) const {
@@ -69,14 +61,13 @@ CellState OccupancyMap::At(const Eigen::Vector3d& p_W) const {
 }
 
 bool OccupancyMap::Set(BlockIndex index, const BlockOccupancy& occupancy) {
-  const auto found = blocks_.find(index);
-  const BlockOccupancy& before = found == blocks_.end() ? kUnknownBlock : found->second;
+  const BlockOccupancy& before = At(index);
   if (before == occupancy) return false;
   digest_.Replace(ChecksumOf(index, before), ChecksumOf(index, occupancy));
   if (occupancy.is(CellState::kUnknown)) {
-    blocks_.erase(found);
+    blocks_.Erase(index);
   } else {
-    blocks_[index] = occupancy;
+    blocks_.FindOrCreate(index) = occupancy;
   }
   return true;
 }
@@ -126,7 +117,9 @@ CellBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy) {
 
 std::optional<CellBox> OccupancyMap::KnownCells() const {
   std::optional<CellBox> box;
-  for (const auto& [index, occupancy] : blocks_) Extend(KnownCellsOf(index, occupancy), &box);
+  blocks_.ForEach([&](BlockIndex index, const BlockOccupancy& occupancy) {
+    Extend(KnownCellsOf(index, occupancy), &box);
+  });
   return box;
 }
 

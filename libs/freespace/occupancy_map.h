@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tsl/robin_map.h>
-
 #include <optional>
 #include <span>
 #include <string>
@@ -41,17 +39,13 @@ CellBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy);
 /// same process, or from another process.
 class OccupancyMap {
  public:
-  using Table = tsl::robin_map<BlockIndex, BlockOccupancy, BlockIndexHash>;
-
   /// `cell_size` [m].
-  explicit OccupancyMap(double cell_size) : cell_size_(cell_size) {
-    blocks_.max_load_factor(kBlockTableLoad);
-  }
+  explicit OccupancyMap(double cell_size) : cell_size_(cell_size) {}
 
   double cell_size() const { return cell_size_; }
   size_t size() const { return blocks_.size(); }  ///< blocks of which anything is known
-  const Table& table() const { return blocks_; }  ///< unordered: sort before an output
-  std::vector<BlockIndex> SortedIndices() const;
+  const BlockTable<BlockOccupancy>& blocks() const { return blocks_; }
+  std::vector<BlockIndex> SortedIndices() const { return blocks_.SortedIndices(); }
 
   const BlockOccupancy& At(BlockIndex index) const;
   CellState At(VoxelIndex cell) const { return At(BlockOf(cell)).At(OffsetInBlock(cell)); }
@@ -81,7 +75,7 @@ class OccupancyMap {
 
  private:
   double cell_size_;
-  Table blocks_;
+  BlockTable<BlockOccupancy> blocks_;
   OccupancyDigest digest_;
 };
 

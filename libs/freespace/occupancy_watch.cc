@@ -6,7 +6,7 @@
 namespace vismap {
 
 void OccupancyWatch::Clear() {
-  entries_.clear();
+  entries_.Clear();
   digest_ = {};
 }
 
@@ -14,12 +14,11 @@ OccupancyDelta OccupancyWatch::Update(const SemanticMap& map, std::span<const Bl
   OccupancyDelta delta = ClassifyBlocks(map, changed, options_);
   std::erase_if(delta.blocks, [&](const auto& block) {
     const uint64_t now = ChecksumOf(block.first, block.second);
-    const auto found = entries_.find(block.first);
-    const uint64_t before =
-        found == entries_.end() ? 0 : std::bit_cast<uint64_t>(found->second.checksum);
+    const Entry* entry = entries_.Find(block.first);
+    const uint64_t before = entry == nullptr ? 0 : std::bit_cast<uint64_t>(entry->checksum);
     if (now == before) return true;
-    entries_[block.first] = {static_cast<uint32_t>(map.revision),
-                             std::bit_cast<std::array<uint32_t, 2>>(now)};
+    entries_.FindOrCreate(block.first) = {static_cast<uint32_t>(map.revision),
+                                          std::bit_cast<std::array<uint32_t, 2>>(now)};
     digest_.Replace(before, now);
     return false;
   });
@@ -28,9 +27,9 @@ OccupancyDelta OccupancyWatch::Update(const SemanticMap& map, std::span<const Bl
 
 std::vector<BlockIndex> OccupancyWatch::ChangedAfter(int64_t revision) const {
   std::vector<BlockIndex> blocks;
-  for (const auto& [block, entry] : entries_) {
+  entries_.ForEach([&](BlockIndex block, const Entry& entry) {
     if (entry.revision > revision) blocks.push_back(block);
-  }
+  });
   std::sort(blocks.begin(), blocks.end());
   return blocks;
 }

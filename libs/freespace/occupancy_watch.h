@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tsl/robin_map.h>
-
 #include <array>
 #include <cstdint>
 #include <span>
@@ -14,12 +12,10 @@
 namespace vismap {
 
 /// Tells which blocks of a growing map changed their occupancy, and when, without a copy of it: of
-/// each block it holds a checksum and a revision, 28 bytes where an OccupancyMap holds up to 200.
+/// each block it holds a checksum and a revision, 12 bytes where an OccupancyMap holds up to 170.
 class OccupancyWatch {
  public:
-  explicit OccupancyWatch(const OccupancyOptions& options) : options_(options) {
-    entries_.max_load_factor(kBlockTableLoad);
-  }
+  explicit OccupancyWatch(const OccupancyOptions& options) : options_(options) {}
 
   /// Forgets everything.
   void Clear();
@@ -41,7 +37,7 @@ class OccupancyWatch {
   };
 
   OccupancyOptions options_;
-  tsl::robin_map<BlockIndex, Entry, BlockIndexHash> entries_;
+  BlockTable<Entry> entries_;
   OccupancyDigest digest_;
 };
 

@@ -16,8 +16,8 @@ OccupancySlice SliceAt(const OccupancyMap& map, double z) {
   if (!box) return slice;
   slice.origin_W = Eigen::Vector2d(box->min.x, box->min.y) * size;
   slice.states = Image<CellState>(box->max.x - box->min.x, box->max.y - box->min.y);
-  for (const auto& [index, block] : map.table()) {
-    if (index.z != layer >> 3) continue;
+  map.blocks().ForEach([&](BlockIndex index, const BlockOccupancy& block) {
+    if (index.z != layer >> 3) return;
     for (int y = 0; y < kBlockSide; ++y) {
       for (int x = 0; x < kBlockSide; ++x) {
         const int v = kBlockSide * index.y + y - box->min.y;
@@ -27,7 +27,7 @@ OccupancySlice SliceAt(const OccupancyMap& map, double z) {
         }
       }
     }
-  }
+  });
   return slice;
 }
 

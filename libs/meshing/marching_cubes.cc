@@ -31,9 +31,9 @@ std::vector<Local> MeshEach(const std::vector<BlockIndex>& blocks, const Meshing
 
 std::vector<BlockIndex> BlocksWithSurface(const VoxelMap& map) {
   std::vector<BlockIndex> blocks;
-  for (const auto& [index, block] : map.table()) {
+  map.blocks().ForEach([&](BlockIndex index, const Block& block) {
     if (block.surface) blocks.push_back(index);
-  }
+  });
   return blocks;
 }
 

@@ -44,9 +44,6 @@ struct BlockIndexHash {
   }
 };
 
-/// How full tables of blocks get before they grow: a map of a floor has hundreds of thousands.
-inline constexpr float kBlockTableLoad = 0.8F;
-
 /// Evidence that a voxel belongs to a segment: how many frames said so. label kNone = empty slot.
 struct LabelVote {
   SegmentLabel label = SegmentLabel::kNone;

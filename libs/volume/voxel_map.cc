@@ -1,24 +1,11 @@
 #include "volume/voxel_map.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
 #include "volume/surface_reader.h"
 
 namespace vismap {
-
-const Block* VoxelMap::Find(BlockIndex index) const {
-  const auto found = blocks_.find(index);
-  return found == blocks_.end() ? nullptr : &found->second;
-}
-
-Block& VoxelMap::FindOrCreate(BlockIndex index) { return blocks_.try_emplace(index).first.value(); }
-
-Block* VoxelMap::FindMutable(BlockIndex index) {
-  const auto found = blocks_.find(index);
-  return found == blocks_.end() ? nullptr : &found.value();
-}
 
 void VoxelMap::NoteUse(BlockIndex index, Block& block, uint32_t now) {
   if (block.last_used == 0) unpacked_.push_back(index);
@@ -43,14 +30,6 @@ void VoxelMap::PackUnused(uint32_t before, size_t most) {
     unpacked_.pop_back();
   }
   ParallelFor(to_pack.size(), 8, [&](size_t i) { to_pack[i]->surface.Pack(); });
-}
-
-std::vector<BlockIndex> VoxelMap::SortedIndices() const {
-  std::vector<BlockIndex> indices;
-  indices.reserve(blocks_.size());
-  for (const auto& entry : blocks_) indices.push_back(entry.first);
-  std::sort(indices.begin(), indices.end());
-  return indices;
 }
 
 std::optional<VoxelReading> VoxelMap::Read(const Block& block, int offset) const {
@@ -87,15 +66,14 @@ VoxelIndex VoxelMap::VoxelAt(const Eigen::Vector3d& p_W) const {
 
 VoxelMapMemory MeasureMemory(const VoxelMap& map) {
   VoxelMapMemory memory;
-  memory.table_bytes =
-      map.table().bucket_count() * (sizeof(VoxelMap::Table::value_type) + 2 * sizeof(uint32_t));
-  for (const auto& [index, block] : map.table()) {
+  memory.table_bytes = map.blocks().bytes();
+  map.blocks().ForEach([&](BlockIndex, const Block& block) {
     if (block.surface) {
       ++memory.surface_blocks;
       if (block.surface.packed()) {
         ++memory.packed_blocks;
         memory.packed_bytes += block.surface.packed_bytes();
-        continue;
+        return;
       }
       const SurfaceVoxels& voxels = *block.surface;
       memory.tsdf_bytes +=
@@ -110,7 +88,7 @@ VoxelMapMemory MeasureMemory(const VoxelMap& map) {
     } else {
       ++memory.all_free_blocks;
     }
-  }
+  });
   return memory;
 }
 

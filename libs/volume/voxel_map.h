@@ -1,13 +1,11 @@
 #pragma once
 
-#include <tsl/robin_map.h>
-
 #include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
-#include "volume/block.h"
+#include "volume/block_table.h"
 
 namespace vismap {
 
@@ -29,11 +27,7 @@ struct VoxelReading {
 /// mapping/ for what changes it.
 class VoxelMap {
  public:
-  using Table = tsl::robin_map<BlockIndex, Block, BlockIndexHash>;
-
-  explicit VoxelMap(const VoxelGridOptions& options) : options_(options) {
-    blocks_.max_load_factor(kBlockTableLoad);
-  }
+  explicit VoxelMap(const VoxelGridOptions& options) : options_(options) {}
 
   double voxel_size() const { return options_.voxel_size; }
   double block_size() const { return options_.voxel_size * kBlockSide; }
@@ -41,14 +35,13 @@ class VoxelMap {
   const VoxelGridOptions& options() const { return options_; }
 
   /// The block, or nullptr where nothing was ever seen.
-  const Block* Find(BlockIndex index) const;
-  /// Block at `index`, created empty (unseen) when missing. Not thread-safe; references live until
-  /// the next creation.
-  Block& FindOrCreate(BlockIndex index);
-  Block* FindMutable(BlockIndex index);
-  void Erase(BlockIndex index) { blocks_.erase(index); }
+  const Block* Find(BlockIndex index) const { return blocks_.Find(index); }
+  /// Block at `index`, created empty (unseen) when missing. Not thread-safe.
+  Block& FindOrCreate(BlockIndex index) { return blocks_.FindOrCreate(index); }
+  Block* FindMutable(BlockIndex index) { return blocks_.Find(index); }
+  void Erase(BlockIndex index) { blocks_.Erase(index); }
   void Clear() {
-    blocks_.clear();
+    blocks_.Clear();
     unpacked_.clear();
   }
 
@@ -59,11 +52,9 @@ class VoxelMap {
   void PackUnused(uint32_t before, size_t most);
 
   size_t size() const { return blocks_.size(); }
-  const Table& table() const {
-    return blocks_;
-  }  ///< unordered: sort before anything reaches an output
+  const BlockTable<Block>& blocks() const { return blocks_; }
   /// All block indices in ascending (x, y, z) order.
-  std::vector<BlockIndex> SortedIndices() const;
+  std::vector<BlockIndex> SortedIndices() const { return blocks_.SortedIndices(); }
 
   /// The voxel at an offset of a block; nullopt when unseen. Voxels of free blocks read as distance
   /// = truncation with the number of observations known (1 or 2).
@@ -77,7 +68,7 @@ class VoxelMap {
 
  private:
   VoxelGridOptions options_;
-  Table blocks_;
+  BlockTable<Block> blocks_;
   std::vector<BlockIndex> unpacked_;  // those with last_used > 0; no order that means anything
   size_t next_to_pack_ = 0;           // place in it where PackUnused goes on
 };

@@ -21,9 +21,9 @@ std::vector<BlockIndex> SortedUnique(std::vector<BlockIndex> blocks) {
 
 std::vector<BlockIndex> BlocksNearSurfaces(const VoxelMap& map) {
   std::vector<BlockIndex> blocks;
-  for (const auto& [index, block] : map.table()) {
+  map.blocks().ForEach([&](BlockIndex index, const Block& block) {
     if (block.surface) blocks.push_back(index);
-  }
+  });
   return BlocksToMesh(map, blocks);
 }
 
@@ -134,7 +134,10 @@ std::string MeshPublisher::DigestOf(const SemanticMap& map, const MeshingOptions
               [&](size_t, size_t, std::vector<BlockMesh> meshes) {
                 MeshUpdate update{0, "", -1, true, 0, 1, map.voxels.block_size(), {}};
                 update.mesh.blocks = std::move(meshes);
-                for (const mesh_block_t& block : Encode(update).blocks) digest.Set(block);
+                for (const mesh_block_t& block : Encode(update).blocks) {
+                  digest.Set({block.index[0], block.index[1], block.index[2]},
+                             MeshDigest::HashOf(block));
+                }
               });
   return digest.Hex();
 }

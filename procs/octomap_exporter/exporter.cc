@@ -21,9 +21,9 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
 
 Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const StageTimer timer(status_, "following");
-  const Result<MapUpdate> update = Decode(message);
+  Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
-  const FollowOutcome outcome = follower_.Take(*update);
+  const FollowOutcome outcome = follower_.Take(std::move(*update));
   status_->SetCounter("updates_missed", follower_.gaps());
   status_->SetCounter("map_revision", follower_.position().revision);
   if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
@@ -32,8 +32,8 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
     catch_up_.Ask(follower_.position());
   }
   if (outcome == FollowOutcome::kBroken) {
-    return Fail("update to revision " + std::to_string(update->revision) + " of map '" +
-                update->map_id + "' does not fit the map; asking for a snapshot");
+    return Fail("update to revision " + std::to_string(message.revision) + " of map '" +
+                message.map_id + "' does not fit the map; asking for a snapshot");
   }
   return {};
 }

@@ -13,27 +13,27 @@ void SortUnique(std::vector<BlockIndex>* blocks) {
 
 }  // namespace
 
-FollowOutcome MapFollower::Take(const MapUpdate& update) {
+FollowOutcome MapFollower::Take(MapUpdate update) {
   const bool complete = update.delta.complete;
-  const FollowOutcome outcome =
-      sequence_.Take({update.map_id, update.revision, complete ? -1 : update.base_revision,
-                      complete, update.part, update.parts},
-                     update);
+  const double voxel_size = update.delta.voxel_size;
+  const int64_t utime = update.utime;
+  const UpdateHead head{update.map_id, update.revision, complete ? -1 : update.base_revision,
+                        complete,      update.part,     update.parts};
+  const FollowOutcome outcome = sequence_.Take(head, std::move(update));
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (complete) {
-    occupancy_.emplace(update.delta.voxel_size);
+    occupancy_.emplace(voxel_size);
     changes_ = {true, {}};
   }
-  for (const MapUpdate& part : sequence_.ready()) {
-    OccupancyDelta delta = part.delta;
-    delta.complete = false;
-    NoteChanges(delta);
-    if (!occupancy_->Apply(delta)) {
+  for (MapUpdate& part : sequence_.TakeReady()) {
+    part.delta.complete = false;
+    NoteChanges(part.delta);
+    if (!occupancy_->Apply(part.delta)) {
       sequence_.Distrust();
       return FollowOutcome::kBroken;
     }
   }
-  utime_ = update.utime;
+  utime_ = utime;
   return outcome;
 }
 

@@ -21,7 +21,7 @@ struct OccupancyChanges {
 /// consistent state.
 class MapFollower {
  public:
-  FollowOutcome Take(const MapUpdate& update);
+  FollowOutcome Take(MapUpdate update);
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }

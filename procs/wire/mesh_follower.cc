@@ -7,16 +7,19 @@
 
 namespace vismap {
 
-void MeshDigest::Set(const mesh_block_t& block) {
-  const BlockIndex index{block.index[0], block.index[1], block.index[2]};
+uint64_t MeshDigest::HashOf(const mesh_block_t& block) {
+  if (block.n_vertices == 0) return 0;
+  std::vector<uint8_t> bytes(static_cast<size_t>(block.getEncodedSize()));
+  block.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return std::max<uint64_t>(1, Checksum64(bytes));
+}
+
+void MeshDigest::Set(BlockIndex index, uint64_t hash) {
   if (const auto known = blocks_.find(index); known != blocks_.end()) {
     sum_ -= known->second;
     blocks_.erase(known);
   }
-  if (block.n_vertices == 0) return;
-  std::vector<uint8_t> bytes(static_cast<size_t>(block.getEncodedSize()));
-  block.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  const uint64_t hash = Checksum64(bytes);
+  if (hash == 0) return;
   blocks_.emplace(index, hash);
   sum_ += hash;
 }
@@ -29,21 +32,26 @@ std::string MeshDigest::Hex() const {
 }
 
 FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
-  if (!Decode(message)) return FollowOutcome::kBroken;  // so that what is staged can be applied
+  Result<MeshUpdate> update = Decode(message);
+  if (!update) return FollowOutcome::kBroken;
+  Part received{std::move(update->mesh.blocks), {}};
+  for (const mesh_block_t& block : message.blocks)
+    received.hashes.push_back(MeshDigest::HashOf(block));
   const FollowOutcome outcome =
       sequence_.Take({message.map_id, message.revision, message.base_revision,
                       static_cast<bool>(message.full), message.part, message.parts},
-                     message);
+                     std::move(received));
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (message.full) {
     blocks_.clear();
     triangles_ = 0;
     digest_.Clear();
   }
-  for (const mesh_delta_t& part : sequence_.ready()) {
-    for (const mesh_block_t& block : part.blocks) digest_.Set(block);
-    Result<MeshUpdate> update = Decode(part);
-    for (BlockMesh& block : update->mesh.blocks) Set(std::move(block));
+  for (Part& part : sequence_.TakeReady()) {
+    for (size_t i = 0; i < part.blocks.size(); ++i) {
+      digest_.Set(part.blocks[i].block, part.hashes[i]);
+      Set(std::move(part.blocks[i]));
+    }
   }
   utime_ = message.utime;
   return outcome;

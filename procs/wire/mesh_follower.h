@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "wire/mesh_update.h"
 #include "wire/update_sequence.h"
@@ -15,8 +16,10 @@ namespace vismap {
 /// about.
 class MeshDigest {
  public:
-  /// The surface of this block is now that; without vertices it is gone.
-  void Set(const mesh_block_t& block);
+  /// Of the surface of a block; 0 = it has none.
+  static uint64_t HashOf(const mesh_block_t& block);
+  /// The surface of this block is now the one with that hash.
+  void Set(BlockIndex index, uint64_t hash);
   void Clear() { *this = {}; }
   std::string Hex() const;
 
@@ -43,9 +46,13 @@ class MeshFollower {
   Mesh Joined() const;
 
  private:
+  struct Part {
+    std::vector<BlockMesh> blocks;
+    std::vector<uint64_t> hashes;  // of each, as it came
+  };
   void Set(BlockMesh block);
 
-  UpdateSequence<mesh_delta_t> sequence_;
+  UpdateSequence<Part> sequence_;
   tsl::robin_map<BlockIndex, Mesh, BlockIndexHash> blocks_;  // with a surface
   size_t triangles_ = 0;
   MeshDigest digest_;

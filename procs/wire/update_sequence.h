@@ -47,8 +47,8 @@ struct UpdateHead {
 template <typename Update>
 class UpdateSequence {
  public:
-  /// Takes one part. With kApplied, `ready()` holds all parts of the update, ascending, and the
-  /// position is that after it.
+  /// Takes one part. With kApplied, TakeReady() returns all parts of the update, ascending, and
+  /// the position is that after it.
   FollowOutcome Take(const UpdateHead& head, Update update) {
     ready_.clear();
     const bool same_map = head.map_id == position_.map_id;
@@ -72,7 +72,7 @@ class UpdateSequence {
     return FollowOutcome::kApplied;
   }
 
-  const std::vector<Update>& ready() const { return ready_; }
+  std::vector<Update> TakeReady() { return std::exchange(ready_, {}); }
 
   /// The copy cannot be trusted any more: only a full update helps.
   void Distrust() {

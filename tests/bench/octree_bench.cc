@@ -63,12 +63,12 @@ void BM_BuildOctree(benchmark::State& state) {
 OccupancyMap Tiled(const OccupancyMap& map, int side) {
   constexpr int32_t kPitch = 100;  // blocks: 8 m
   OccupancyMap tiled(map.cell_size());
-  for (const auto& [index, block] : map.table()) {
+  map.blocks().ForEach([&](BlockIndex index, const BlockOccupancy& block) {
     for (int tile = 0; tile < side * side; ++tile) {
       const int32_t x = index.x + kPitch * (tile % side);
       tiled.Set({x, index.y + kPitch * (tile / side), index.z}, block);
     }
-  }
+  });
   return tiled;
 }
 

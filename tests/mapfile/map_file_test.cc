@@ -130,8 +130,8 @@ void ExpectSameMap(const SemanticMap& a, const SemanticMap& b) {
   EXPECT_EQ(a.last_utime, b.last_utime);
   EXPECT_EQ(a.last_camera_W, b.last_camera_W);
   ASSERT_EQ(a.voxels.SortedIndices(), b.voxels.SortedIndices());
-  for (const auto& [index, block] : a.voxels.table()) {
-    ASSERT_TRUE(SameVoxels(block, *b.voxels.Find(index)));
+  for (const BlockIndex index : a.voxels.SortedIndices()) {
+    ASSERT_TRUE(SameVoxels(*a.voxels.Find(index), *b.voxels.Find(index)));
   }
   EXPECT_EQ(HashMap(a), HashMap(b));
 }

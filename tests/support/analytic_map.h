@@ -117,10 +117,10 @@ inline SemanticMap MakeAnalyticMap(const AnalyticScene& scene, const AnalyticReg
     }
   }
   SegmentLabel highest = SegmentLabel::kNone;
-  for (const auto& [index, block] : map.voxels.table()) {
-    if (!block.surface) continue;
+  map.voxels.blocks().ForEach([&](BlockIndex, const Block& block) {
+    if (!block.surface) return;
     for (const SegmentLabel label : block.surface->palette) highest = std::max(highest, label);
-  }
+  });
   map.labels.GrowLabels(static_cast<SegmentLabel>(Raw(highest) + 1));
   map.revision = region.observations;
   map.last_utime = 1'000'000;
