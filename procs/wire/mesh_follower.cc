@@ -58,13 +58,14 @@ FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
 }
 
 void MeshFollower::Set(BlockMesh block) {
-  if (const auto known = blocks_.find(block.block); known != blocks_.end()) {
-    triangles_ -= known->second.triangles.size();
+  const auto known = blocks_.find(block.block);
+  if (known != blocks_.end()) triangles_ -= known->second.triangles.size();
+  if (!block.mesh.vertices.empty()) {
+    triangles_ += block.mesh.triangles.size();
+    blocks_.insert_or_assign(block.block, std::move(block.mesh));
+  } else if (known != blocks_.end()) {
     blocks_.erase(known);
   }
-  if (block.mesh.vertices.empty()) return;
-  triangles_ += block.mesh.triangles.size();
-  blocks_.emplace(block.block, std::move(block.mesh));
 }
 
 Mesh MeshFollower::Joined() const {

@@ -102,7 +102,9 @@ Result<BlockMesh> DecodeBlock(const mesh_block_t& message) {
   block.mesh.vertices.reserve(count);
   for (size_t i = 0; i < count; ++i)
     block.mesh.vertices.push_back(DecodeVertex(message, corner, edge, i));
-  for (size_t i = 0; i < static_cast<size_t>(message.n_triangles); ++i) {
+  const auto triangles = static_cast<size_t>(message.n_triangles);
+  block.mesh.triangles.reserve(triangles);
+  for (size_t i = 0; i < triangles; ++i) {
     for (const int32_t index : {message.a[i], message.b[i], message.c[i]}) {
       if (index < 0 || index >= message.n_vertices) {
         return Fail(where + "a triangle has vertex " + std::to_string(index) + " of " +
