@@ -130,15 +130,15 @@ void MeshPublisher::Publish(const SemanticMap& map, int64_t base_revision,
 
 std::string MeshPublisher::DigestOf(const SemanticMap& map, const MeshingOptions& options) {
   MeshDigest digest;
-  MeshInParts(map, BlocksNearSurfaces(map.voxels), ShowLabels(map.labels), options,
-              [&](size_t, size_t, std::vector<BlockMesh> meshes) {
-                MeshUpdate update{0, "", -1, true, 0, 1, map.voxels.block_size(), {}};
-                update.mesh.blocks = std::move(meshes);
-                for (const mesh_block_t& block : Encode(update).blocks) {
-                  digest.Set({block.index[0], block.index[1], block.index[2]},
-                             MeshDigest::HashOf(block));
-                }
-              });
+  MeshInParts(
+      map, BlocksNearSurfaces(map.voxels), ShowLabels(map.labels), options,
+      [&](size_t, size_t, std::vector<BlockMesh> meshes) {
+        MeshUpdate update{0, "", -1, true, 0, 1, map.voxels.block_size(), {}};
+        update.mesh.blocks = std::move(meshes);
+        for (const mesh_block_t& block : Encode(update).blocks) {
+          digest.Set({block.index[0], block.index[1], block.index[2]}, MeshDigest::HashOf(block));
+        }
+      });
   return digest.Hex();
 }
 

@@ -1,5 +1,7 @@
 #include "runtime/main.h"
 
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -10,6 +12,17 @@
 
 namespace vismap {
 namespace {
+
+/// What one frame or message frees, the next needs again. Without this the C library gives it back
+/// to the system, whenever the end of the heap happens to be free, and gets it again page by page:
+/// a viewer's updates then cost twice as much, or not, by chance.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kKept = 32 << 20;  // [bytes]
+  mallopt(M_TRIM_THRESHOLD, kKept);
+  mallopt(M_MMAP_THRESHOLD, kKept);
+#endif
+}
 
 struct Arguments {
   CommonOptions common;
@@ -104,6 +117,7 @@ Result<std::unique_ptr<Bus>> OpenBus(const CommonOptions& options, const std::st
 }
 
 int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
+  KeepFreedMemory();
   CLI::App app(spec.summary, "vismap-" + spec.name);
   Arguments arguments;
   AddCommonOptions(&app, spec, &arguments);
