@@ -105,6 +105,8 @@ void BindMeshing(Binder& bind, MeshingOptions& options) {
   bind.Value("min_observations", options.min_observations);
   bind.Value("jump_fraction", options.jump_fraction);
   bind.Value("min_component_triangles", options.min_component_triangles);
+  bind.Value("island_max_share", options.island_max_share);
+  bind.Value("island_max_area_m2", options.island_max_area);
 }
 
 template <typename Binder>

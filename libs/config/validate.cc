@@ -36,6 +36,10 @@ void Check(const MeshingOptions& meshing, Problems* problems) {
                    "meshing.jump_fraction must be in [0, 10]");
   problems->Unless(meshing.min_component_triangles >= 0,
                    "meshing.min_component_triangles must not be negative");
+  problems->Unless(InRange(meshing.island_max_share, 0, 1),
+                   "meshing.island_max_share must be in [0, 1]");
+  problems->Unless(InRange(meshing.island_max_area, 0, 1e6),
+                   "meshing.island_max_area_m2 must be in [0, 1e6] m^2");
 }
 
 void Check(const ObjectOptions& objects, Problems* problems) {

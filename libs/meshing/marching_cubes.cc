@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "meshing/block_mesher.h"
 #include "meshing/block_set.h"
+#include "meshing/islands.h"
 #include "meshing/mesh_parts.h"
 #include "meshing/read_out.h"
 #include "meshing/stitcher.h"
@@ -81,6 +82,10 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);
   Mesh mesh = RemoveSmallComponents(stitcher.Take(), options.min_component_triangles);
   ApplyReadOut(ReadLabels(map.labels, VerticesPerLabel(mesh)), &mesh);
+  if (options.island_max_share > 0) {
+    AbsorbIslands(options, &mesh);
+    ApplyReadOut(ReadLabels(map.labels, VerticesPerLabel(mesh)), &mesh);
+  }
   return mesh;
 }
 

@@ -23,6 +23,10 @@ struct MeshingOptions {
   double jump_fraction = 0.9;
   /// Connected pieces with fewer triangles are left out of the mesh of a whole map.
   int min_component_triangles = 20;
+  /// Of the mesh of a whole map: islands below this share of the surface of their instance or
+  /// segment show what they lie in, see AbsorbIslands; 0 = none do. (Published code: none.)
+  double island_max_share = 0.1;
+  double island_max_area = 0.01;  ///< larger ones do not [m^2]
 };
 
 /// Surface of one block: of the cells whose lowest corner voxel lies in it.

@@ -23,11 +23,20 @@ void Unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
 }  // namespace
 
 std::vector<uint32_t> ConnectedComponents(const Mesh& mesh) {
+  return ConnectedComponents(mesh, [](uint32_t, uint32_t) { return true; });
+}
+
+std::vector<uint32_t> ConnectedComponents(const Mesh& mesh,
+                                          const std::function<bool(uint32_t, uint32_t)>& joins) {
   std::vector<uint32_t> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0u);
+  const auto connect = [&](uint32_t a, uint32_t b) {
+    if (joins(a, b)) Unite(parent, a, b);
+  };
   for (const auto& [a, b, c] : mesh.triangles) {
-    Unite(parent, a, b);
-    Unite(parent, b, c);
+    connect(a, b);
+    connect(b, c);
+    connect(c, a);
   }
   std::vector<uint32_t> component(parent.size());
   uint32_t count = 0;
