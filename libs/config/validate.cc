@@ -39,7 +39,7 @@ void Check(const MeshingOptions& meshing, Problems* problems) {
   problems->Unless(InRange(meshing.island_max_share, 0, 1),
                    "meshing.island_max_share must be in [0, 1]");
   problems->Unless(InRange(meshing.island_max_area, 0, 1e6),
-                   "meshing.island_max_area_m2 must be in [0, 1e6] m^2");
+                   "meshing.island_max_area_m2 must be in [0, 1e6] m2");
 }
 
 void Check(const ObjectOptions& objects, Problems* problems) {

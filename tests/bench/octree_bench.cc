@@ -89,7 +89,8 @@ void BM_OctreeAfterAFrame(benchmark::State& state) {
   const Recorded& recorded = Recorded::Get();
   const OccupancyMap before =
       Tiled(ClassifyMap(recorded.map, {}), static_cast<int>(state.range(0)));
-  OccupancyMap map = before;
+  OccupancyMap map(before.cell_size());
+  Require(map.Apply(before.Snapshot()).has_value(), "a map takes over its own snapshot");
   OctreeOptions options;
   options.unknown = state.range(1) == 0 ? UnknownPolicy::kAbsent : UnknownPolicy::kOccupied;
   const auto start = std::chrono::steady_clock::now();
