@@ -38,15 +38,17 @@ class BlockTable {
     return const_cast<Value*>(static_cast<const BlockTable*>(this)->Find(index));
   }
 
-  /// The value of a block; a new one when it has none.
+  /// The value of a block; a new one, as Value() makes it, when it has none.
   Value& FindOrCreate(BlockIndex index) {
-    std::unique_ptr<Cube>& cube = cubes_[CubeOf(index)];
-    if (cube == nullptr) cube = std::make_unique<Cube>();
+    auto found = cubes_.find(CubeOf(index));
+    if (found == cubes_.end())
+      found = cubes_.emplace(CubeOf(index), std::make_unique<Cube>()).first;
+    Cube& cube = *found.value();
     const int slot = SlotOf(index);
     const uint64_t bit = uint64_t{1} << slot;
-    size_ += (cube->present & bit) == 0;
-    cube->present |= bit;
-    return cube->values[At(slot)];
+    size_ += (cube.present & bit) == 0;
+    cube.present |= bit;
+    return cube.values[At(slot)];
   }
 
   /// Returns whether there was a value.
