@@ -14,7 +14,9 @@ namespace vismap {
 /// them is sent the blocks it lacks and no others. Bounded: what changed longest ago is forgotten.
 class ChangeLog {
  public:
-  explicit ChangeLog(size_t max_blocks = 100000) : max_blocks_(max_blocks) {}
+  explicit ChangeLog(size_t max_blocks = 100000) : max_blocks_(max_blocks) {
+    last_change_.max_load_factor(0.8F);  // there are up to max_blocks
+  }
 
   void Record(int64_t revision, BlockIndex block);
   /// Forgets everything; nothing had changed before.
