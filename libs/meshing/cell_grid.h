@@ -32,16 +32,9 @@ class CellGrid {
     const SurfaceVoxels* voxels = nullptr;
     int offset = 0;
   };
-  /// Of the voxel at the lower end of an edge, as numbered by EdgeSlot, and at its upper one.
-  Place LowerPlace(size_t slot) const {
-    const size_t at = slot % kAxisSlots;
-    // Of each coordinate's four bits the highest tells the block.
-    const size_t blocks = at >> 3 & 0x111;
-    const size_t offset = (at & 0x7) | (at >> 1 & 0x38) | (at >> 2 & 0x1C0);
-    return {upper_voxels_[(blocks | blocks >> 3 | blocks >> 6) & 7], static_cast<int>(offset)};
-  }
-  Place UpperPlace(size_t slot) const {
-    return LowerPlace(slot + (size_t{1} << kSlotBits * (slot / kAxisSlots)));
+  /// Of the voxel at an end of an edge, see LocateEnds.
+  Place PlaceOf(uint16_t end) const {
+    return {upper_voxels_[static_cast<size_t>(end >> kEndBits)], end & kEndMask};
   }
   /// Of the voxel (x, y, z).
   Place PlaceOf(int x, int y, int z) const {

@@ -93,36 +93,95 @@ inline float Slope(float here, float low, float high) {
   return (above - below) * factor;
 }
 
-VISMAP_VECTOR_CLONES void Place(const int16_t* a, const int16_t* b, const int16_t* axis,
-                                float* __restrict t_out, float* __restrict normal_out) {
-  constexpr int kN = kVertexLanes;
-  for (int i = 0; i < kN; ++i) {
-    const auto low = [i](const int16_t* star, int along) {
-      return static_cast<float>(star[(2 * along + 1) * kN + i]);
-    };
-    const auto high = [i](const int16_t* star, int along) {
-      return static_cast<float>(star[(2 * along + 2) * kN + i]);
-    };
-    const float from = a[i], to = b[i];
-    const float exact = from / (from - to);
-    const float at_least = exact < 0.01F ? 0.01F : exact;
-    const float t = at_least > 0.99F ? 0.99F : at_least;
-    const float x =
-        Slope(from, low(a, 0), high(a, 0)) * (1 - t) + Slope(to, low(b, 0), high(b, 0)) * t;
-    const float y =
-        Slope(from, low(a, 1), high(a, 1)) * (1 - t) + Slope(to, low(b, 1), high(b, 1)) * t;
-    const float z =
-        Slope(from, low(a, 2), high(a, 2)) * (1 - t) + Slope(to, low(b, 2), high(b, 2)) * t;
-    const float length = std::sqrt(x * x + (y * y + z * z));
-    // No slope to speak of: toward the end that lies in front of the surface.
-    const float sign = from < 0 ? 1.0F : -1.0F;
-    const float along_x = axis[i] == 0 ? sign : sign * 0.0F;
-    const float along_y = axis[i] == 1 ? sign : sign * 0.0F;
-    const float along_z = axis[i] == 2 ? sign : sign * 0.0F;
-    t_out[i] = t;
-    normal_out[i] = length > 1 ? x / length : along_x;
-    normal_out[kN + i] = length > 1 ? y / length : along_y;
-    normal_out[2 * kN + i] = length > 1 ? z / length : along_z;
+constexpr int kN = kVertexLanes;
+constexpr int kGroup = kVertexGroup;
+constexpr uint16_t kSlotMask = kSlotStride - 1;
+
+inline int CoordinateOf(uint16_t slot, int axis) { return slot >> (kSlotBits * axis) & kSlotMask; }
+inline int AxisOf(uint16_t slot) { return slot >> (3 * kSlotBits); }
+
+inline uint16_t EndAt(uint16_t slot) {
+  // Of each coordinate's four bits the highest tells the block.
+  const auto block = static_cast<uint16_t>((slot >> 3 & 1) | (slot >> 6 & 2) | (slot >> 9 & 4));
+  const auto offset =
+      static_cast<uint16_t>((slot & 0x7) | (slot >> 1 & 0x38) | (slot >> 2 & 0x1C0));
+  return static_cast<uint16_t>(offset | block << kEndBits);
+}
+
+VISMAP_VECTOR_CLONES void Locate(const uint16_t* slots, int groups, uint16_t* __restrict lower_out,
+                                 uint16_t* __restrict upper_out) {
+  for (int group = 0; group < groups * kGroup; group += kGroup) {
+    for (int i = group; i < group + kGroup; ++i) {
+      const uint16_t slot = slots[i];
+      const auto along_x = static_cast<uint16_t>(slot < kAxisSlots ? 1 : 0);
+      const auto along_y = static_cast<uint16_t>(slot < 2 * kAxisSlots ? kSlotStride : 0);
+      const uint16_t across = along_x != 0 ? along_x : along_y;
+      const auto step = static_cast<uint16_t>(across != 0 ? across : kSlotStride * kSlotStride);
+      lower_out[i] = EndAt(slot);
+      upper_out[i] = EndAt(static_cast<uint16_t>(slot + step));
+    }
+  }
+}
+
+VISMAP_VECTOR_CLONES void Cut(const uint16_t* slots, const int16_t* a, const int16_t* b, int groups,
+                              float* __restrict t_out, float* __restrict normal_out) {
+  for (int group = 0; group < groups * kGroup; group += kGroup) {
+    for (int i = group; i < group + kGroup; ++i) {
+      const auto low = [i](const int16_t* star, int along) {
+        return static_cast<float>(star[(2 * along + 1) * kN + i]);
+      };
+      const auto high = [i](const int16_t* star, int along) {
+        return static_cast<float>(star[(2 * along + 2) * kN + i]);
+      };
+      const float from = a[i], to = b[i];
+      const float exact = from / (from - to);
+      const float at_least = exact < 0.01F ? 0.01F : exact;
+      const float t = at_least > 0.99F ? 0.99F : at_least;
+      const float x =
+          Slope(from, low(a, 0), high(a, 0)) * (1 - t) + Slope(to, low(b, 0), high(b, 0)) * t;
+      const float y =
+          Slope(from, low(a, 1), high(a, 1)) * (1 - t) + Slope(to, low(b, 1), high(b, 1)) * t;
+      const float z =
+          Slope(from, low(a, 2), high(a, 2)) * (1 - t) + Slope(to, low(b, 2), high(b, 2)) * t;
+      const float length = std::sqrt(x * x + (y * y + z * z));
+      // No slope to speak of: toward the end that lies in front of the surface.
+      const float sign = from < 0 ? 1.0F : -1.0F;
+      const int axis = AxisOf(slots[i]);
+      const float along_x = axis == 0 ? sign : sign * 0.0F;
+      const float along_y = axis == 1 ? sign : sign * 0.0F;
+      const float along_z = axis == 2 ? sign : sign * 0.0F;
+      t_out[i] = t;
+      normal_out[i] = length > 1 ? x / length : along_x;
+      normal_out[kN + i] = length > 1 ? y / length : along_y;
+      normal_out[2 * kN + i] = length > 1 ? z / length : along_z;
+    }
+  }
+}
+
+VISMAP_VECTOR_CLONES void Position(const uint16_t* slots, const float* t, int axis, int groups,
+                                   double first, double step, float* __restrict position_out) {
+  for (int group = 0; group < groups * kGroup; group += kGroup) {
+    for (int i = group; i < group + kGroup; ++i) {
+      const double along = AxisOf(slots[i]) == axis ? t[i] : 0.0F;
+      const double center = first + static_cast<double>(CoordinateOf(slots[i], axis));
+      position_out[i] = static_cast<float>((center + along) * step);
+    }
+  }
+}
+
+VISMAP_VECTOR_CLONES void Blend(const uint32_t* lower, const uint32_t* upper, const float* t,
+                                int groups, uint32_t* __restrict color_out) {
+  constexpr uint32_t kOne = 256, kOuter = 0xFF00FF, kMiddle = 0xFF00;
+  constexpr uint32_t kHalves = (kOne / 2) | (kOne / 2) << 16;
+  for (int group = 0; group < groups * kGroup; group += kGroup) {
+    for (int i = group; i < group + kGroup; ++i) {
+      const auto share = static_cast<uint32_t>(static_cast<int>(t[i] * float{kOne} + 0.5F));
+      const auto mix = [share](uint32_t low, uint32_t high) {  // up to two bytes, 16 bits apart
+        return low * (kOne - share) + high * share + kHalves;
+      };
+      const uint32_t outer = mix(lower[i] & kOuter, upper[i] & kOuter) >> 8 & kOuter;
+      color_out[i] = outer | (mix(lower[i] >> 8 & 0xFF, upper[i] >> 8 & 0xFF) & kMiddle);
+    }
   }
 }
 
@@ -181,9 +240,26 @@ void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart
   Copy(distances, observed, part.bx, part.by, part.z.begin, part.z.end, first, grid->data());
 }
 
-void PlaceVertices(VertexLanes& vertices) {
-  Place(vertices.lower.front().data(), vertices.upper.front().data(), vertices.axis.data(),
-        vertices.t.data(), vertices.normal.front().data());
+void LocateEnds(size_t groups, VertexLanes& vertices) {
+  Locate(vertices.slot.data(), static_cast<int>(groups), vertices.lower_end.data(),
+         vertices.upper_end.data());
+}
+
+void PlaceVertices(size_t groups, const VoxelCenters& centers, VertexLanes& vertices) {
+  const auto n = static_cast<int>(groups);
+  const uint16_t* slots = vertices.slot.data();
+  float* t = vertices.t.data();
+  Cut(slots, vertices.lower.front().data(), vertices.upper.front().data(), n, t,
+      vertices.normal.front().data());
+  for (size_t axis = 0; axis < 3; ++axis) {
+    Position(slots, t, static_cast<int>(axis), n, centers.first[axis], centers.step,
+             vertices.position[axis].data());
+  }
+}
+
+void BlendColors(size_t groups, VertexLanes& vertices) {
+  Blend(vertices.lower_color.data(), vertices.upper_color.data(), vertices.t.data(),
+        static_cast<int>(groups), vertices.color.data());
 }
 
 void CrossEdges(const uint16_t* behind, const uint16_t* cells, int rows, const EdgeRows& out) {

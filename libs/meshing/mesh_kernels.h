@@ -55,19 +55,39 @@ void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart
 inline constexpr std::array<int, 7> kStar = {0,        -1,          1,         -kGridRow,
                                              kGridRow, -kGridLayer, kGridLayer};
 
-/// Some vertices at a time, one array per component.
-inline constexpr int kVertexLanes = 64;
+/// Some vertices at a time, one array per component. The loops run over whole groups of them.
+inline constexpr size_t kVertexLanes = 64;
+inline constexpr size_t kVertexGroup = 16;
 struct VertexLanes {
   template <typename T>
   using Lane = std::array<T, kVertexLanes>;
-  alignas(64) std::array<Lane<int16_t>, 7> lower{};  ///< star of the lower end of the vertex's edge
-  alignas(64) std::array<Lane<int16_t>, 7> upper{};  ///< and of its upper end
-  alignas(64) Lane<int16_t> axis{};                  ///< of the edge
-  alignas(64) Lane<float> t{};                       ///< place between the ends, [0.01, 0.99]
-  alignas(64) std::array<Lane<float>, 3> normal{};   ///< unit, W
+  alignas(64) Lane<uint16_t> slot{};  ///< of the vertex's edge, as numbered by EdgeSlot
+  alignas(64) std::array<Lane<int16_t>, 7> lower{};   ///< star of the edge's lower end
+  alignas(64) std::array<Lane<int16_t>, 7> upper{};   ///< and of its upper end
+  alignas(64) Lane<uint32_t> lower_color{};           ///< r | g << 8 | b << 16
+  alignas(64) Lane<uint32_t> upper_color{};           ///< the same
+  alignas(64) Lane<uint16_t> lower_end{};             ///< set by LocateEnds
+  alignas(64) Lane<uint16_t> upper_end{};             ///< the same
+  alignas(64) Lane<float> t{};                        ///< place between the ends, [0.01, 0.99]
+  alignas(64) std::array<Lane<float>, 3> normal{};    ///< unit, W
+  alignas(64) std::array<Lane<float>, 3> position{};  ///< W [m]
+  alignas(64) Lane<uint32_t> color{};                 ///< as above, interpolated
 };
-/// Computes places and normals from the rest.
-void PlaceVertices(VertexLanes& vertices);
+/// The voxel at an end of an edge: its offset, and which of the block (0) and the seven behind it
+/// along x (1), y (2) and z (4) has it.
+inline constexpr int kEndBits = 9;
+inline constexpr int kEndMask = (1 << kEndBits) - 1;
+/// Computes the ends of edges from their slots.
+void LocateEnds(size_t groups, VertexLanes& vertices);
+/// Where voxel centres are along each axis: (first + i) * step [m].
+struct VoxelCenters {
+  std::array<double, 3> first;
+  double step;
+};
+/// Computes places, normals and positions from slots and stars.
+void PlaceVertices(size_t groups, const VoxelCenters& centers, VertexLanes& vertices);
+/// Computes colours from those at the ends.
+void BlendColors(size_t groups, VertexLanes& vertices);
 
 /// Rows of bits of the lattice around a block: bit x of row y + kBitRows * z. Rows without voxels
 /// or cells are 0, so those past the highest y serve as the one before the lowest of the next

@@ -1,26 +1,15 @@
 #include "meshing/surface_vertex.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 namespace vismap {
 namespace {
 
-Rgb8 Blend(Rgb8 a, Rgb8 b, float t) {
-  constexpr uint32_t kOne = 256;
-  const auto share = static_cast<uint32_t>(static_cast<int>(t * float{kOne} + 0.5F));
-  const auto mix = [share](uint32_t low, uint32_t high) {
-    return static_cast<uint8_t>((low * (kOne - share) + high * share + kOne / 2) / kOne);
-  };
-  return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
-}
-
-Rgb8 ColorOf(const CellGrid::Place& a, const CellGrid::Place& b, float t) {
-  const auto color = [](const CellGrid::Place& place) {
-    return place.voxels->color[static_cast<size_t>(place.offset)];
-  };
-  if (a.voxels != nullptr && b.voxels != nullptr) return Blend(color(a), color(b), t);
-  if (a.voxels != nullptr) return color(a);
-  return b.voxels != nullptr ? color(b) : Rgb8{};
+uint32_t ColorOf(const CellGrid::Place& place) {
+  const Rgb8& color = place.voxels->color[static_cast<size_t>(place.offset)];
+  return color.r | uint32_t{color.g} << 8 | uint32_t{color.b} << 16;
 }
 
 // Colours and votes come from all over a block: without this every one of them is waited for.
@@ -36,6 +25,18 @@ bool HasVotes(const CellGrid::Place& place) {
   return (entries[0] | entries[1] | entries[2]) != 0;
 }
 
+// Of four voxels, by their twelve entries.
+unsigned VotedOfFour(const uint8_t* entries) {
+  uint64_t low, high;
+  std::memcpy(&low, entries, sizeof(low));
+  std::memcpy(&high, entries + 4, sizeof(high));
+  constexpr uint64_t kVoxel = 0xFFFFFF;
+  return static_cast<unsigned>((low & kVoxel) != 0) |
+         static_cast<unsigned>((low >> 24 & kVoxel) != 0) << 1 |
+         static_cast<unsigned>((high >> 16 & kVoxel) != 0) << 2 |
+         static_cast<unsigned>((high >> 40) != 0) << 3;
+}
+
 // The most frequent one; ties to the lower.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
@@ -48,6 +49,30 @@ SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   }
   return best;
 }
+
+// The voxels around an edge are those that share a corner with an end of it: a box that begins one
+// below the lower end, of three voxels, and four along the edge. In sets of them voxel (x, y, z) is
+// bit x + 4 y + 16 z.
+using Around = uint64_t;
+constexpr int kAroundBits = 2;
+
+// Those that share a face with an end of an edge, by its axis; and the ends.
+constexpr std::array<Around, 3> ListFaceNeighbours() {
+  std::array<Around, 3> neighbours{};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int bit = 0; bit < 64; ++bit) {
+      int outside = 0, faces = 0;
+      for (int i = 0; i < 3; ++i) {
+        const int at = bit >> (kAroundBits * i) & 3, last = i == axis ? 3 : 2;
+        outside += at > last;
+        faces += at == 0 || at == last;
+      }
+      if (outside == 0 && faces <= 1) neighbours[static_cast<size_t>(axis)] |= Around{1} << bit;
+    }
+  }
+  return neighbours;
+}
+constexpr std::array<Around, 3> kFaceNeighbours = ListFaceNeighbours();
 
 }  // namespace
 
@@ -62,67 +87,65 @@ void VertexMaker::Prefetch(const SurfaceVoxels& voxels) {
 
 void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
                        std::vector<MeshVertex>* vertices) {
-  StartBlock(block);
+  const auto first = [](int32_t index) { return static_cast<double>(index) * kBlockSide + 0.5; };
+  const VoxelCenters centers{{first(block.x), first(block.y), first(block.z)}, voxel_size_};
   vertices->reserve(edges.size());
   while (!edges.empty()) {
-    const auto some = edges.first(std::min<size_t>(edges.size(), kVertexLanes));
-    for (size_t i = 0; i < some.size(); ++i) LoadLane(some[i], i);
-    PlaceVertices(lanes_);
+    const auto some = edges.first(std::min(edges.size(), kVertexLanes));
+    const size_t groups = (some.size() + kVertexGroup - 1) / kVertexGroup;
+    std::copy(some.begin(), some.end(), lanes_.slot.begin());
+    LocateEnds(groups, lanes_);
+    for (size_t i = 0; i < some.size(); ++i) LoadStar(i);
+    PlaceVertices(groups, centers, lanes_);
+    for (size_t i = 0; i < some.size(); ++i) LoadColors(i);
+    BlendColors(groups, lanes_);
     for (size_t i = 0; i < some.size(); ++i) FinishVertex(i, &vertices->emplace_back());
     edges = edges.subspan(some.size());
   }
 }
 
-void VertexMaker::StartBlock(BlockIndex block) {
-  const std::array<int32_t, 3> index{block.x, block.y, block.z};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    for (size_t i = 0; i < kSlotSide; ++i) {
-      const double first = static_cast<double>(index[axis]) * kBlockSide;
-      centers_[axis][i] = first + static_cast<double>(i) + 0.5;
-      centers_W_[axis][i] = static_cast<float>(centers_[axis][i] * voxel_size_);
-    }
-  }
-}
-
-inline void VertexMaker::LoadLane(uint16_t slot, size_t lane) {
+inline void VertexMaker::LoadStar(size_t lane) {
+  const uint16_t slot = lanes_.slot[lane];
   const int16_t* lower = grid_.Lower(slot);
   const int16_t* upper = grid_.Upper(slot);
   for (size_t i = 0; i < kStar.size(); ++i) {
     lanes_.lower[i][lane] = lower[kStar[i]];
     lanes_.upper[i][lane] = upper[kStar[i]];
   }
-  lanes_.axis[lane] = static_cast<int16_t>(slot / kAxisSlots);
-  Origin& origin = origins_[lane];
-  origin = {slot, {grid_.LowerPlace(slot), grid_.UpperPlace(slot)}};
-  for (const CellGrid::Place& end : origin.ends) PrefetchVoxel(end);
+  PrefetchVoxel(grid_.PlaceOf(lanes_.lower_end[lane]));
+  PrefetchVoxel(grid_.PlaceOf(lanes_.upper_end[lane]));
+}
+
+inline void VertexMaker::LoadColors(size_t lane) {
+  CellGrid::Place a = grid_.PlaceOf(lanes_.lower_end[lane]);
+  CellGrid::Place b = grid_.PlaceOf(lanes_.upper_end[lane]);
+  // Free blocks have no colours; the end behind the surface is never in one.
+  if (a.voxels == nullptr) a = b;
+  if (b.voxels == nullptr) b = a;
+  lanes_.lower_color[lane] = ColorOf(a);
+  lanes_.upper_color[lane] = ColorOf(b);
 }
 
 inline void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {
-  const auto& [slot, ends] = origins_[lane];
-  const float t = lanes_.t[lane];
-  const LatticeEdge edge = EdgeOfSlot(slot);
-  const auto center = [this](int axis, int at) {
-    return centers_W_[static_cast<size_t>(axis)][static_cast<size_t>(at)];
-  };
-  vertex->position_W = {center(0, edge.x), center(1, edge.y), center(2, edge.z)};
-  const int along = slot >> (kSlotBits * edge.axis) & (kSlotStride - 1);
-  const double lower = centers_[static_cast<size_t>(edge.axis)][static_cast<size_t>(along)];
-  vertex->position_W[edge.axis] =
-      static_cast<float>((lower + static_cast<double>(t)) * voxel_size_);
-  vertex->normal_W = {lanes_.normal[0][lane], lanes_.normal[1][lane], lanes_.normal[2][lane]};
-  vertex->color = ColorOf(ends[0], ends[1], t);
+  const auto& [x, y, z] = lanes_.position;
+  vertex->position_W = {x[lane], y[lane], z[lane]};
+  const auto& [nx, ny, nz] = lanes_.normal;
+  vertex->normal_W = {nx[lane], ny[lane], nz[lane]};
+  const uint32_t color = lanes_.color[lane];
+  vertex->color = {static_cast<uint8_t>(color), static_cast<uint8_t>(color >> 8),
+                   static_cast<uint8_t>(color >> 16)};
   const ShownLabel label = LabelOf(lane);
   vertex->segment = label.segment;
   vertex->instance = label.instance;
   vertex->class_id = label.class_id;
 }
 
-ShownLabel VertexMaker::LabelOf(size_t lane) const {
-  const auto& [slot, ends] = origins_[lane];
-  const size_t nearer = lanes_.t[lane] <= 0.5F ? 0 : 1;
-  SegmentLabel label = LabelAt(ends[nearer]);
-  if (label == SegmentLabel::kNone) label = LabelAt(ends[1 - nearer]);
-  if (label == SegmentLabel::kNone) label = LabelAround(EdgeOfSlot(slot));
+inline ShownLabel VertexMaker::LabelOf(size_t lane) const {
+  uint16_t nearer = lanes_.lower_end[lane], farther = lanes_.upper_end[lane];
+  if (lanes_.t[lane] > 0.5F) std::swap(nearer, farther);
+  SegmentLabel label = LabelAt(grid_.PlaceOf(nearer));
+  if (label == SegmentLabel::kNone) label = LabelAt(grid_.PlaceOf(farther));
+  if (label == SegmentLabel::kNone) label = LabelAround(EdgeOfSlot(lanes_.slot[lane]));
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
 
@@ -131,67 +154,57 @@ inline SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
 }
 
 inline SegmentLabel VertexMaker::LabelOfVotes(const SurfaceVoxels& voxels, int offset) const {
-  const auto& entries = voxels.slot_label[static_cast<size_t>(offset)];
+  const auto voxel = static_cast<size_t>(offset);
+  const auto& entries = voxels.slot_label[voxel];
   if ((entries[1] | entries[2]) == 0) return Canonical(voxels.palette[entries[0] - 1u]);  // mostly
+  // Without branches: how many slots are in use cannot be foreseen.
   std::array<LabelVote, kVoteSlots> votes;
-  for (int slot = 0; slot < kVoteSlots; ++slot) {
-    LabelVote& vote = votes[static_cast<size_t>(slot)];
-    vote = voxels.Vote(offset, slot);
-    vote.label = Canonical(vote.label);
+  for (size_t slot = 0; slot < kVoteSlots; ++slot) {
+    const bool used = entries[slot] != 0;
+    const SegmentLabel label = Canonical(voxels.palette[used ? entries[slot] - 1u : 0u]);
+    votes[slot] = {used ? label : SegmentLabel::kNone, voxels.slot_votes[voxel][slot]};
   }
   return StrongestLabel(votes);
 }
 
 SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
-  VoxelsAround voted;
-  size_t count = ListBeside(edge, &voted);
-  if (count == 0) count = ListAround(edge, &voted);
+  const Around voted = VotedAround(edge);
+  const Around beside = voted & kFaceNeighbours[static_cast<size_t>(edge.axis)];
   std::array<SegmentLabel, kMostAround> labels;
+  size_t count = 0;
   bool same = true;
-  for (size_t i = 0; i < count; ++i) {
-    labels[i] = LabelOfVotes(*voted[i].voxels, voted[i].offset);
-    same = same && labels[i] == labels[0];
+  for (Around left = beside != 0 ? beside : voted; left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    const auto at = [bit](int axis) { return (bit >> (kAroundBits * axis) & 3) - 1; };
+    const CellGrid::Place place = grid_.PlaceOf(edge.x + at(0), edge.y + at(1), edge.z + at(2));
+    labels[count] = LabelOfVotes(*place.voxels, place.offset);
+    same = same && labels[count] == labels[0];
+    ++count;
   }
   if (same) return count == 0 ? SegmentLabel::kNone : labels[0];  // mostly
   return MostFrequent(std::span(labels).first(count));
 }
 
-// Both without branches: which voxels have votes cannot be foreseen.
-
-size_t VertexMaker::ListBeside(const LatticeEdge& edge, VoxelsAround* voted) const {
-  size_t count = 0;
-  const auto add = [&](const Eigen::Vector3i& at) {
-    (*voted)[count] = grid_.PlaceOf(at.x(), at.y(), at.z());
-    count += HasVotes((*voted)[count]) ? 1 : 0;
+inline uint64_t VertexMaker::VotedAround(const LatticeEdge& edge) const {
+  constexpr int kRead = 4;  // voxels at once
+  const int first = edge.x - 1, at = first & (kBlockSide - 1), from = std::min(at, kRead);
+  const int count = 3 + (edge.axis == 0);
+  const int high_y = edge.y + 1 + (edge.axis == 1), high_z = edge.z + 1 + (edge.axis == 2);
+  const auto read = [&](int x, int y, int z) -> unsigned {
+    const CellGrid::Place place = grid_.PlaceOf(x, y, z);
+    if (place.voxels == nullptr) return 0;
+    return VotedOfFour(place.voxels->slot_label[static_cast<size_t>(place.offset)].data());
   };
-  const Eigen::Vector3i lower(edge.x, edge.y, edge.z), along = Eigen::Vector3i::Unit(edge.axis);
-  const Eigen::Vector3i upper = lower + along;
-  add(lower - along);
-  add(upper + along);
-  for (const int turn : {1, 2}) {
-    const Eigen::Vector3i aside = Eigen::Vector3i::Unit((edge.axis + turn) % 3);
-    for (const Eigen::Vector3i& end : {lower, upper}) {
-      add(end - aside);
-      add(end + aside);
+  Around voted = 0;
+  int shift = 0;
+  for (int z = edge.z - 1; z <= high_z; ++z, shift = (shift + 15) & ~15) {
+    for (int y = edge.y - 1; y <= high_y; ++y, shift += 4) {
+      unsigned row = read(first - at + from, y, z) >> (at - from);
+      if (at + count > kBlockSide) row |= read(first - at + kBlockSide, y, z) << (kBlockSide - at);
+      voted |= Around{row & ((1U << count) - 1)} << shift;
     }
   }
-  return count;
-}
-
-size_t VertexMaker::ListAround(const LatticeEdge& edge, VoxelsAround* voted) const {
-  const int high_x = edge.x + 1 + (edge.axis == 0);
-  const int high_y = edge.y + 1 + (edge.axis == 1);
-  const int high_z = edge.z + 1 + (edge.axis == 2);
-  size_t count = 0;
-  for (int z = edge.z - 1; z <= high_z; ++z) {
-    for (int y = edge.y - 1; y <= high_y; ++y) {
-      for (int x = edge.x - 1; x <= high_x; ++x) {
-        (*voted)[count] = grid_.PlaceOf(x, y, z);
-        count += HasVotes((*voted)[count]) ? 1 : 0;
-      }
-    }
-  }
-  return count;
+  return voted;
 }
 
 }  // namespace vismap

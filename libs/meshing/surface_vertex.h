@@ -27,19 +27,16 @@ class VertexMaker {
   void Make(BlockIndex block, std::span<const uint16_t> edges, std::vector<MeshVertex>* vertices);
 
  private:
-  void StartBlock(BlockIndex block);
-  void LoadLane(uint16_t slot, size_t lane);
+  void LoadStar(size_t lane);
+  void LoadColors(size_t lane);
   void FinishVertex(size_t lane, MeshVertex* vertex) const;
   ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
   SegmentLabel LabelOfVotes(const SurfaceVoxels& voxels, int offset) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   static constexpr size_t kMostAround = 3 * 3 * 4;
-  using VoxelsAround = std::array<CellGrid::Place, kMostAround + 1>;
-  /// The voxels with votes that share a face with an end of an edge; returns how many.
-  size_t ListBeside(const LatticeEdge& edge, VoxelsAround* voted) const;
-  /// Those that share a corner with one.
-  size_t ListAround(const LatticeEdge& edge, VoxelsAround* voted) const;
+  /// Which voxels around an edge have votes.
+  uint64_t VotedAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;
   }
@@ -48,14 +45,6 @@ class VertexMaker {
   double voxel_size_;
   std::span<const ShownLabel> shown_;
   VertexLanes lanes_;
-  struct Origin {
-    uint16_t slot;
-    std::array<CellGrid::Place, 2> ends;
-  };
-  std::array<Origin, kVertexLanes> origins_;
-  // Voxel centres of the block per axis: in voxels, and in W [m].
-  std::array<std::array<double, kSlotSide>, 3> centers_;
-  std::array<std::array<float, kSlotSide>, 3> centers_W_;
 };
 
 }  // namespace vismap
