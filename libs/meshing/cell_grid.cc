@@ -26,7 +26,7 @@ struct Neighbour {
 constexpr std::array<Neighbour, 20> ListNeighbours() {
   std::array<Neighbour, 20> neighbours;
   size_t count = 0;
-  for (const int bx : {0, -1, 1}) {
+  for (const int bx : {0, 1, -1}) {
     for (int i = 0; i < 9; ++i) {
       const Neighbour neighbour{bx, i / 3 - 1, i % 3 - 1};
       const int below = (bx < 0) + (neighbour.by < 0) + (neighbour.bz < 0);

@@ -41,44 +41,62 @@ VISMAP_VECTOR_CLONES void PackRows(const uint64_t* flags, uint64_t* __restrict r
   }
 }
 
-constexpr std::array<uint16_t, kBlockSide> kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+// A row of a block. As a vector of its own: loops over few rows are not vectorised else.
+using Row = int16_t __attribute__((vector_size(sizeof(int16_t) * kBlockSide)));
+
+constexpr Row kRowBits = {1, 2, 4, 8, 16, 32, 64, 128};
+constexpr int16_t kU = kUnseenDistance;
+constexpr Row kUnseenRow = {kU, kU, kU, kU, kU, kU, kU, kU};
+
+// Copies the voxels of a row whose bit is set, and no others.
+inline void CopyRow(const int16_t* distances, uint64_t bits, int16_t* grid) {
+  const auto all = static_cast<int16_t>(bits);
+  const Row is_seen = Row{all, all, all, all, all, all, all, all} & kRowBits;
+  Row row;
+  std::memcpy(&row, distances, sizeof(row));
+  row = is_seen != 0 ? row : kUnseenRow;
+  std::memcpy(grid, &row, sizeof(row));
+}
 
 // How much is copied of a layer is known beforehand: that leaves one loop to foresee.
-template <int kFirstX, int kCountX, int kFirstY, int kCountY>
+template <int kBx, int kFirstY, int kCountY>
 inline void CopyPart(const int16_t* distances, const uint64_t* observed, int z_begin, int z_end,
-                     int first, int16_t* __restrict grid) {
+                     int first, int16_t* grid) {
+  constexpr int kLast = kBlockSide - 1;
   for (int z = z_begin; z < z_end; ++z) {
     for (int y = kFirstY; y < kFirstY + kCountY; ++y) {
-      const auto bits = static_cast<uint16_t>(observed[z] >> (kBlockSide * y) & 0xFF);
+      const uint64_t bits = observed[z] >> (kBlockSide * y) & 0xFF;
       const int16_t* from = &distances[LinearIndex(0, y, z)];
-      const int row = first + y * kGridRow + z * kGridLayer;
-      for (int x = kFirstX; x < kFirstX + kCountX; ++x)
-        grid[row + x] = (bits & kBit[static_cast<size_t>(x)]) != 0 ? from[x] : kUnseenDistance;
+      int16_t* to = grid + first + y * kGridRow + z * kGridLayer;
+      if constexpr (kBx < 0) {
+        to[kLast] = bits >> kLast != 0 ? from[kLast] : kUnseenDistance;
+      } else {
+        CopyRow(from, kBx == 0 ? bits : bits & 3, to);  // two, and beyond them unseen ones
+      }
     }
   }
 }
 
-template <int kFirstX, int kCountX>
+template <int kBx>
 inline void CopyRows(const int16_t* distances, const uint64_t* observed, int by, int z_begin,
-                     int z_end, int first, int16_t* __restrict grid) {
-  constexpr int kLast = kBlockSide - 1;
+                     int z_end, int first, int16_t* grid) {
   if (by == 0) {
-    CopyPart<kFirstX, kCountX, 0, kBlockSide>(distances, observed, z_begin, z_end, first, grid);
+    CopyPart<kBx, 0, kBlockSide>(distances, observed, z_begin, z_end, first, grid);
   } else if (by < 0) {
-    CopyPart<kFirstX, kCountX, kLast, 1>(distances, observed, z_begin, z_end, first, grid);
+    CopyPart<kBx, kBlockSide - 1, 1>(distances, observed, z_begin, z_end, first, grid);
   } else {
-    CopyPart<kFirstX, kCountX, 0, 2>(distances, observed, z_begin, z_end, first, grid);
+    CopyPart<kBx, 0, 2>(distances, observed, z_begin, z_end, first, grid);
   }
 }
 
-VISMAP_VECTOR_CLONES void Copy(const int16_t* distances, const uint64_t* observed, int bx, int by,
-                               int z_begin, int z_end, int first, int16_t* __restrict grid) {
+void Copy(const int16_t* distances, const uint64_t* observed, int bx, int by, int z_begin,
+          int z_end, int first, int16_t* grid) {
   if (bx == 0) {
-    CopyRows<0, kBlockSide>(distances, observed, by, z_begin, z_end, first, grid);
+    CopyRows<0>(distances, observed, by, z_begin, z_end, first, grid);
   } else if (bx < 0) {
-    CopyRows<kBlockSide - 1, 1>(distances, observed, by, z_begin, z_end, first, grid);
+    CopyRows<-1>(distances, observed, by, z_begin, z_end, first, grid);
   } else {
-    CopyRows<0, 2>(distances, observed, by, z_begin, z_end, first, grid);
+    CopyRows<1>(distances, observed, by, z_begin, z_end, first, grid);
   }
 }
 
