@@ -96,7 +96,7 @@ void ForEachCell(const CellBits& cells, const Visit& visit) {
 BlockMesher::BlockMesher(const MeshingJob& job)
     : job_(job),
       jump_(static_cast<int>(std::lround(std::clamp(job.jump_fraction, 0.0, 2.0) * 32767))),
-      walk_(job.views.views()),
+      walk_(job.views),
       vertex_maker_(grid_, job.voxel_size, job.shown) {}
 
 inline bool BlockMesher::IsJump(size_t slot) const {

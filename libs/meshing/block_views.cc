@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 
@@ -65,6 +66,12 @@ BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& block
     view.has_surface = true;
     view.voxels = view.block->surface.get();
   });
+  for (const BlockView& view : views_) {
+    const auto [x, y, z] = view.index;
+    if (columns_.empty() || columns_.back().x != x || columns_.back().y != y)
+      columns_.push_back({x, y, &view, &view});
+    columns_.back().end = &view + 1;
+  }
 }
 
 std::vector<BlockIndex> BlockViews::WithSurface() const {
@@ -96,41 +103,60 @@ void BlockViews::ReadVoxels(const MeshingOptions& options) {
 }
 
 void NeighbourWalk::GoTo(BlockIndex block) {
+  const bool same_columns = started_ && block.x == block_.x && block.y == block_.y;
   block_ = block;
+  started_ = true;
+  if (!same_columns) FindColumns();
   for (int x = 0; x <= 1; ++x) {
-    for (int y = 0; y <= 1; ++y) FindColumn(x, y);
+    for (int y = 0; y <= 1; ++y) FindAlong(x, y);
   }
 }
 
 void NeighbourWalk::FindLower() {
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
-      if (x < 0 || y < 0) FindColumn(x, y);
+      if (x < 0 || y < 0) FindAlong(x, y);
     }
   }
 }
 
 const BlockView* NeighbourWalk::Next() const {
-  for (auto view = cursors_[Slot(0, 0, -1) / 3]; view != views_.end(); ++view) {
-    if (view->behind != nullptr && block_ < view->index) return &*view;
+  const Rest& rest = rests_[Slot(0, 0, -1) / 3];
+  const std::vector<BlockView>& all = views_.views();
+  const BlockView* view = rest.begin;
+  while (view != rest.end && view->index.z <= block_.z) ++view;
+  for (const BlockView* end = all.data() + all.size(); view != nullptr && view != end; ++view) {
+    if (view->behind != nullptr) return view;
   }
   return nullptr;
 }
 
-void NeighbourWalk::FindColumn(int x, int y) {
-  auto& cursor = cursors_[Slot(x, y, -1) / 3];
-  BlockIndex at{block_.x + x, block_.y + y, block_.z - 1};
-  constexpr ptrdiff_t kFar = 16;
-  if (views_.end() - cursor > kFar && cursor[kFar].index < at) {
-    cursor = std::lower_bound(
-        cursor + kFar, views_.end(), at,
-        [](const BlockView& view, const BlockIndex& index) { return view.index < index; });
+void NeighbourWalk::FindColumns() {
+  for (int x = -1; x <= 1; ++x) {
+    const std::pair first(block_.x + x, block_.y - 1);
+    auto column = std::lower_bound(views_.columns().begin(), views_.columns().end(), first,
+                                   [](const BlockViews::Column& a, const std::pair<int, int>& b) {
+                                     return std::pair(a.x, a.y) < b;
+                                   });
+    for (int y = -1; y <= 1; ++y) {
+      Rest& rest = rests_[Slot(x, y, -1) / 3];
+      rest = {};
+      if (column == views_.columns().end() || column->x != block_.x + x || column->y != block_.y + y)
+        continue;
+      rest = {column->begin, column->end};
+      ++column;
+    }
   }
-  while (cursor != views_.end() && cursor->index < at) ++cursor;
-  auto next = cursor;
-  for (int z = -1; z <= 1; ++z, ++at.z) {
-    const bool is_there = next != views_.end() && next->index == at;
-    found_[Slot(x, y, z)] = is_there ? &*next++ : &kUnseen;
+}
+
+inline void NeighbourWalk::FindAlong(int x, int y) {
+  Rest& rest = rests_[Slot(x, y, -1) / 3];
+  while (rest.begin != rest.end && rest.begin->index.z < block_.z - 1) ++rest.begin;
+  const BlockView* next = rest.begin;
+  for (int z = -1; z <= 1; ++z) {
+    const bool is_there = next != rest.end && next->index.z == block_.z + z;
+    found_[Slot(x, y, z)] = is_there ? next : &kUnseen;
+    next += is_there ? 1 : 0;
   }
 }
 

@@ -34,17 +34,25 @@ class BlockViews {
 
   const std::vector<BlockView>& views() const { return views_; }
 
+  /// The views of one x and y, ascending along z.
+  struct Column {
+    int32_t x = 0, y = 0;
+    const BlockView* begin = nullptr;
+    const BlockView* end = nullptr;
+  };
+  /// Ascending by x, then y.
+  const std::vector<Column>& columns() const { return columns_; }
+
  private:
   std::vector<BlockView> views_;
+  std::vector<Column> columns_;
   std::vector<VoxelSigns> signs_;  // of those with surface
 };
 
 /// Finds the 26 neighbours of one block after the other, in ascending order of blocks.
 class NeighbourWalk {
  public:
-  explicit NeighbourWalk(const std::vector<BlockView>& views) : views_(views) {
-    cursors_.fill(views.begin());
-  }
+  explicit NeighbourWalk(const BlockViews& views) : views_(views) {}
 
   /// Slot of the neighbour at (x, y, z), each -1..1.
   static constexpr size_t Slot(int x, int y, int z) {
@@ -62,12 +70,17 @@ class NeighbourWalk {
   BlockIndex block() const { return block_; }
 
  private:
-  void FindColumn(int x, int y);
+  void FindColumns();
+  void FindAlong(int x, int y);
 
-  const std::vector<BlockView>& views_;
+  const BlockViews& views_;
   BlockIndex block_;
-  // Per column of neighbours along z, the first view that is not below it.
-  std::array<std::vector<BlockView>::const_iterator, 9> cursors_;
+  bool started_ = false;
+  // Per column of neighbours along z what is left of it; the first view is not far below the block.
+  struct Rest {
+    const BlockView *begin = nullptr, *end = nullptr;
+  };
+  std::array<Rest, 9> rests_;
   std::array<const BlockView*, 27> found_{};
 };
 

@@ -82,6 +82,7 @@ void VertexMaker::Prefetch(const SurfaceVoxels& voxels) {
     __builtin_prefetch(&voxels.color[i]);
     __builtin_prefetch(&voxels.slot_label[i]);
   }
+  for (size_t i = 0; i < kBlockVoxels; i += 32) __builtin_prefetch(&voxels.distance[i]);
   __builtin_prefetch(&voxels.palette);
 }
 
@@ -99,7 +100,7 @@ void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
     PlaceVertices(groups, centers, lanes_);
     for (size_t i = 0; i < some.size(); ++i) LoadColors(i);
     BlendColors(groups, lanes_);
-    for (size_t i = 0; i < some.size(); ++i) FinishVertex(i, &vertices->emplace_back());
+    for (size_t i = 0; i < some.size(); ++i) vertices->push_back(VertexAt(i));
     edges = edges.subspan(some.size());
   }
 }
@@ -126,18 +127,18 @@ inline void VertexMaker::LoadColors(size_t lane) {
   lanes_.upper_color[lane] = ColorOf(b);
 }
 
-inline void VertexMaker::FinishVertex(size_t lane, MeshVertex* vertex) const {
+inline MeshVertex VertexMaker::VertexAt(size_t lane) const {
   const auto& [x, y, z] = lanes_.position;
-  vertex->position_W = {x[lane], y[lane], z[lane]};
   const auto& [nx, ny, nz] = lanes_.normal;
-  vertex->normal_W = {nx[lane], ny[lane], nz[lane]};
   const uint32_t color = lanes_.color[lane];
-  vertex->color = {static_cast<uint8_t>(color), static_cast<uint8_t>(color >> 8),
-                   static_cast<uint8_t>(color >> 16)};
   const ShownLabel label = LabelOf(lane);
-  vertex->segment = label.segment;
-  vertex->instance = label.instance;
-  vertex->class_id = label.class_id;
+  return {{x[lane], y[lane], z[lane]},
+          {nx[lane], ny[lane], nz[lane]},
+          {static_cast<uint8_t>(color), static_cast<uint8_t>(color >> 8),
+           static_cast<uint8_t>(color >> 16)},
+          label.segment,
+          label.instance,
+          label.class_id};
 }
 
 inline ShownLabel VertexMaker::LabelOf(size_t lane) const {

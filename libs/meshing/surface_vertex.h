@@ -29,7 +29,7 @@ class VertexMaker {
  private:
   void LoadStar(size_t lane);
   void LoadColors(size_t lane);
-  void FinishVertex(size_t lane, MeshVertex* vertex) const;
+  MeshVertex VertexAt(size_t lane) const;
   ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
   SegmentLabel LabelOfVotes(const SurfaceVoxels& voxels, int offset) const;
