@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace vismap {
@@ -104,10 +105,11 @@ inline bool BlockMesher::IsJump(size_t slot) const {
   return std::max(from, to) >= jump_ && std::min(from, to) <= -jump_;
 }
 
-bool BlockMesher::CrossesJumps() const {
-  bool any = false;
-  for (const uint16_t slot : edges_.slots()) any |= IsJump(slot);
-  return any;
+bool BlockMesher::MayCrossJumps() const {
+  int farthest = 0;
+  for (const uint16_t slot : edges_.slots())
+    farthest = std::max(farthest, std::abs(grid_.Lower(slot)[0] - *grid_.Upper(slot)));
+  return farthest >= 2 * jump_;
 }
 
 void BlockMesher::Find(BlockIndex block) {
@@ -122,7 +124,7 @@ void BlockMesher::Find(BlockIndex block) {
   grid_.Fill(walk_, box, &reader_);
   edges_.ReadCorners(walk_, box.z);
   edges_.List(cells_);
-  if (CrossesJumps()) LeaveOutJumps();
+  if (MayCrossJumps()) LeaveOutJumps();
 }
 
 Mesh BlockMesher::MakeMesh() {

@@ -36,7 +36,7 @@ class BlockMesher {
  private:
   /// A step from well before the surface to well behind it: no surface, but something hidden.
   bool IsJump(size_t slot) const;
-  bool CrossesJumps() const;
+  bool MayCrossJumps() const;  // a jump goes that far, but not all that do are one
   void LeaveOutJumps();
 
   const MeshingJob& job_;
