@@ -77,11 +77,6 @@ constexpr std::array<Around, 3> kFaceNeighbours = ListFaceNeighbours();
 }  // namespace
 
 void VertexMaker::Prefetch(const SurfaceVoxels& voxels) {
-  constexpr size_t kPerLine = 64 / 3;  // colours and votes have three bytes a voxel
-  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) {
-    __builtin_prefetch(&voxels.color[i]);
-    __builtin_prefetch(&voxels.slot_label[i]);
-  }
   for (size_t i = 0; i < kBlockVoxels; i += 32) __builtin_prefetch(&voxels.distance[i]);
   __builtin_prefetch(&voxels.palette);
 }
