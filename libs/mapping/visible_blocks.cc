@@ -1,6 +1,7 @@
 #include "mapping/visible_blocks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -17,6 +18,7 @@ class Descent {
       : camera_(header.camera),
         T_C_W_(header.T_W_C.inverse()),
         extent_(T_C_W_.linear().cwiseAbs().rowwise().sum() / 2),
+        sides_(SidesOf(header.camera, T_C_W_.linear())),
         pyramid_(pyramid),
         options_(options),
         wanted_(wanted),
@@ -66,7 +68,12 @@ class Descent {
     const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
                                      Eigen::Vector3d::Constant(edge / 2);
     const Eigen::Vector3d p = T_C_W_ * center_W;
-    const Eigen::Vector3d half = extent_ * edge;
+    // The frame speaks of voxels by their centres.
+    const double reach = edge - options_.block_size / kBlockSide;
+    for (const Side& side : sides_) {
+      if (side.normal_C.dot(p) + side.extent * reach < 0) return BlockView::kNothing;
+    }
+    const Eigen::Vector3d half = extent_ * reach;
     const double z_near = p.z() - half.z(), z_far = p.z() + half.z();
     if (z_far < options_.min_range || z_near > range_ + options_.truncation)
       return BlockView::kNothing;
@@ -96,6 +103,25 @@ class Descent {
     return inside && depth.complete && in_range ? BlockView::kWhollyFree : BlockView::kPartlyFree;
   }
 
+  // A plane through the camera's centre that bounds what it sees.
+  struct Side {
+    Eigen::Vector3d normal_C;  // inward, not a unit: per metre of depth in pixels
+    double extent;             // half extent along it of a cube with edge 1
+  };
+
+  static std::array<Side, 4> SidesOf(const PinholeCamera& camera, const Eigen::Matrix3d& R_C_W) {
+    constexpr double kMargin = 1;  // half a pixel belongs to the image, the rest is for rounding
+    const std::array<Eigen::Vector3d, 4> normals{
+        Eigen::Vector3d(camera.fx, 0, camera.cx + kMargin),
+        Eigen::Vector3d(-camera.fx, 0, camera.width - 1 + kMargin - camera.cx),
+        Eigen::Vector3d(0, camera.fy, camera.cy + kMargin),
+        Eigen::Vector3d(0, -camera.fy, camera.height - 1 + kMargin - camera.cy)};
+    std::array<Side, 4> sides;
+    for (size_t i = 0; i < sides.size(); ++i)
+      sides[i] = {normals[i], (R_C_W.transpose() * normals[i]).cwiseAbs().sum() / 2};
+    return sides;
+  }
+
   // Pixel interval that a box can cover along one image axis.
   static std::pair<double, double> Extent(double x, double half, double z_near, double z_far,
                                           double focal, double center) {
@@ -107,6 +133,7 @@ class Descent {
   const PinholeCamera& camera_;
   const Pose T_C_W_;
   const Eigen::Vector3d extent_;  // half extent along the camera's axes of a cube with edge 1
+  const std::array<Side, 4> sides_;
   const DepthPyramid& pyramid_;
   const VisibilityOptions& options_;
   const std::function<bool(const VisibleBlock&)>& wanted_;
