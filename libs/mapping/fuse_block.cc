@@ -231,6 +231,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
   if (!block.surface && !(said & kNearSurface)) {
     return {.changed = MarkFree(VoxelsWith(samples.flags, kSeenFree), block)};
   }
+  WeighVoxels(depth, limits_, samples);
   block.surface.Unpack();
   if (!block.surface) {
     block.surface = Densify(block);

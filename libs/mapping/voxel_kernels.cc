@@ -63,11 +63,10 @@ VISMAP_VECTOR_CLONES void Gather(const int32_t* pixel, const float* inside, cons
 
 VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const float* depth_in,
                                 const MeasurementLimits& limits, float* __restrict distance_out,
-                                float* __restrict weight_out, uint8_t* __restrict flags_out) {
+                                float* __restrict said_out, uint8_t* __restrict flags_out) {
   const float truncation = limits.truncation, min_range = limits.min_range,
               max_range = limits.max_range;
   const float free_range = limits.free_space ? limits.free_space_range : -1.0F;
-  const float drop_off = limits.drop_off_start, drop_scale = 1.0F / (truncation + drop_off);
   const float vote = limits.vote_distance, color = limits.color_distance;
   for (int i = 0; i < kBlockVoxels; ++i) {
     const float depth = depth_in[i], z = z_in[i];
@@ -80,22 +79,31 @@ VISMAP_VECTOR_CLONES void Judge(const float* z_in, const float* stretch, const f
     const float is_free = distance >= truncation ? free_here : 0.0F;
     const float is_near = distance < truncation ? near_here : 0.0F;
     const float said = is_free + is_near;
-    const float bounded =
-        depth > 0.5F ? depth : 0.5F;  // nearer than half a metre no sensor gets better
-    const float inverse = 1.0F / bounded;
-    const float faded = (truncation + distance) * drop_scale;
-    const float fading = faded < 1.0F ? faded : 1.0F;
-    const float exact = inverse * inverse * fading * kWeightScale;
-    const float weight = exact > 1.0F ? exact : 1.0F;
     const float clamped = distance < truncation ? distance : truncation;
     const float gap = std::abs(distance);
     const float votes = gap <= vote ? is_near : 0.0F;
     const float colors = gap <= color ? is_near : 0.0F;
-    weight_out[i] = said > 0.0F ? weight : 0.0F;
+    said_out[i] = said;
     distance_out[i] = said > 0.0F ? clamped : 0.0F;
     flags_out[i] = static_cast<uint8_t>(static_cast<int32_t>(
         is_near * static_cast<float>(kNearSurface) + is_free * static_cast<float>(kSeenFree) +
         votes * static_cast<float>(kTakesVote) + colors * static_cast<float>(kTakesColor)));
+  }
+}
+
+VISMAP_VECTOR_CLONES void Weigh(const float* depth_in, const float* distance_in, float truncation,
+                                float drop_off, float* __restrict weights) {
+  const float drop_scale = 1.0F / (truncation + drop_off);
+  for (int i = 0; i < kBlockVoxels; ++i) {
+    const float depth = depth_in[i];
+    const float bounded =
+        depth > 0.5F ? depth : 0.5F;  // nearer than half a metre no sensor gets better
+    const float inverse = 1.0F / bounded;
+    const float faded = (truncation + distance_in[i]) * drop_scale;
+    const float fading = faded < 1.0F ? faded : 1.0F;
+    const float exact = inverse * inverse * fading * kWeightScale;
+    const float weight = exact > 1.0F ? exact : 1.0F;
+    weights[i] = weights[i] > 0.0F ? weight : 0.0F;
   }
 }
 
@@ -188,6 +196,12 @@ void JudgeVoxels(const ProjectedVoxels& voxels, const VoxelArray<float>& depth,
                  const MeasurementLimits& limits, VoxelSamples& out) {
   Judge(voxels.z.data(), voxels.stretch.data(), depth.data(), limits, out.distance.data(),
         out.weight.data(), out.flags.data());
+}
+
+void WeighVoxels(const VoxelArray<float>& depth, const MeasurementLimits& limits,
+                 VoxelSamples& samples) {
+  Weigh(depth.data(), samples.distance.data(), limits.truncation, limits.drop_off_start,
+        samples.weight.data());
 }
 
 namespace {

@@ -57,9 +57,14 @@ struct VoxelSamples {
       VoxelArray<float> weight;  ///< in steps of 1 / kWeightScale; 0 = the frame says nothing
   alignas(64) VoxelArray<uint8_t> flags;
 };
-/// `depth` = measured depth at each voxel's pixel [m]; 0 = none.
+/// `depth` = measured depth at each voxel's pixel [m]; 0 = none. The weights are not those yet, but 1
+/// where the frame says something.
 void JudgeVoxels(const ProjectedVoxels& voxels, const VoxelArray<float>& depth,
                  const MeasurementLimits& limits, VoxelSamples& out);
+
+/// Sets the weights of what was judged: most blocks in view have no voxels to fuse with.
+void WeighVoxels(const VoxelArray<float>& depth, const MeasurementLimits& limits,
+                 VoxelSamples& samples);
 
 /// One bit per voxel: 64 of them a word, bit = linear index.
 using VoxelBits = std::array<uint64_t, kBlockVoxels / 64>;
