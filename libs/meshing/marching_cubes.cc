@@ -17,7 +17,7 @@ namespace {
 template <typename Local, typename Take>
 std::vector<Local> MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job,
                             const Take& take) {
-  constexpr size_t kGroup = 32;  // one mesher for so many: neighbours share what it has unpacked
+  constexpr size_t kGroup = 64;  // one mesher for so many: neighbours share what it has unpacked
   std::vector<Local> meshes(blocks.size());
   ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
     BlockMesher mesher(job);
