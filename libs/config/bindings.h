@@ -107,6 +107,7 @@ void BindMeshing(Binder& bind, MeshingOptions& options) {
   bind.Value("min_component_triangles", options.min_component_triangles);
   bind.Value("island_max_share", options.island_max_share);
   bind.Value("island_max_area_m2", options.island_max_area);
+  bind.Value("contact_voxels", options.contact_voxels);
 }
 
 template <typename Binder>

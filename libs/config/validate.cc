@@ -40,6 +40,8 @@ void Check(const MeshingOptions& meshing, Problems* problems) {
                    "meshing.island_max_share must be in [0, 1]");
   problems->Unless(InRange(meshing.island_max_area, 0, 1e6),
                    "meshing.island_max_area_m2 must be in [0, 1e6] m2");
+  problems->Unless(InRange(meshing.contact_voxels, 0, 10),
+                   "meshing.contact_voxels must be in [0, 10]");
 }
 
 void Check(const ObjectOptions& objects, Problems* problems) {

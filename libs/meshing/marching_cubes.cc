@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "meshing/block_mesher.h"
 #include "meshing/block_set.h"
+#include "meshing/contacts.h"
 #include "meshing/islands.h"
 #include "meshing/mesh_parts.h"
 #include "meshing/read_out.h"
@@ -81,10 +82,17 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
   Stitcher stitcher;
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);
   Mesh mesh = RemoveSmallComponents(stitcher.Take(), options.min_component_triangles);
-  ApplyReadOut(ReadLabels(map.labels, VerticesPerLabel(mesh)), &mesh);
+  const auto read_out = [&] {
+    ApplyReadOut(ReadLabels(map.labels, VerticesPerLabel(mesh)), &mesh);
+  };
+  read_out();
   if (options.island_max_share > 0) {
     AbsorbIslands(options, &mesh);
-    ApplyReadOut(ReadLabels(map.labels, VerticesPerLabel(mesh)), &mesh);
+    read_out();
+  }
+  if (options.contact_voxels > 0) {
+    AbsorbContacts(options.contact_voxels * map.voxels.voxel_size(), &mesh);
+    read_out();
   }
   return mesh;
 }
