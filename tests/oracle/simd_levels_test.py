@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 # One kernel of each room, as it stands in a mangled name.
-KERNELS = ("FitPlanes", "MarkFolds", "PackNormals", "Project", "Judge", "Fuse", "FlagVoxels", "Cross", "Place")
+KERNELS = ("FitPlanes", "MarkFolds", "PackNormals", "Project", "Judge", "Fuse", "FlagVoxels", "Cross", "Cut")
 
 
 def run(*command):
