@@ -57,8 +57,8 @@ struct VoxelSamples {
       VoxelArray<float> weight;  ///< in steps of 1 / kWeightScale; 0 = the frame says nothing
   alignas(64) VoxelArray<uint8_t> flags;
 };
-/// `depth` = measured depth at each voxel's pixel [m]; 0 = none. The weights are not those yet, but 1
-/// where the frame says something.
+/// `depth` = measured depth at each voxel's pixel [m]; 0 = none. The weights are not those yet, but
+/// 1 where the frame says something.
 void JudgeVoxels(const ProjectedVoxels& voxels, const VoxelArray<float>& depth,
                  const MeasurementLimits& limits, VoxelSamples& out);
 

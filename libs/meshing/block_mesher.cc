@@ -118,7 +118,7 @@ void BlockMesher::Find(BlockIndex block) {
   if (!FindSurfaceCells(walk_, &cells_)) return;
   walk_.FindLower();
   const BlockView* next = walk_.Next();
-  if (next != nullptr && next->voxels != nullptr) VertexMaker::Prefetch(*next->voxels);
+  if (next != nullptr && next->voxels != nullptr) CellGrid::Prefetch(*next->voxels);
   reader_.Trim(kCopiesKept);
   const CellBox box = BoxAround(cells_);
   grid_.Fill(walk_, box, &reader_);

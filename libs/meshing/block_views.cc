@@ -141,7 +141,8 @@ void NeighbourWalk::FindColumns() {
     for (int y = -1; y <= 1; ++y) {
       Rest& rest = rests_[Slot(x, y, -1) / 3];
       rest = {};
-      if (column == views_.columns().end() || column->x != block_.x + x || column->y != block_.y + y)
+      if (column == views_.columns().end() || column->x != block_.x + x ||
+          column->y != block_.y + y)
         continue;
       rest = {column->begin, column->end};
       ++column;

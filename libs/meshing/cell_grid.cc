@@ -52,12 +52,17 @@ bool IsEmpty(const VoxelRange& range) { return range.begin >= range.end; }
 
 // Rows of eight are read in order, which the processor foresees; columns are not.
 void PrefetchDistances(const SurfaceVoxels* voxels) {
-  constexpr size_t kPerLine = 64 / sizeof(int16_t);
   if (voxels == nullptr) return;
+  constexpr size_t kPerLine = 64 / sizeof(int16_t);
   for (size_t i = 0; i < kBlockVoxels; i += kPerLine) __builtin_prefetch(&voxels->distance[i]);
 }
 
 }  // namespace
+
+void CellGrid::Prefetch(const SurfaceVoxels& voxels) {
+  PrefetchDistances(&voxels);
+  __builtin_prefetch(&voxels.palette);
+}
 
 void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader) {
   for (size_t slot = 0; slot < voxels_.size(); ++slot) {

@@ -15,6 +15,8 @@ namespace vismap {
 /// block, -1..9. Distances below the block along two axes or three are left out.
 class CellGrid {
  public:
+  /// Asks memory for what the grid of a block will need first.
+  static void Prefetch(const SurfaceVoxels& voxels);
   /// Copies what some cells of a block depend on: of the block that the walk is at, which knows all
   /// its neighbours. Good for as long as what `reader` read.
   void Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader);
@@ -33,7 +35,7 @@ class CellGrid {
     int offset = 0;
   };
   /// Of the voxel at an end of an edge, see LocateEnds.
-  Place PlaceOf(uint16_t end) const {
+  Place PlaceOfEnd(uint16_t end) const {
     return {upper_voxels_[static_cast<size_t>(end >> kEndBits)], end & kEndMask};
   }
   /// Of the voxel (x, y, z).

@@ -27,8 +27,8 @@ struct MeshingOptions {
   /// segment show what they lie in, see AbsorbIslands; 0 = none do. (Published code: none.)
   double island_max_share = 0.1;
   double island_max_area = 0.01;  ///< larger ones do not [m^2]
-  /// Of the mesh of a whole map: what is no farther from the plane of structure that it joins [voxel
-  /// sizes] shows that, see AbsorbContacts; 0 = nothing does. (Published code: nothing.)
+  /// Of the mesh of a whole map: what is no farther from the plane of structure that it joins
+  /// [voxel sizes] shows that, see AbsorbContacts; 0 = nothing does. (Published code: nothing.)
   double contact_voxels = 0.75;
 };
 

@@ -76,11 +76,6 @@ constexpr std::array<Around, 3> kFaceNeighbours = ListFaceNeighbours();
 
 }  // namespace
 
-void VertexMaker::Prefetch(const SurfaceVoxels& voxels) {
-  for (size_t i = 0; i < kBlockVoxels; i += 32) __builtin_prefetch(&voxels.distance[i]);
-  __builtin_prefetch(&voxels.palette);
-}
-
 void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
                        std::vector<MeshVertex>* vertices) {
   const auto first = [](int32_t index) { return static_cast<double>(index) * kBlockSide + 0.5; };
@@ -108,13 +103,13 @@ inline void VertexMaker::LoadStar(size_t lane) {
     lanes_.lower[i][lane] = lower[kStar[i]];
     lanes_.upper[i][lane] = upper[kStar[i]];
   }
-  PrefetchVoxel(grid_.PlaceOf(lanes_.lower_end[lane]));
-  PrefetchVoxel(grid_.PlaceOf(lanes_.upper_end[lane]));
+  PrefetchVoxel(grid_.PlaceOfEnd(lanes_.lower_end[lane]));
+  PrefetchVoxel(grid_.PlaceOfEnd(lanes_.upper_end[lane]));
 }
 
 inline void VertexMaker::LoadColors(size_t lane) {
-  CellGrid::Place a = grid_.PlaceOf(lanes_.lower_end[lane]);
-  CellGrid::Place b = grid_.PlaceOf(lanes_.upper_end[lane]);
+  CellGrid::Place a = grid_.PlaceOfEnd(lanes_.lower_end[lane]);
+  CellGrid::Place b = grid_.PlaceOfEnd(lanes_.upper_end[lane]);
   // Free blocks have no colours; the end behind the surface is never in one.
   if (a.voxels == nullptr) a = b;
   if (b.voxels == nullptr) b = a;
@@ -139,8 +134,8 @@ inline MeshVertex VertexMaker::VertexAt(size_t lane) const {
 inline ShownLabel VertexMaker::LabelOf(size_t lane) const {
   uint16_t nearer = lanes_.lower_end[lane], farther = lanes_.upper_end[lane];
   if (lanes_.t[lane] > 0.5F) std::swap(nearer, farther);
-  SegmentLabel label = LabelAt(grid_.PlaceOf(nearer));
-  if (label == SegmentLabel::kNone) label = LabelAt(grid_.PlaceOf(farther));
+  SegmentLabel label = LabelAt(grid_.PlaceOfEnd(nearer));
+  if (label == SegmentLabel::kNone) label = LabelAt(grid_.PlaceOfEnd(farther));
   if (label == SegmentLabel::kNone) label = LabelAround(EdgeOfSlot(lanes_.slot[lane]));
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
@@ -192,9 +187,8 @@ inline uint64_t VertexMaker::VotedAround(const LatticeEdge& edge) const {
     return VotedOfFour(place.voxels->slot_label[static_cast<size_t>(place.offset)].data());
   };
   Around voted = 0;
-  int shift = 0;
-  for (int z = edge.z - 1; z <= high_z; ++z, shift = (shift + 15) & ~15) {
-    for (int y = edge.y - 1; y <= high_y; ++y, shift += 4) {
+  for (int z = edge.z - 1, layer = 0; z <= high_z; ++z, layer += 1 << (2 * kAroundBits)) {
+    for (int y = edge.y - 1, shift = layer; y <= high_y; ++y, shift += 1 << kAroundBits) {
       unsigned row = read(first - at + from, y, z) >> (at - from);
       if (at + count > kBlockSide) row |= read(first - at + kBlockSide, y, z) << (kBlockSide - at);
       voted |= Around{row & ((1U << count) - 1)} << shift;

@@ -21,12 +21,11 @@ class VertexMaker {
   VertexMaker(const CellGrid& grid, double voxel_size, std::span<const ShownLabel> shown)
       : grid_(grid), voxel_size_(voxel_size), shown_(shown) {}
 
-  /// Asks memory for what the vertices of a block will need.
-  static void Prefetch(const SurfaceVoxels& voxels);
   /// One vertex per edge, in their order. Edges are numbers of EdgeSlot.
   void Make(BlockIndex block, std::span<const uint16_t> edges, std::vector<MeshVertex>* vertices);
 
  private:
+  /// The distances around an edge; and asks memory for the colours and votes at its ends.
   void LoadStar(size_t lane);
   void LoadColors(size_t lane);
   MeshVertex VertexAt(size_t lane) const;
@@ -35,7 +34,7 @@ class VertexMaker {
   SegmentLabel LabelOfVotes(const SurfaceVoxels& voxels, int offset) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   static constexpr size_t kMostAround = 3 * 3 * 4;
-  /// Which voxels around an edge have votes.
+  /// Which voxels around an edge have votes: bit x + 4 y + 16 z, from one below its lower end on.
   uint64_t VotedAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;

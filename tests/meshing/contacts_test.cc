@@ -73,9 +73,7 @@ TEST(AbsorbContacts, LeavesWhatIsHigher) {
 }
 
 TEST(AbsorbContacts, TakesOneRingOfWhatIsFlat) {
-  Mesh mesh = Sheet([](int u, int v) {
-    return Ring(u, v) > 20 ? Point{} : Point{0.002F, kRug};
-  });
+  Mesh mesh = Sheet([](int u, int v) { return Ring(u, v) > 20 ? Point{} : Point{0.002F, kRug}; });
   AbsorbContacts(kDistance, &mesh);
   EXPECT_EQ(Count(mesh, kRug), 39 * 39) << "a flat thing on the floor stays, less its rim";
 }

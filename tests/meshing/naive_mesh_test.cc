@@ -1,11 +1,13 @@
-// The fast mesh has the naive one's triangles.
+// The fast mesh has the naive one's triangles, colours and labels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "mapping/integrate.h"
 #include "segmentation/segment_frame.h"
 #include "support/naive/mesh_block.h"
+#include "support/naive/vertex_look.h"
 #include "support/random_scenes.h"
 
 namespace vismap {
@@ -73,6 +75,74 @@ TEST(ExtractMesh, EqualsTheNaiveOne) {
     std::sort(all.begin(), all.end());
     EXPECT_EQ(naive::SortedTriangles(ExtractMesh(map, options)), all) << "seed " << seed;
   }
+}
+
+/// A voxel with votes for none to three of six labels, with more or less of them by region.
+void VoteAtRandom(double chance, int voxel, SurfaceVoxels* voxels, RandomNumbers* random) {
+  const auto i = static_cast<size_t>(voxel);
+  if (!random->Chance(chance)) return;
+  const int labels = random->Chance(0.6) ? 1 : random->Whole(2, 3);
+  for (size_t slot = 0; slot < static_cast<size_t>(labels); ++slot) {
+    voxels->slot_label[i][slot] = static_cast<uint8_t>(random->Whole(1, 6));
+    voxels->slot_votes[i][slot] = static_cast<uint8_t>(random->Whole(1, 4));
+  }
+}
+
+std::unique_ptr<SurfaceVoxels> RandomVoxels(RandomNumbers* random) {
+  auto voxels = std::make_unique<SurfaceVoxels>();
+  voxels->weight.fill(128);
+  voxels->observations.fill(2);
+  for (uint32_t label = 1; label <= 6; ++label) voxels->palette.push_back(SegmentLabel{label});
+  const double chance = random->Chance(0.3) ? 0 : random->Real(0, 0.3);
+  for (int i = 0; i < kBlockVoxels; ++i) {
+    const auto at = static_cast<size_t>(i);
+    // Mostly before the surface: a cell's edges then seldom share a voxel.
+    voxels->distance[at] = static_cast<int16_t>(random->Whole(-12000, 30000));
+    const auto byte = [&] { return static_cast<uint8_t>(random->Whole(0, 255)); };
+    voxels->color[at] = {byte(), byte(), byte()};
+    VoteAtRandom(chance, i, voxels.get(), random);
+  }
+  return voxels;
+}
+
+/// Blocks with random voxels, and between them some that are free, packed or unseen.
+SemanticMap RandomVotes(uint64_t seed) {
+  RandomNumbers random(seed);
+  SemanticMap map({0.01, 4});
+  map.labels.GrowLabels(SegmentLabel{7});
+  map.labels.Merge(SegmentLabel{2}, SegmentLabel{5});
+  for (int i = 0; i < 27; ++i) {
+    if (random.Chance(0.1)) continue;
+    Block& block = map.voxels.FindOrCreate({i % 3 - 2, i / 3 % 3 - 2, i / 9 - 2});
+    if (random.Chance(0.15)) {
+      block.all_free = true;
+    } else {
+      block.surface = RandomVoxels(&random);
+      if (random.Chance(0.2)) block.surface.Pack();
+    }
+  }
+  return map;
+}
+
+TEST(MeshBlocks, ColoursAndLabelsEqualTheNaiveOnes) {
+  size_t unlabelled = 0, beyond_the_ends = 0;
+  for (uint64_t seed = 1; seed <= 2; ++seed) {
+    const SemanticMap map = RandomVotes(seed);
+    MeshingOptions options;
+    options.jump_fraction = 2;
+    for (const BlockMesh& block : MeshBlocks(map, map.voxels.SortedIndices(), options).blocks) {
+      for (const MeshVertex& vertex : block.mesh.vertices) {
+        const naive::VertexEdge edge = naive::EdgeOf(vertex, map);
+        ASSERT_EQ(vertex.color, naive::ColorAt(edge, map)) << vertex.position_W.transpose();
+        const SegmentLabel label = naive::LabelAt(edge, map);
+        ASSERT_EQ(vertex.segment, label) << vertex.position_W.transpose();
+        unlabelled += label == SegmentLabel::kNone ? 1 : 0;
+        beyond_the_ends += naive::LabelAtEnds(edge, map) != label ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(unlabelled, 500u);
+  EXPECT_GT(beyond_the_ends, 5000u);
 }
 
 }  // namespace
