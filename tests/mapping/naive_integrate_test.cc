@@ -8,6 +8,7 @@
 #include "segmentation/segment_frame.h"
 #include "support/naive/associate.h"
 #include "support/naive/integrate.h"
+#include "support/plane_frames.h"
 #include "support/random_detections.h"
 
 namespace vismap {
@@ -153,6 +154,25 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
           << index.x << " " << index.y << " " << index.z << ": " << static_cast<int>(view);
     }
   }
+}
+
+TEST(FindVisibleBlocks, FewOfThemSayNothing) {
+  // The sides of the view cut through more blocks than the wall: none of those beyond may be left.
+  SegmentedFrame frame = testing::LookAtWall(2.5);
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -1).normalized();
+  frame.frame.header.T_W_C.linear() = Eigen::AngleAxisd(0.7, axis).toRotationMatrix();
+  const VoxelMap map({0.02, 4});
+  const IntegrationOptions options;
+  const std::vector<VisibleBlock> visible =
+      FindVisibleBlocks(frame.frame.header, DepthPyramid(frame.frame.depth),
+                        {map.block_size(), map.truncation(), options.min_range, options.max_range,
+                         options.free_space_range, options.free_space});
+  const auto silent = std::count_if(visible.begin(), visible.end(), [&](const VisibleBlock& block) {
+    const naive::BlockSaid said = naive::WhatIsSaid(frame, options, map.options(), block.index);
+    return said.near + said.free == 0;
+  });
+  ASSERT_GT(visible.size(), 500u);
+  EXPECT_LT(static_cast<double>(silent), 0.05 * static_cast<double>(visible.size()));
 }
 
 }  // namespace
