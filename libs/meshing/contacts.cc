@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -14,57 +16,119 @@
 namespace vismap {
 namespace {
 
-/// The planes of structure, by segment.
-using Planes = std::vector<std::optional<SurfacePlane>>;
-
-Planes FindStructure(const Mesh& mesh) {
-  size_t labels = 0;
-  for (const MeshVertex& vertex : mesh.vertices)
-    labels = std::max<size_t>(labels, Raw(vertex.segment) + size_t{1});
-  const LabelSurfaces surfaces = CollectSurfaces(mesh, labels);
-  std::vector<uint8_t> of_instance(labels);
-  for (const MeshVertex& vertex : mesh.vertices) {
-    if (vertex.instance != InstanceId::kNone) of_instance[Raw(vertex.segment)] = 1;
-  }
-  const StructureOptions options;
-  Planes planes(labels);
-  ParallelFor(labels, 1, [&](size_t label) {
-    if (label == Raw(SegmentLabel::kNone) || of_instance[label] != 0 ||
-        surfaces[label].area < options.area)
-      return;
-    const SurfacePlane plane = FindPlane(surfaces[label].points_W, surfaces[label].area, options);
-    if (plane.area >= options.area && plane.share >= options.share) planes[label] = plane;
-  });
-  return planes;
-}
+// Flat things keep their rims, which are a good part of them: what stands rises higher [m].
+constexpr double kStands = 0.1;
 
 double DistanceTo(const SurfacePlane& plane, const MeshVertex& vertex) {
   return std::abs((vertex.position_W.cast<double>() - plane.point_W).dot(plane.normal_W));
 }
 
+class Contacts {
+ public:
+  Contacts(double distance, const Mesh& mesh) : mesh_(mesh) {
+    FindOwners();
+    FindStructure();
+    ForEachEdge([&](uint32_t a, uint32_t b) {
+      for (const auto& [rim, beside] : {std::pair(a, b), std::pair(b, a)}) {
+        const double away = Away(rim, beside);
+        if (away <= distance) rises_[OwnerOf(rim)][SegmentAt(beside)] = 0;
+      }
+    });
+    MeasureRises();
+  }
+
+  /// The structure that a vertex is given to; kNone = it stays.
+  std::vector<SegmentLabel> Structure(double distance) const {
+    // The distance first, then the label: the least of them is the same in whatever order.
+    using Contact = std::pair<double, SegmentLabel>;
+    std::vector<Contact> closest(mesh_.vertices.size(), {kNever, SegmentLabel::kNone});
+    ForEachEdge([&](uint32_t a, uint32_t b) {
+      for (const auto& [rim, beside] : {std::pair(a, b), std::pair(b, a)}) {
+        const double away = Away(rim, beside);
+        if (away > distance || rises_[OwnerOf(rim)].at(SegmentAt(beside)) < kStands) continue;
+        closest[rim] = std::min(closest[rim], {away, SegmentAt(beside)});
+      }
+    });
+    std::vector<SegmentLabel> structure;
+    for (const Contact& contact : closest) structure.push_back(contact.second);
+    return structure;
+  }
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  SegmentLabel SegmentAt(uint32_t vertex) const { return mesh_.vertices[vertex].segment; }
+  size_t OwnerOf(uint32_t vertex) const { return owner_of_label_[Raw(SegmentAt(vertex))]; }
+
+  template <typename Visit>
+  void ForEachEdge(const Visit& visit) const {
+    for (const auto& [a, b, c] : mesh_.triangles) {
+      visit(a, b);
+      visit(b, c);
+      visit(c, a);
+    }
+  }
+
+  // An owner is an instance, or a label outside of all instances.
+  void FindOwners() {
+    std::map<InstanceId, size_t> owner_of_instance;
+    for (const MeshVertex& vertex : mesh_.vertices) {
+      const size_t label = Raw(vertex.segment);
+      if (label >= owner_of_label_.size()) owner_of_label_.resize(label + 1, kNoOwner);
+      if (owner_of_label_[label] != kNoOwner) continue;
+      size_t owner = rises_.size();
+      if (vertex.instance != InstanceId::kNone)
+        owner = owner_of_instance.try_emplace(vertex.instance, owner).first->second;
+      if (owner == rises_.size()) rises_.emplace_back();
+      owner_of_label_[label] = owner;
+      if (vertex.instance != InstanceId::kNone) in_instances_.insert(vertex.segment);
+    }
+  }
+
+  void FindStructure() {
+    const size_t labels = owner_of_label_.size();
+    const LabelSurfaces surfaces = CollectSurfaces(mesh_, labels);
+    const StructureOptions options;
+    planes_.resize(labels);
+    ParallelFor(labels, 1, [&](size_t label) {
+      const auto segment = static_cast<SegmentLabel>(label);
+      if (segment == SegmentLabel::kNone || in_instances_.contains(segment) ||
+          surfaces[label].area < options.area)
+        return;
+      const SurfacePlane plane = FindPlane(surfaces[label].points_W, surfaces[label].area, options);
+      if (plane.area >= options.area && plane.share >= options.share) planes_[label] = plane;
+    });
+  }
+
+  // From one vertex to the plane of structure that the other one shows.
+  double Away(uint32_t rim, uint32_t beside) const {
+    const auto& plane = planes_[Raw(SegmentAt(beside))];
+    if (!plane || planes_[Raw(SegmentAt(rim))]) return kNever;
+    return DistanceTo(*plane, mesh_.vertices[rim]);
+  }
+
+  void MeasureRises() {
+    for (const MeshVertex& vertex : mesh_.vertices) {
+      for (auto& [segment, rise] : rises_[owner_of_label_[Raw(vertex.segment)]])
+        rise = std::max(rise, DistanceTo(*planes_[Raw(segment)], vertex));
+    }
+  }
+
+  static constexpr size_t kNoOwner = std::numeric_limits<size_t>::max();
+  const Mesh& mesh_;
+  std::vector<size_t> owner_of_label_;
+  std::set<SegmentLabel> in_instances_;
+  std::vector<std::optional<SurfacePlane>> planes_;  // of structure, by label
+  // By owner: how far it reaches from the structure that it touches [m].
+  std::vector<std::map<SegmentLabel, double>> rises_;
+};
+
 }  // namespace
 
 void AbsorbContacts(double distance, Mesh* mesh) {
-  const Planes planes = FindStructure(*mesh);
-  // The distance first, then the label: the least of them is the same in whatever order.
-  using Contact = std::pair<double, SegmentLabel>;
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  std::vector<Contact> closest(mesh->vertices.size(), {kNever, SegmentLabel::kNone});
-  const auto touch = [&](uint32_t rim, uint32_t beside) {
-    const SegmentLabel segment = mesh->vertices[beside].segment;
-    const auto& plane = planes[Raw(segment)];
-    if (!plane || planes[Raw(mesh->vertices[rim].segment)]) return;
-    const double away = DistanceTo(*plane, mesh->vertices[rim]);
-    if (away <= distance) closest[rim] = std::min(closest[rim], {away, segment});
-  };
-  for (const auto& triangle : mesh->triangles) {
-    for (size_t i = 0; i < 3; ++i) {
-      touch(triangle[i], triangle[(i + 1) % 3]);
-      touch(triangle[(i + 1) % 3], triangle[i]);
-    }
-  }
-  for (size_t i = 0; i < closest.size(); ++i) {
-    if (closest[i].second != SegmentLabel::kNone) mesh->vertices[i].segment = closest[i].second;
+  const std::vector<SegmentLabel> structure = Contacts(distance, *mesh).Structure(distance);
+  for (size_t i = 0; i < structure.size(); ++i) {
+    if (structure[i] != SegmentLabel::kNone) mesh->vertices[i].segment = structure[i];
   }
 }
 

@@ -10,9 +10,10 @@ namespace vismap {
 /// wheels.
 ///
 /// Structure is a segment outside of all instances that is as large and as flat as StructureOptions
-/// asks for. Every vertex of anything else that shares an edge with it, and is no farther than
+/// asks for. Every vertex of something else that shares an edge with it, and is no farther than
 /// `distance` from its plane [m], then has that segment; of several the closest, ties to the lower.
-/// Instances and classes must be read out again afterwards.
+/// But what rises less than 10 cm from that plane, a book or a rug, keeps its rim, which is a good
+/// part of it. Instances and classes must be read out again afterwards.
 void AbsorbContacts(double distance, Mesh* mesh);
 
 }  // namespace vismap

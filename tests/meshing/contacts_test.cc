@@ -72,10 +72,30 @@ TEST(AbsorbContacts, LeavesWhatIsHigher) {
   EXPECT_EQ(Count(mesh, kLeg), 81);
 }
 
-TEST(AbsorbContacts, TakesOneRingOfWhatIsFlat) {
-  Mesh mesh = Sheet([](int u, int v) { return Ring(u, v) > 20 ? Point{} : Point{0.002F, kRug}; });
+TEST(AbsorbContacts, LeavesTheRimOfWhatIsFlat) {
+  for (const float height : {0.002F, 0.09F, 0.11F}) {
+    Mesh mesh = Sheet([&](int u, int v) {
+      if (Ring(u, v) > 20) return Point{};
+      return Point{Ring(u, v) == 20 ? 0.002F : height, kRug};
+    });
+    AbsorbContacts(kDistance, &mesh);
+    EXPECT_EQ(Count(mesh, kRug), height < 0.1F ? 41 * 41 : 39 * 39) << height;
+  }
+}
+
+TEST(AbsorbContacts, AnInstanceStandsAsAWhole) {
+  constexpr SegmentLabel kCastor{4};  // less than 10 cm high, but of the table
+  Mesh mesh = Sheet([](int u, int v) {
+    if (Ring(u, v) > 4) return Point{};
+    return Point{Ring(u, v) == 4 ? 0.005F : 0.3F, Ring(u, v) < 3 ? kLeg : kCastor};
+  });
+  for (MeshVertex& vertex : mesh.vertices) {
+    if (vertex.segment == kCastor) vertex.instance = kTable;
+    if (vertex.segment == kCastor) vertex.position_W.z() = std::min(vertex.position_W.z(), 0.05F);
+  }
   AbsorbContacts(kDistance, &mesh);
-  EXPECT_EQ(Count(mesh, kRug), 39 * 39) << "a flat thing on the floor stays, less its rim";
+  EXPECT_EQ(Count(mesh, kCastor), 7 * 7 - 5 * 5);
+  EXPECT_EQ(Count(mesh, kLeg), 5 * 5);
 }
 
 TEST(AbsorbContacts, SmallOrRoughSurfacesAreNoStructure) {
