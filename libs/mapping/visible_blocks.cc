@@ -68,8 +68,8 @@ class Descent {
     const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
                                      Eigen::Vector3d::Constant(edge / 2);
     const Eigen::Vector3d p = T_C_W_ * center_W;
-    // The frame speaks of voxels by their centres.
-    const double reach = edge - options_.block_size / kBlockSide;
+    // The frame speaks of voxels by their centres; a tenth of one is left for rounding.
+    const double reach = edge - 0.9 * options_.block_size / kBlockSide;
     for (const Side& side : sides_) {
       if (side.normal_C.dot(p) + side.extent * reach < 0) return BlockView::kNothing;
     }

@@ -25,29 +25,22 @@ double DistanceTo(const SurfacePlane& plane, const MeshVertex& vertex) {
 
 class Contacts {
  public:
-  Contacts(double distance, const Mesh& mesh) : mesh_(mesh) {
+  Contacts(double distance, const Mesh& mesh) : distance_(distance), mesh_(mesh) {
     FindOwners();
     FindStructure();
-    ForEachEdge([&](uint32_t a, uint32_t b) {
-      for (const auto& [rim, beside] : {std::pair(a, b), std::pair(b, a)}) {
-        const double away = Away(rim, beside);
-        if (away <= distance) rises_[OwnerOf(rim)][SegmentAt(beside)] = 0;
-      }
-    });
+    ForEachContact(
+        [&](uint32_t rim, SegmentLabel structure, double) { rises_[OwnerOf(rim)][structure] = 0; });
     MeasureRises();
   }
 
-  /// The structure that a vertex is given to; kNone = it stays.
-  std::vector<SegmentLabel> Structure(double distance) const {
+  /// The structure that each vertex is given to; kNone = it stays.
+  std::vector<SegmentLabel> Structure() const {
     // The distance first, then the label: the least of them is the same in whatever order.
     using Contact = std::pair<double, SegmentLabel>;
     std::vector<Contact> closest(mesh_.vertices.size(), {kNever, SegmentLabel::kNone});
-    ForEachEdge([&](uint32_t a, uint32_t b) {
-      for (const auto& [rim, beside] : {std::pair(a, b), std::pair(b, a)}) {
-        const double away = Away(rim, beside);
-        if (away > distance || rises_[OwnerOf(rim)].at(SegmentAt(beside)) < kStands) continue;
-        closest[rim] = std::min(closest[rim], {away, SegmentAt(beside)});
-      }
+    ForEachContact([&](uint32_t rim, SegmentLabel structure, double away) {
+      if (rises_[OwnerOf(rim)].at(structure) < kStands) return;
+      closest[rim] = std::min(closest[rim], {away, structure});
     });
     std::vector<SegmentLabel> structure;
     for (const Contact& contact : closest) structure.push_back(contact.second);
@@ -57,15 +50,22 @@ class Contacts {
  private:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  SegmentLabel SegmentAt(uint32_t vertex) const { return mesh_.vertices[vertex].segment; }
-  size_t OwnerOf(uint32_t vertex) const { return owner_of_label_[Raw(SegmentAt(vertex))]; }
+  size_t OwnerOf(uint32_t vertex) const {
+    return owner_of_label_[Raw(mesh_.vertices[vertex].segment)];
+  }
 
+  // Calls visit(vertex, structure, distance) where one shares an edge with structure [m].
   template <typename Visit>
-  void ForEachEdge(const Visit& visit) const {
+  void ForEachContact(const Visit& visit) const {
+    const auto touch = [&](uint32_t rim, uint32_t beside) {
+      const double away = Away(rim, beside);
+      if (away <= distance_) visit(rim, mesh_.vertices[beside].segment, away);
+    };
     for (const auto& [a, b, c] : mesh_.triangles) {
-      visit(a, b);
-      visit(b, c);
-      visit(c, a);
+      for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+        touch(from, to);
+        touch(to, from);
+      }
     }
   }
 
@@ -102,8 +102,8 @@ class Contacts {
 
   // From one vertex to the plane of structure that the other one shows.
   double Away(uint32_t rim, uint32_t beside) const {
-    const auto& plane = planes_[Raw(SegmentAt(beside))];
-    if (!plane || planes_[Raw(SegmentAt(rim))]) return kNever;
+    const auto& plane = planes_[Raw(mesh_.vertices[beside].segment)];
+    if (!plane || planes_[Raw(mesh_.vertices[rim].segment)]) return kNever;
     return DistanceTo(*plane, mesh_.vertices[rim]);
   }
 
@@ -115,6 +115,7 @@ class Contacts {
   }
 
   static constexpr size_t kNoOwner = std::numeric_limits<size_t>::max();
+  double distance_;
   const Mesh& mesh_;
   std::vector<size_t> owner_of_label_;
   std::set<SegmentLabel> in_instances_;
@@ -126,7 +127,7 @@ class Contacts {
 }  // namespace
 
 void AbsorbContacts(double distance, Mesh* mesh) {
-  const std::vector<SegmentLabel> structure = Contacts(distance, *mesh).Structure(distance);
+  const std::vector<SegmentLabel> structure = Contacts(distance, *mesh).Structure();
   for (size_t i = 0; i < structure.size(); ++i) {
     if (structure[i] != SegmentLabel::kNone) mesh->vertices[i].segment = structure[i];
   }
