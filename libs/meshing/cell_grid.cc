@@ -37,6 +37,14 @@ constexpr std::array<Neighbour, 20> ListNeighbours() {
 }
 constexpr std::array<Neighbour, 20> kNeighbours = ListNeighbours();
 
+constexpr bool LowerXComesLast() {
+  for (size_t i = 1; i < kNeighbours.size(); ++i) {
+    if (kNeighbours[i - 1].bx < 0 && kNeighbours[i].bx >= 0) return false;
+  }
+  return true;
+}
+static_assert(LowerXComesLast(), "what lies at upper x makes the first of the next row unseen");
+
 // What some cells depend on along one axis: of the neighbour before, of the block, of the one
 // behind, in the coordinates of each.
 std::array<VoxelRange, 3> Overlaps(const CellBox::Range& cells) {

@@ -47,7 +47,9 @@ struct SeenPart {
   VoxelRange z{0, kBlockSide};
 };
 /// Copies distances of a block. `observed` as in VoxelSigns; `first` = GridOffset of the block's
-/// first voxel, which need not lie in the grid.
+/// first voxel, which need not lie in the grid. Rows are written eight at a time: of a block at
+/// upper x also six unseen ones beyond the grid's last, into the first of the next row; so copy
+/// what lies at lower x after it.
 void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part, int first,
               DistanceGrid* grid);
 
