@@ -35,8 +35,8 @@ class CellGrid {
     int offset = 0;
   };
   /// Of the voxel at an end of an edge, see LocateEnds.
-  Place PlaceOfEnd(uint16_t end) const {
-    return {upper_voxels_[static_cast<size_t>(end >> kEndBits)], end & kEndMask};
+  Place PlaceOfEnd(uint32_t end) const {
+    return {upper_voxels_[end >> kEndBits], static_cast<uint16_t>(end)};
   }
   /// Of the voxel (x, y, z).
   Place PlaceOf(int x, int y, int z) const {

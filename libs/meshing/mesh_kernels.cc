@@ -118,26 +118,30 @@ constexpr uint16_t kSlotMask = kSlotStride - 1;
 inline int CoordinateOf(uint16_t slot, int axis) { return slot >> (kSlotBits * axis) & kSlotMask; }
 inline int AxisOf(uint16_t slot) { return slot >> (3 * kSlotBits); }
 
-inline uint16_t EndAt(uint16_t slot) {
+inline uint32_t EndAt(uint32_t slot) {
   // Of each coordinate's four bits the highest tells the block.
-  const auto block = static_cast<uint16_t>((slot >> 3 & 1) | (slot >> 6 & 2) | (slot >> 9 & 4));
-  const auto offset =
-      static_cast<uint16_t>((slot & 0x7) | (slot >> 1 & 0x38) | (slot >> 2 & 0x1C0));
-  return static_cast<uint16_t>(offset | block << kEndBits);
+  const uint32_t block = (slot >> 3 & 1) | (slot >> 6 & 2) | (slot >> 9 & 4);
+  const uint32_t offset = (slot & 0x7) | (slot >> 1 & 0x38) | (slot >> 2 & 0x1C0);
+  return offset | block << kEndBits;
 }
 
-VISMAP_VECTOR_CLONES void Locate(const uint16_t* slots, int groups, uint16_t* __restrict lower_out,
-                                 uint16_t* __restrict upper_out) {
+VISMAP_VECTOR_CLONES void Locate(const uint16_t* slots, int groups, uint32_t* __restrict lower_out,
+                                 uint32_t* __restrict upper_out) {
   for (int group = 0; group < groups * kGroup; group += kGroup) {
     for (int i = group; i < group + kGroup; ++i) {
-      const uint16_t slot = slots[i];
-      const auto along_x = static_cast<uint16_t>(slot < kAxisSlots ? 1 : 0);
-      const auto along_y = static_cast<uint16_t>(slot < 2 * kAxisSlots ? kSlotStride : 0);
-      const uint16_t across = along_x != 0 ? along_x : along_y;
-      const auto step = static_cast<uint16_t>(across != 0 ? across : kSlotStride * kSlotStride);
+      const uint32_t slot = slots[i];
+      const uint32_t across = slot < 2 * kAxisSlots ? kSlotStride : kSlotStride * kSlotStride;
+      const uint32_t step = slot < kAxisSlots ? 1 : across;
       lower_out[i] = EndAt(slot);
-      upper_out[i] = EndAt(static_cast<uint16_t>(slot + step));
+      upper_out[i] = EndAt(slot + step);
     }
+  }
+}
+
+VISMAP_VECTOR_CLONES void PickNearer(const uint32_t* lower, const uint32_t* upper, const float* t,
+                                     int groups, uint32_t* __restrict nearer_out) {
+  for (int group = 0; group < groups * kGroup; group += kGroup) {
+    for (int i = group; i < group + kGroup; ++i) nearer_out[i] = t[i] > 0.5F ? upper[i] : lower[i];
   }
 }
 
@@ -269,6 +273,8 @@ void PlaceVertices(size_t groups, const VoxelCenters& centers, VertexLanes& vert
   float* t = vertices.t.data();
   Cut(slots, vertices.lower.front().data(), vertices.upper.front().data(), n, t,
       vertices.normal.front().data());
+  PickNearer(vertices.lower_end.data(), vertices.upper_end.data(), t, n,
+             vertices.nearer_end.data());
   for (size_t axis = 0; axis < 3; ++axis) {
     Position(slots, t, static_cast<int>(axis), n, centers.first[axis], centers.step,
              vertices.position[axis].data());

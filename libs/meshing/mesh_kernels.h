@@ -68,17 +68,17 @@ struct VertexLanes {
   alignas(64) std::array<Lane<int16_t>, 7> upper{};   ///< and of its upper end
   alignas(64) Lane<uint32_t> lower_color{};           ///< r | g << 8 | b << 16
   alignas(64) Lane<uint32_t> upper_color{};           ///< the same
-  alignas(64) Lane<uint16_t> lower_end{};             ///< set by LocateEnds
-  alignas(64) Lane<uint16_t> upper_end{};             ///< the same
+  alignas(64) Lane<uint32_t> lower_end{};             ///< set by LocateEnds
+  alignas(64) Lane<uint32_t> upper_end{};             ///< the same
+  alignas(64) Lane<uint32_t> nearer_end{};            ///< the one of them that the vertex is nearer to
   alignas(64) Lane<float> t{};                        ///< place between the ends, [0.01, 0.99]
   alignas(64) std::array<Lane<float>, 3> normal{};    ///< unit, W
   alignas(64) std::array<Lane<float>, 3> position{};  ///< W [m]
   alignas(64) Lane<uint32_t> color{};                 ///< as above, interpolated
 };
-/// The voxel at an end of an edge: its offset, and which of the block (0) and the seven behind it
-/// along x (1), y (2) and z (4) has it.
-inline constexpr int kEndBits = 9;
-inline constexpr int kEndMask = (1 << kEndBits) - 1;
+/// The voxel at an end of an edge: its offset in the lower half of a word, and in the upper half
+/// which of the block (0) and the seven behind it along x (1), y (2) and z (4) has it.
+inline constexpr int kEndBits = 16;
 /// Computes the ends of edges from their slots.
 void LocateEnds(size_t groups, VertexLanes& vertices);
 /// Where voxel centres are along each axis: (first + i) * step [m].
@@ -86,7 +86,7 @@ struct VoxelCenters {
   std::array<double, 3> first;
   double step;
 };
-/// Computes places, normals and positions from slots and stars.
+/// Computes places, nearer ends, normals and positions from slots, ends and stars.
 void PlaceVertices(size_t groups, const VoxelCenters& centers, VertexLanes& vertices);
 /// Computes colours from those at the ends.
 void BlendColors(size_t groups, VertexLanes& vertices);

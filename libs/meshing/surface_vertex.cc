@@ -2,14 +2,31 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstring>
+#include <type_traits>
 
 namespace vismap {
 namespace {
 
+// What a voxel has at `member`, an array of three bytes per voxel, and the byte behind that.
+uint32_t FourBytes(const CellGrid::Place& place, size_t member) {
+  static_assert(std::is_standard_layout_v<SurfaceVoxels>);
+  uint32_t bytes;
+  const auto* voxels = reinterpret_cast<const std::byte*>(place.voxels);
+  std::memcpy(&bytes, voxels + member + 3 * static_cast<size_t>(place.offset), sizeof(bytes));
+  return bytes;
+}
+
+// With a byte of something else above.
 uint32_t ColorOf(const CellGrid::Place& place) {
-  const Rgb8& color = place.voxels->color[static_cast<size_t>(place.offset)];
-  return color.r | uint32_t{color.g} << 8 | uint32_t{color.b} << 16;
+  return FourBytes(place, offsetof(SurfaceVoxels, color));
+}
+
+// Up to three, the first one lowest.
+uint32_t EntriesOf(const CellGrid::Place& place) {
+  static_assert(kVoteSlots == 3);
+  return FourBytes(place, offsetof(SurfaceVoxels, slot_label)) & 0xFFFFFF;
 }
 
 // Colours and votes come from all over a block: without this every one of them is waited for.
@@ -17,12 +34,6 @@ void PrefetchVoxel(const CellGrid::Place& place) {
   if (place.voxels == nullptr) return;
   __builtin_prefetch(&place.voxels->color[static_cast<size_t>(place.offset)]);
   __builtin_prefetch(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
-}
-
-bool HasVotes(const CellGrid::Place& place) {
-  if (place.voxels == nullptr) return false;
-  const auto& entries = place.voxels->slot_label[static_cast<size_t>(place.offset)];
-  return (entries[0] | entries[1] | entries[2]) != 0;
 }
 
 // Of four voxels, by their twelve entries.
@@ -132,28 +143,33 @@ inline MeshVertex VertexMaker::VertexAt(size_t lane) const {
 }
 
 inline ShownLabel VertexMaker::LabelOf(size_t lane) const {
-  uint16_t nearer = lanes_.lower_end[lane], farther = lanes_.upper_end[lane];
-  if (lanes_.t[lane] > 0.5F) std::swap(nearer, farther);
+  const uint32_t nearer = lanes_.nearer_end[lane];
   SegmentLabel label = LabelAt(grid_.PlaceOfEnd(nearer));
-  if (label == SegmentLabel::kNone) label = LabelAt(grid_.PlaceOfEnd(farther));
+  if (label == SegmentLabel::kNone) {
+    const uint32_t farther = lanes_.lower_end[lane] ^ lanes_.upper_end[lane] ^ nearer;
+    label = LabelAt(grid_.PlaceOfEnd(farther));
+  }
   if (label == SegmentLabel::kNone) label = LabelAround(EdgeOfSlot(lanes_.slot[lane]));
   return Raw(label) < shown_.size() ? shown_[Raw(label)] : ShownLabel{.segment = label};
 }
 
 inline SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
-  return HasVotes(place) ? LabelOfVotes(*place.voxels, place.offset) : SegmentLabel::kNone;
+  if (place.voxels == nullptr) return SegmentLabel::kNone;
+  const uint32_t entries = EntriesOf(place);
+  return entries == 0 ? SegmentLabel::kNone : LabelOfVotes(place, entries);
 }
 
-inline SegmentLabel VertexMaker::LabelOfVotes(const SurfaceVoxels& voxels, int offset) const {
-  const auto voxel = static_cast<size_t>(offset);
-  const auto& entries = voxels.slot_label[voxel];
-  if ((entries[1] | entries[2]) == 0) return Canonical(voxels.palette[entries[0] - 1u]);  // mostly
+inline SegmentLabel VertexMaker::LabelOfVotes(const CellGrid::Place& place,
+                                              uint32_t entries) const {
+  const std::vector<SegmentLabel>& palette = place.voxels->palette;
+  if (entries <= 0xFF) return palette[entries - 1];  // mostly
   // Without branches: how many slots are in use cannot be foreseen.
+  const auto& counts = place.voxels->slot_votes[static_cast<size_t>(place.offset)];
   std::array<LabelVote, kVoteSlots> votes;
   for (size_t slot = 0; slot < kVoteSlots; ++slot) {
-    const bool used = entries[slot] != 0;
-    const SegmentLabel label = Canonical(voxels.palette[used ? entries[slot] - 1u : 0u]);
-    votes[slot] = {used ? label : SegmentLabel::kNone, voxels.slot_votes[voxel][slot]};
+    const uint32_t entry = entries >> (8 * slot) & 0xFF;
+    const SegmentLabel label = Canonical(palette[entry != 0 ? entry - 1 : 0]);
+    votes[slot] = {entry != 0 ? label : SegmentLabel::kNone, counts[slot]};
   }
   return StrongestLabel(votes);
 }
@@ -168,7 +184,7 @@ SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
     const int bit = std::countr_zero(left);
     const auto at = [bit](int axis) { return (bit >> (kAroundBits * axis) & 3) - 1; };
     const CellGrid::Place place = grid_.PlaceOf(edge.x + at(0), edge.y + at(1), edge.z + at(2));
-    labels[count] = LabelOfVotes(*place.voxels, place.offset);
+    labels[count] = Canonical(LabelOfVotes(place, EntriesOf(place)));
     same = same && labels[count] == labels[0];
     ++count;
   }

@@ -31,7 +31,8 @@ class VertexMaker {
   MeshVertex VertexAt(size_t lane) const;
   ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
-  SegmentLabel LabelOfVotes(const SurfaceVoxels& voxels, int offset) const;
+  /// Of a voxel that has votes, for what its entries say; may be one that is not canonical.
+  SegmentLabel LabelOfVotes(const CellGrid::Place& place, uint32_t entries) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   static constexpr size_t kMostAround = 3 * 3 * 4;
   /// Which voxels around an edge have votes: bit x + 4 y + 16 z, from one below its lower end on.
