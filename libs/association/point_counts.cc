@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "volume/surface_reader.h"
 
 namespace vismap {
@@ -103,10 +104,10 @@ class PointLookup {
       const int offset = OffsetInBlock(voxel);
       if (voxels != nullptr) {
         const auto i = static_cast<size_t>(offset);
-        __builtin_prefetch(&voxels->distance[i]);
-        __builtin_prefetch(&voxels->weight[i]);
-        __builtin_prefetch(&voxels->slot_label[i]);
-        __builtin_prefetch(&voxels->slot_votes[i]);
+        PrefetchLine(&voxels->distance[i]);
+        PrefetchLine(&voxels->weight[i]);
+        PrefetchLine(&voxels->slot_label[i]);
+        PrefetchLine(&voxels->slot_votes[i]);
       }
       samples->push_back({segment, offset, voxels});
     }

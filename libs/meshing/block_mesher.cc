@@ -101,14 +101,20 @@ BlockMesher::BlockMesher(const MeshingJob& job)
       vertex_maker_(grid_, job.voxel_size, job.shown) {}
 
 inline bool BlockMesher::IsJump(size_t slot) const {
-  const int from = grid_.Lower(slot)[0], to = *grid_.Upper(slot);
+  const int16_t* lower = grid_.Lower(slot);
+  const int from = *lower, to = lower[AxisStep(slot / kAxisSlots)];
   return std::max(from, to) >= jump_ && std::min(from, to) <= -jump_;
 }
 
 bool BlockMesher::MayCrossJumps() const {
   int farthest = 0;
-  for (const uint16_t slot : edges_.slots())
-    farthest = std::max(farthest, std::abs(grid_.Lower(slot)[0] - *grid_.Upper(slot)));
+  ForEachAxis(edges_.slots(), [&](size_t axis, std::span<const uint16_t> slots) {
+    const size_t step = AxisStep(axis);
+    for (const uint16_t slot : slots) {
+      const int16_t* lower = grid_.Lower(slot);
+      farthest = std::max(farthest, std::abs(*lower - lower[step]));
+    }
+  });
   return farthest >= 2 * jump_;
 }
 

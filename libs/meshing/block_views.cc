@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 
 namespace vismap {
 namespace {
@@ -43,8 +44,8 @@ void PrefetchSurface(const BlockView& view) {
   constexpr size_t kPerLine = 32;
   if (view.voxels == nullptr) return;
   for (size_t i = 0; i < kBlockVoxels; i += kPerLine) {
-    __builtin_prefetch(&view.voxels->distance[i]);
-    __builtin_prefetch(&view.voxels->weight[i]);
+    PrefetchLine(&view.voxels->distance[i]);
+    PrefetchLine(&view.voxels->weight[i]);
   }
 }
 

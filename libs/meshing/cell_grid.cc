@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/prefetch.h"
+
 namespace vismap {
 namespace {
 
@@ -62,14 +64,14 @@ bool IsEmpty(const VoxelRange& range) { return range.begin >= range.end; }
 void PrefetchDistances(const SurfaceVoxels* voxels) {
   if (voxels == nullptr) return;
   constexpr size_t kPerLine = 64 / sizeof(int16_t);
-  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) __builtin_prefetch(&voxels->distance[i]);
+  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) PrefetchLine(&voxels->distance[i]);
 }
 
 }  // namespace
 
 void CellGrid::Prefetch(const SurfaceVoxels& voxels) {
   PrefetchDistances(&voxels);
-  __builtin_prefetch(&voxels.palette);
+  PrefetchLine(&voxels.palette);
 }
 
 void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader) {

@@ -21,12 +21,10 @@ class CellGrid {
   /// its neighbours. Good for as long as what `reader` read.
   void Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader);
 
-  /// The distances at the lower end of an edge, as numbered by EdgeSlot, and at its upper one.
+  /// The distance at the lower end of an edge, as numbered by EdgeSlot. The one at the upper end is
+  /// AxisStep behind it.
   const int16_t* Lower(size_t slot) const {
     return &distances_[slot % kAxisSlots + static_cast<size_t>(GridOffset(0, 0, 0))];
-  }
-  const int16_t* Upper(size_t slot) const {
-    return Lower(slot) + (size_t{1} << kSlotBits * (slot / kAxisSlots));
   }
 
   /// The surface voxels that hold a voxel, and its offset there; nullptr in free or unseen blocks.

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
 #include "volume/block.h"
 
 namespace vismap {
@@ -25,6 +30,20 @@ constexpr LatticeEdge EdgeOfSlot(int slot) {
   constexpr int kMask = kSlotStride - 1;
   return {slot & kMask, slot >> kSlotBits & kMask, slot >> (2 * kSlotBits) & kMask,
           slot >> (3 * kSlotBits)};
+}
+/// How far an edge along an axis reaches, in slots.
+constexpr size_t AxisStep(size_t axis) { return size_t{1} << (kSlotBits * axis); }
+
+/// Calls `visit(axis, part)` for the edges along each axis that there are any of. `slots` ascend.
+template <typename Visit>
+void ForEachAxis(std::span<const uint16_t> slots, const Visit& visit) {
+  while (!slots.empty()) {
+    const size_t axis = slots.front() / kAxisSlots;
+    const auto end = std::lower_bound(slots.begin(), slots.end(), (axis + 1) * kAxisSlots);
+    const auto part = slots.first(static_cast<size_t>(end - slots.begin()));
+    visit(axis, part);
+    slots = slots.subspan(part.size());
+  }
 }
 
 }  // namespace vismap

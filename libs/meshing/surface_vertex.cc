@@ -6,6 +6,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "base/prefetch.h"
+
 namespace vismap {
 namespace {
 
@@ -32,8 +34,8 @@ uint32_t EntriesOf(const CellGrid::Place& place) {
 // Colours and votes come from all over a block: without this every one of them is waited for.
 void PrefetchVoxel(const CellGrid::Place& place) {
   if (place.voxels == nullptr) return;
-  __builtin_prefetch(&place.voxels->color[static_cast<size_t>(place.offset)]);
-  __builtin_prefetch(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
+  PrefetchLine(&place.voxels->color[static_cast<size_t>(place.offset)]);
+  PrefetchLine(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
 }
 
 // Of four voxels, by their twelve entries.
@@ -97,7 +99,7 @@ void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
     const size_t groups = (some.size() + kVertexGroup - 1) / kVertexGroup;
     std::copy(some.begin(), some.end(), lanes_.slot.begin());
     LocateEnds(groups, lanes_);
-    for (size_t i = 0; i < some.size(); ++i) LoadStar(i);
+    LoadStars(some);
     PlaceVertices(groups, centers, lanes_);
     for (size_t i = 0; i < some.size(); ++i) LoadColors(i);
     BlendColors(groups, lanes_);
@@ -106,14 +108,23 @@ void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
   }
 }
 
-inline void VertexMaker::LoadStar(size_t lane) {
-  const uint16_t slot = lanes_.slot[lane];
-  const int16_t* lower = grid_.Lower(slot);
-  const int16_t* upper = grid_.Upper(slot);
-  for (size_t i = 0; i < kStar.size(); ++i) {
-    lanes_.lower[i][lane] = lower[kStar[i]];
-    lanes_.upper[i][lane] = upper[kStar[i]];
-  }
+inline void VertexMaker::LoadStars(std::span<const uint16_t> edges) {
+  size_t lane = 0;
+  ForEachAxis(edges, [&](size_t axis, std::span<const uint16_t> slots) {
+    const size_t step = AxisStep(axis);
+    for (const uint16_t slot : slots) {
+      const int16_t* lower = grid_.Lower(slot);
+      const int16_t* upper = lower + step;
+      for (size_t i = 0; i < kStar.size(); ++i) {
+        lanes_.lower[i][lane] = lower[kStar[i]];
+        lanes_.upper[i][lane] = upper[kStar[i]];
+      }
+      PrefetchEnds(lane++);
+    }
+  });
+}
+
+inline void VertexMaker::PrefetchEnds(size_t lane) const {
   PrefetchVoxel(grid_.PlaceOfEnd(lanes_.lower_end[lane]));
   PrefetchVoxel(grid_.PlaceOfEnd(lanes_.upper_end[lane]));
 }

@@ -25,8 +25,10 @@ class VertexMaker {
   void Make(BlockIndex block, std::span<const uint16_t> edges, std::vector<MeshVertex>* vertices);
 
  private:
-  /// The distances around an edge; and asks memory for the colours and votes at its ends.
-  void LoadStar(size_t lane);
+  /// The distances around some edges, of which the first lanes have the ends.
+  void LoadStars(std::span<const uint16_t> edges);
+  /// Asks memory for the colours and votes at the ends of an edge.
+  void PrefetchEnds(size_t lane) const;
   void LoadColors(size_t lane);
   MeshVertex VertexAt(size_t lane) const;
   ShownLabel LabelOf(size_t lane) const;
