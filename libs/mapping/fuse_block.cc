@@ -9,17 +9,18 @@
 namespace vismap {
 namespace {
 
-// Sets the bits of `seen` in the free-space record; true when that changed anything. A full record
-// becomes all_free.
-bool MarkFree(const VoxelBits& seen, Block& block) {
-  if (block.all_free) return false;
+// Sets the bits of `seen` in the free-space record; returns the voxels for which that changed
+// anything. A full record becomes all_free.
+VoxelBits MarkFree(const VoxelBits& seen, Block& block) {
+  VoxelBits changed{};
+  if (block.all_free) return changed;
   if (!block.free) block.free = std::make_unique<FreeVoxels>();
-  bool changed = false, full = true;
+  bool full = true;
   for (size_t word = 0; word < seen.size(); ++word) {
     uint64_t& once = block.free->once[word];
     uint64_t& twice = block.free->twice[word];
     const uint64_t new_once = once | seen[word], new_twice = twice | (once & seen[word]);
-    changed = changed || new_once != once || new_twice != twice;
+    changed[word] = (new_once ^ once) | (new_twice ^ twice);
     once = new_once;
     twice = new_twice;
     full = full && twice == ~uint64_t{0};
@@ -192,10 +193,10 @@ void FrameProjection::TakeVotesFrom(SegmentLabel label, SurfaceVoxels& voxels, s
 FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& projected,
                                                       VoxelSamples& samples,
                                                       SurfaceVoxels& voxels) const {
-  Outcome outcome;
-  for (const uint64_t word : VoxelsWith(samples.flags, kNearSurface | kSeenFree))
-    outcome.voxels_updated += std::popcount(word);
-  if (outcome.voxels_updated == 0) return outcome;
+  const VoxelBits said = VoxelsWith(samples.flags, kNearSurface | kSeenFree);
+  Outcome outcome{.affected = AffectedBy(said)};
+  if (!outcome.changed()) return outcome;
+  for (const uint64_t word : said) outcome.voxels_updated += std::popcount(word);
   const VoxelBits turning = CarveWhatIsPassed(projected, samples, voxels);
   alignas(64) VoxelArray<float> shares;
   FuseDistances(samples, limits_.truncation, weights_, voxels, shares);
@@ -205,7 +206,6 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& pro
   outcome.cleared.erase(SegmentLabel::kNone);
   BlendColors(samples, projected.pixel, shares, voxels);
   outcome.votes_evicted = Vote(samples, projected.pixel, voxels);
-  outcome.changed = true;
   return outcome;
 }
 
@@ -213,7 +213,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
                                                Block& block) const {
   if (view == BlockView::kWhollyFree && !block.surface) {
     static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
-    return {.changed = MarkFree(kAll, block)};
+    return {.affected = AffectedBy(MarkFree(kAll, block))};
   }
   const Eigen::Vector3d first_W =
       Eigen::Vector3d(index.x, index.y, index.z) * (kBlockSide * voxel_size_) +
@@ -229,16 +229,17 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
   const uint8_t said = UnionOf(samples.flags);
   if (said == 0) return {};
   if (!block.surface && !(said & kNearSurface)) {
-    return {.changed = MarkFree(VoxelsWith(samples.flags, kSeenFree), block)};
+    return {.affected = AffectedBy(MarkFree(VoxelsWith(samples.flags, kSeenFree), block))};
   }
   WeighVoxels(depth, limits_, samples);
   block.surface.Unpack();
-  if (!block.surface) {
-    block.surface = Densify(block);
-    block.free.reset();
-    block.all_free = false;
-  }
-  return FuseSurface(voxels, samples, *block.surface);
+  if (block.surface) return FuseSurface(voxels, samples, *block.surface);
+  block.surface = Densify(block);
+  block.free.reset();
+  block.all_free = false;
+  Outcome outcome = FuseSurface(voxels, samples, *block.surface);
+  outcome.affected = kAllNeighbours;  // what was seen empty has other weights now
+  return outcome;
 }
 
 }  // namespace vismap

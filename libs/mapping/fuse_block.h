@@ -28,10 +28,12 @@ class FrameProjection {
 
   /// What a frame did to one block.
   struct Outcome {
-    bool changed = false;
+    NeighbourBits affected = 0;  ///< see MapDelta
     int64_t voxels_updated = 0;
     int64_t votes_evicted = 0;
     std::map<SegmentLabel, uint32_t> cleared = {};  ///< see MapDelta
+
+    bool changed() const { return affected != 0; }
   };
 
   /// Projects the voxels of the block at `index` into the frame and updates `block`, which may turn

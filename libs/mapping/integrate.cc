@@ -74,17 +74,18 @@ void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBloc
     item.outcome = projection.Fuse(item.target.index, item.target.view, block);
   });
   for (const WorkItem& item : work) {  // before insertions move blocks about
-    if (item.block != nullptr && item.outcome.changed && item.block->surface)
+    if (item.block != nullptr && item.outcome.changed() && item.block->surface)
       voxels.NoteUse(item.target.index, *item.block, revision);
   }
   for (WorkItem& item : work) {
-    if (!item.outcome.changed) continue;
+    if (!item.outcome.changed()) continue;
     if (item.block == nullptr) {
       Block& block = voxels.FindOrCreate(item.target.index);
       block = std::move(item.fresh);
       if (block.surface) voxels.NoteUse(item.target.index, block, revision);
     }
     delta.changed_blocks.push_back(item.target.index);
+    delta.affected.push_back(item.outcome.affected);
     delta.voxels_updated += item.outcome.voxels_updated;
     delta.votes_evicted += item.outcome.votes_evicted;
     for (const auto& [label, count] : item.outcome.cleared) delta.cleared[label] += count;

@@ -10,6 +10,7 @@
 #include "geometry/noise_model.h"
 #include "mapping/semantic_map.h"
 #include "segmentation/segmented_frame.h"
+#include "volume/block_rim.h"
 
 namespace vismap {
 
@@ -18,12 +19,15 @@ struct MapDelta {
   int64_t revision = 0;  ///< of the map after the frame
   std::vector<BlockIndex>
       changed_blocks;  ///< ascending; surface, labels or free space differ from before
+  std::vector<NeighbourBits> affected;  ///< of each of them: AffectedBy the voxels that changed
   std::vector<std::pair<SegmentLabel, SegmentLabel>> merged;  ///< (dead, survivor), in order
   std::vector<InstanceSplit> split;                           ///< in order
   int64_t voxels_updated = 0;
   int64_t votes_evicted = 0;  ///< label votes lost to full slots
   /// Voxels of each label that were inside or on a surface and turned out to be free; ascending.
   std::map<SegmentLabel, uint32_t> cleared;
+
+  BlockChanges changes() const { return {changed_blocks, affected}; }
 };
 
 struct IntegrationOptions {

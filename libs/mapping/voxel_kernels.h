@@ -66,8 +66,6 @@ void JudgeVoxels(const ProjectedVoxels& voxels, const VoxelArray<float>& depth,
 void WeighVoxels(const VoxelArray<float>& depth, const MeasurementLimits& limits,
                  VoxelSamples& samples);
 
-/// One bit per voxel: 64 of them a word, bit = linear index.
-using VoxelBits = std::array<uint64_t, kBlockVoxels / 64>;
 /// The voxels that have any of the bits of `mask` set in their flags.
 VoxelBits VoxelsWith(const VoxelArray<uint8_t>& flags, uint8_t mask);
 /// All bits that some voxel has set.

@@ -1,6 +1,7 @@
 #include "meshing/block_set.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 namespace vismap {
@@ -50,9 +51,15 @@ BlockSet BlockSet::GrownAlongZ(int below, int above) const {
   return grown;
 }
 
-// Merges the runs with copies of them that are moved by a step along x or y.
 BlockSet BlockSet::GrownAside(const BlockIndex& step, int below, int above) const {
-  struct Copy {
+  std::vector<Moved> copies{{runs_, {0, 0, 0}}};
+  if (below > 0) copies.push_back({runs_, {-step.x, -step.y, 0}});
+  if (above > 0) copies.push_back({runs_, step});
+  return Merge(copies);
+}
+
+BlockSet BlockSet::Merge(std::span<const Moved> parts) {
+  struct Rest {
     std::span<const Run> runs;  // never empty
     BlockIndex step, at{};
     void Move() {
@@ -60,29 +67,69 @@ BlockSet BlockSet::GrownAside(const BlockIndex& step, int below, int above) cons
       at = {from.x + step.x, from.y + step.y, from.z};
     }
   };
-  BlockSet grown;
-  if (runs_.empty()) return grown;
-  grown.runs_.reserve(2 * runs_.size());
-  std::vector<Copy> copies{{runs_, {0, 0, 0}}};
-  if (below > 0) copies.push_back({runs_, {-step.x, -step.y, 0}});
-  if (above > 0) copies.push_back({runs_, step});
-  for (Copy& copy : copies) copy.Move();
-  while (!copies.empty()) {
-    BlockIndex next = copies.front().at;
-    for (const Copy& copy : copies) next = std::min(next, copy.at);
+  BlockSet merged;
+  std::vector<Rest> rests;
+  size_t runs = 0;
+  for (const auto& [part, step] : parts) {
+    if (part.empty()) continue;
+    rests.push_back({part, step});
+    rests.back().Move();
+    runs = std::max(runs, part.size());
+  }
+  merged.runs_.reserve(2 * runs);
+  while (!rests.empty()) {
+    BlockIndex next = rests.front().at;
+    for (const Rest& rest : rests) next = std::min(next, rest.at);
     uint64_t bits = 0;
     bool one_ended = false;
-    for (Copy& copy : copies) {
-      if (copy.at != next) continue;
-      bits |= copy.runs.front().bits;
-      copy.runs = copy.runs.subspan(1);
-      one_ended = one_ended || copy.runs.empty();
-      if (!copy.runs.empty()) copy.Move();
+    for (Rest& rest : rests) {
+      if (rest.at != next) continue;
+      bits |= rest.runs.front().bits;
+      rest.runs = rest.runs.subspan(1);
+      one_ended = one_ended || rest.runs.empty();
+      if (!rest.runs.empty()) rest.Move();
     }
-    grown.runs_.push_back({next, bits});
-    if (one_ended) std::erase_if(copies, [](const Copy& copy) { return copy.runs.empty(); });
+    merged.runs_.push_back({next, bits});
+    if (one_ended) std::erase_if(rests, [](const Rest& rest) { return rest.runs.empty(); });
   }
-  return grown;
+  return merged;
+}
+
+BlockSet BlockSet::AffectedBy(const BlockChanges& changes) {
+  if (changes.affected.empty()) return BlockSet(changes.blocks).Grown(1, 1);
+  // Per run of changed blocks, which of them affect the neighbour in each slot.
+  struct Affecting {
+    BlockIndex at;
+    std::array<uint64_t, kNeighbourSlots> bits{};
+  };
+  std::vector<Affecting> all;
+  for (size_t i = 0; i < changes.blocks.size(); ++i) {
+    const auto& [x, y, z] = changes.blocks[i];
+    const BlockIndex at{x, y, z >> kRunBits};
+    if (all.empty() || all.back().at != at) all.push_back({at});
+    const int bit = z & kRunMask;
+    for (size_t slot = 0; slot < kNeighbourSlots; ++slot)
+      all.back().bits[slot] |= uint64_t{changes.affected[i] >> slot & 1} << bit;
+  }
+  // The affected blocks of each column of neighbours, not yet moved to it; and what steps into
+  // another run, which is little.
+  std::array<BlockSet, kNeighbourSlots / 3> columns, before, behind;
+  std::array<Moved, 3 * (kNeighbourSlots / 3)> parts;
+  for (size_t column = 0; column < columns.size(); ++column) {
+    for (const auto& [at, bits] : all) {
+      const uint64_t below = bits[3 * column], own = bits[3 * column + 1],
+                     above = bits[3 * column + 2];
+      columns[column].Append(at, below >> 1 | own | above << 1);
+      before[column].Append({at.x, at.y, at.z - 1}, below << kRunMask);
+      behind[column].Append({at.x, at.y, at.z + 1}, above >> kRunMask);
+    }
+    const auto number = static_cast<int32_t>(column);
+    const BlockIndex step{number / 3 - 1, number % 3 - 1, 0};
+    parts[3 * column] = {columns[column].runs_, step};
+    parts[3 * column + 1] = {before[column].runs_, step};
+    parts[3 * column + 2] = {behind[column].runs_, step};
+  }
+  return Merge(parts);
 }
 
 BlockSet BlockSet::Union(const BlockSet& other) const {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "volume/block.h"
+#include "volume/block_rim.h"
 
 namespace vismap {
 
@@ -16,6 +16,9 @@ class BlockSet {
   BlockSet() = default;
   /// In any order, any number of times.
   explicit BlockSet(std::span<const BlockIndex> blocks);
+
+  /// The blocks whose surface depends on what changed.
+  static BlockSet AffectedBy(const BlockChanges& changes);
 
   /// With every block also those up to `below` lower and `above` higher along each axis; 0 or 1.
   BlockSet Grown(int below, int above) const;
@@ -32,6 +35,12 @@ class BlockSet {
     BlockIndex at;
     uint64_t bits;
   };
+  // Runs that are moved by a step along x or y.
+  struct Moved {
+    std::span<const Run> runs;
+    BlockIndex step;
+  };
+  static BlockSet Merge(std::span<const Moved> parts);
   void Append(const BlockIndex& at, uint64_t bits);
   BlockSet GrownAlongZ(int below, int above) const;
   BlockSet GrownAside(const BlockIndex& step, int below, int above) const;

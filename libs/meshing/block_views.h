@@ -5,6 +5,7 @@
 
 #include "meshing/marching_cubes.h"
 #include "meshing/mesh_kernels.h"
+#include "volume/block_rim.h"
 #include "volume/voxel_map.h"
 
 namespace vismap {
@@ -55,9 +56,7 @@ class NeighbourWalk {
   explicit NeighbourWalk(const BlockViews& views) : views_(views) {}
 
   /// Slot of the neighbour at (x, y, z), each -1..1.
-  static constexpr size_t Slot(int x, int y, int z) {
-    return static_cast<size_t>((z + 1) + 3 * ((y + 1) + 3 * (x + 1)));
-  }
+  static constexpr size_t Slot(int x, int y, int z) { return NeighbourSlot(x, y, z); }
   /// Goes to a block; finds it and the seven neighbours that its cells reach into.
   void GoTo(BlockIndex block);
   /// Finds the other nineteen.

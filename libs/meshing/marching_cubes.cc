@@ -51,11 +51,10 @@ BlockSet CandidateBlocks(const VoxelMap& map, const std::vector<BlockIndex>& blo
   return BlockSet(candidates);
 }
 
-// A vertex depends on voxels up to one step beyond its cell, so on all 26 neighbours (`near`), and
-// a cell reaches one voxel up.
-BlockSet Affected(const BlockSet& changed, const BlockSet& near, const BlockViews& views) {
+// A cell reaches one voxel up.
+BlockSet ToMesh(const BlockSet& changed, const BlockSet& affected, const BlockViews& views) {
   const BlockSet by_surface = BlockSet(views.WithSurface()).Grown(1, 0);
-  return changed.Union(near.Intersection(by_surface));
+  return changed.Union(affected.Intersection(by_surface));
 }
 
 // Of every block, also of those without surface.
@@ -97,9 +96,9 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
   return mesh;
 }
 
-std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, std::span<const BlockIndex> changed) {
-  const BlockSet own(changed), near = own.Grown(1, 1);
-  return Affected(own, near, BlockViews(map, near.Grown(0, 1).Blocks())).Blocks();
+std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, const BlockChanges& changes) {
+  const BlockSet changed(changes.blocks), affected = BlockSet::AffectedBy(changes);
+  return ToMesh(changed, affected, BlockViews(map, affected.Grown(0, 1).Blocks())).Blocks();
 }
 
 std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const BlockIndex> blocks,
@@ -111,14 +110,14 @@ std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const Blo
   return MeshSet(meshed, {views, map.voxels.voxel_size(), options.jump_fraction, shown});
 }
 
-MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed,
+MeshDelta MeshBlocks(const SemanticMap& map, const BlockChanges& changes,
                      const MeshingOptions& options) {
-  const BlockSet own(changed), near = own.Grown(1, 1);
-  BlockViews views(map.voxels, near.Grown(1, 1).Blocks());
+  const BlockSet changed(changes.blocks), affected = BlockSet::AffectedBy(changes);
+  BlockViews views(map.voxels, affected.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
   const std::vector<ShownLabel> shown = ShowLabels(map.labels);
   const MeshingJob job{views, map.voxels.voxel_size(), options.jump_fraction, shown};
-  return {map.revision, MeshSet(Affected(own, near, views), job)};
+  return {map.revision, MeshSet(ToMesh(changed, affected, views), job)};
 }
 
 }  // namespace vismap

@@ -6,6 +6,7 @@
 
 #include "meshing/mesh.h"
 #include "meshing/read_out.h"
+#include "volume/block_rim.h"
 
 /// The room of surfaces: triangle meshes with ids out of the map (ALGORITHM 6.1), objects with
 /// their boxes and meshes (6.2), and the files people take home. It reads the map and never changes
@@ -51,9 +52,9 @@ struct MeshDelta {
 /// of an instance is the one with most evidence over its labels, weighted by their vertices.
 Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options = {});
 
-/// Blocks whose surface depends on the `changed` ones, ascending: these, and their neighbours that
-/// are near a surface.
-std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, std::span<const BlockIndex> changed);
+/// Blocks whose surface may differ after some changes, ascending: those that changed, and of the
+/// blocks that these affect the ones near a surface.
+std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, const BlockChanges& changes);
 
 /// The surface of some blocks, which ascend, block by block, for viewers that follow the map.
 /// Blocks do not share vertices, small components stay, and the class of an instance weighs its
@@ -62,8 +63,8 @@ std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const Blo
                                      std::span<const ShownLabel> shown,
                                      const MeshingOptions& options = {});
 
-/// The surface of all blocks that depends on the `changed` ones.
-MeshDelta MeshBlocks(const SemanticMap& map, std::span<const BlockIndex> changed,
+/// The surface of BlocksToMesh.
+MeshDelta MeshBlocks(const SemanticMap& map, const BlockChanges& changes,
                      const MeshingOptions& options = {});
 
 }  // namespace vismap

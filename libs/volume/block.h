@@ -34,6 +34,9 @@ constexpr int LinearIndex(int x, int y, int z) { return x + kBlockSide * (y + kB
 constexpr BlockIndex BlockOf(VoxelIndex v) { return {v.x >> 3, v.y >> 3, v.z >> 3}; }
 constexpr int OffsetInBlock(VoxelIndex v) { return LinearIndex(v.x & 7, v.y & 7, v.z & 7); }
 
+/// A set of a block's voxels, one bit each: a layer along z is a word, bit = x + 8 y.
+using VoxelBits = std::array<uint64_t, kBlockVoxels / 64>;
+
 /// Hash for block-keyed tables. Its order must never reach an output: sort first.
 struct BlockIndexHash {
   size_t operator()(const BlockIndex& b) const {

@@ -13,12 +13,6 @@ namespace {
 constexpr size_t kBlocksPerPart = 512;  // a few megabytes of mesh at a time
 constexpr double kHeartbeat = 1.0;      // [s]
 
-std::vector<BlockIndex> SortedUnique(std::vector<BlockIndex> blocks) {
-  std::sort(blocks.begin(), blocks.end());
-  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  return blocks;
-}
-
 std::vector<BlockIndex> BlocksNearSurfaces(const VoxelMap& map) {
   std::vector<BlockIndex> blocks;
   map.blocks().ForEach([&](BlockIndex index, const Block& block) {
@@ -43,30 +37,53 @@ void MeshInParts(const SemanticMap& map, std::span<const BlockIndex> blocks,
 }  // namespace
 
 void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
+  const std::vector<BlockIndex> all = map.voxels.SortedIndices();
   map_id_ = map_id;
   revision_ = -1;
-  dirty_ = map.voxels.SortedIndices();
+  dirty_.clear();
+  NoteDirty(all);
   shown_ = ShowLabels(map.labels);
   places_.Clear();
-  places_.Note(map.voxels, dirty_);
+  places_.Note(map.voxels, all);
   places_.MergeAll(map.labels);
   surfaces_.Clear();
   log_.Clear();
 }
 
 void MeshPublisher::NoteChanges(const SemanticMap& map, const MapDelta& delta) {
-  const std::vector<BlockIndex>& changed = delta.changed_blocks;
-  places_.Note(map.voxels, changed);
+  places_.Note(map.voxels, delta.changed_blocks);
   for (const auto& [dead, survivor] : delta.merged) places_.Merge(dead, survivor);
-  dirty_.insert(dirty_.end(), changed.begin(), changed.end());
+  NoteDirty(delta.changes());
+}
+
+void MeshPublisher::NoteDirty(const BlockChanges& changes) {
+  for (size_t i = 0; i < changes.blocks.size(); ++i) {
+    dirty_.push_back(
+        {changes.blocks[i], changes.affected.empty() ? kAllNeighbours : changes.affected[i]});
+  }
+}
+
+std::vector<BlockIndex> MeshPublisher::TakeBlocksToMesh(const VoxelMap& map) {
+  std::sort(dirty_.begin(), dirty_.end(),
+            [](const Dirty& a, const Dirty& b) { return a.block < b.block; });
+  std::vector<BlockIndex> blocks;
+  std::vector<NeighbourBits> affected;
+  for (const Dirty& dirty : dirty_) {
+    if (blocks.empty() || blocks.back() != dirty.block) {
+      blocks.push_back(dirty.block);
+      affected.push_back(0);
+    }
+    affected.back() |= dirty.affected;
+  }
+  dirty_.clear();
+  return BlocksToMesh(map, {blocks, affected});
 }
 
 void MeshPublisher::AddBlocksShownOtherwise(const SemanticMap& map) {
   std::vector<ShownLabel> now = ShowLabels(map.labels);
   for (size_t i = 0; i < shown_.size(); ++i) {  // labels that are new came with changed blocks
     if (now[i] == shown_[i]) continue;
-    const auto places = places_.Of(static_cast<SegmentLabel>(i));
-    dirty_.insert(dirty_.end(), places.begin(), places.end());
+    NoteDirty(places_.Of(static_cast<SegmentLabel>(i)));
   }
   shown_ = std::move(now);
 }
@@ -80,7 +97,7 @@ bool MeshPublisher::NoteSurface(const SemanticMap& map, const BlockMesh& block) 
 
 void MeshPublisher::PublishChanges(const SemanticMap& map) {
   AddBlocksShownOtherwise(map);
-  const auto blocks = BlocksToMesh(map.voxels, SortedUnique(std::exchange(dirty_, {})));
+  const std::vector<BlockIndex> blocks = TakeBlocksToMesh(map.voxels);
   const int64_t base = std::exchange(revision_, map.revision);
   Publish(map, base, blocks,  // the first of a map is all of it
           [&](const BlockMesh& block) { return NoteSurface(map, block); });

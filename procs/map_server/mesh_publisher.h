@@ -45,6 +45,14 @@ class MeshPublisher {
  private:
   using IsSent = std::function<bool(const BlockMesh&)>;
 
+  // A block that changed, and which blocks that affects.
+  struct Dirty {
+    BlockIndex block;
+    NeighbourBits affected;
+  };
+
+  void NoteDirty(const BlockChanges& changes);
+  std::vector<BlockIndex> TakeBlocksToMesh(const VoxelMap& map);
   void AddBlocksShownOtherwise(const SemanticMap& map);
   bool NoteSurface(const SemanticMap& map, const BlockMesh& block);
   void Publish(const SemanticMap& map, int64_t base_revision, std::span<const BlockIndex> blocks,
@@ -54,7 +62,7 @@ class MeshPublisher {
   Bus* bus_;
   std::string map_id_;
   int64_t revision_ = -1;          // of the last update
-  std::vector<BlockIndex> dirty_;  // changed since, unsorted
+  std::vector<Dirty> dirty_;       // changed since, unsorted, some several times
   std::vector<ShownLabel> shown_;  // by label, at the last update
   BlockSurfaces surfaces_;         // at the last update
   LabelPlaces places_;

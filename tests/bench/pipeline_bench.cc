@@ -188,7 +188,7 @@ class Bench {
   void UpdateMesh(const MapDelta& delta, bool compare, Measurement* out) const {
     const char* const stage = "mesh of changes";
     double fast = 0, slow = 0;
-    const MeshDelta meshes = Timed(&fast, [&] { return MeshBlocks(map_, delta.changed_blocks); });
+    const MeshDelta meshes = Timed(&fast, [&] { return MeshBlocks(map_, delta.changes()); });
     out->fast.Add(stage, fast);
     if (!compare) return;
     for (const BlockMesh& block : meshes.blocks) {

@@ -64,5 +64,28 @@ TEST(BlockSet, DoesWhatSetsOfBlocksDo) {
   }
 }
 
+TEST(BlockSet, KnowsWhatChangesAffect) {
+  testing_support::RandomNumbers random(4);
+  for (int round = 0; round < 200; ++round) {
+    const Set changed = RandomBlocks(&random);
+    const std::vector<BlockIndex> blocks(changed.begin(), changed.end());
+    std::vector<NeighbourBits> affected;
+    Set expected;
+    for (const BlockIndex& block : blocks) {
+      affected.push_back(static_cast<NeighbourBits>(random.Whole(0, int{kAllNeighbours})));
+      for (int x = -1; x <= 1; ++x) {
+        for (int y = -1; y <= 1; ++y) {
+          for (int z = -1; z <= 1; ++z) {
+            if (affected.back() >> NeighbourSlot(x, y, z) & 1)
+              expected.insert({block.x + x, block.y + y, block.z + z});
+          }
+        }
+      }
+    }
+    EXPECT_EQ(ToSet(BlockSet::AffectedBy({blocks, affected})), expected);
+    EXPECT_EQ(ToSet(BlockSet::AffectedBy(blocks)), Grown(changed, 1, 1));
+  }
+}
+
 }  // namespace
 }  // namespace vismap

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <memory>
 
 #include "mapping/integrate.h"
 #include "segmentation/segment_frame.h"
+#include "support/followed_mesh.h"
 #include "support/naive/mesh_block.h"
 #include "support/naive/vertex_look.h"
 #include "support/random_scenes.h"
@@ -45,7 +48,7 @@ TEST(MeshBlocks, EqualsTheNaiveOneAfterEveryFrame) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     const MeshingOptions options = RandomOptions(seed);
     MapRandomFrames(seed, [&](const SemanticMap& map, const MapDelta& delta) {
-      for (const BlockMesh& block : MeshBlocks(map, delta.changed_blocks, options).blocks) {
+      for (const BlockMesh& block : MeshBlocks(map, delta.changes(), options).blocks) {
         const auto naive = naive::MeshBlock(map, block.block, options);
         EXPECT_EQ(naive::SortedTriangles(block.mesh), naive) << "seed " << seed;
         triangles += naive.size();
@@ -53,6 +56,70 @@ TEST(MeshBlocks, EqualsTheNaiveOneAfterEveryFrame) {
     });
   }
   EXPECT_GT(triangles, 1000u);
+}
+
+// Says something else of a voxel.
+void Change(size_t voxel, RandomNumbers* random, SurfaceVoxels& voxels) {
+  voxels.distance[voxel] = static_cast<int16_t>(random->Whole(-20000, 20000));
+  voxels.weight[voxel] = static_cast<uint16_t>(random->Whole(0, 500));
+  voxels.observations[voxel] = 9;
+  voxels.color[voxel] = {static_cast<uint8_t>(random->Whole(0, 255)), 1, 2};
+  voxels.slot_label[voxel] = {};
+  if (!random->Chance(0.1)) return;  // else no vertex would look for votes beside its edge
+  voxels.slot_label[voxel][0] = static_cast<uint8_t>(random->Whole(1, 9));
+  voxels.slot_votes[voxel][0] = 200;
+}
+
+TEST(AffectedBy, CoversTheSurfacesThatAVoxelChanges) {
+  // All voxels are seen and near the surface, so that none counts for nothing.
+  RandomNumbers random(8);
+  SemanticMap map({0.05, 4});
+  std::vector<BlockIndex> blocks;
+  for (int i = 0; i < 27; ++i) {
+    blocks.push_back({i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1});
+    SurfaceVoxels& voxels =
+        *(map.voxels.FindOrCreate(blocks.back()).surface = std::make_unique<SurfaceVoxels>());
+    for (int label = 1; label <= 9; ++label)
+      voxels.palette.push_back(static_cast<SegmentLabel>(label));
+    for (size_t voxel = 0; voxel < kBlockVoxels; ++voxel) Change(voxel, &random, voxels);
+  }
+  const auto mesh_all = [&] { return MeshEachBlock(map, blocks, {}); };
+  std::vector<BlockMesh> before = mesh_all();
+  NeighbourBits affected_once = 0;
+  const auto at = [&] { return std::array{0, 1, 4, 7}[static_cast<size_t>(random.Whole(0, 3))]; };
+  for (int round = 0; round < 1000; ++round) {
+    const auto voxel = static_cast<size_t>(LinearIndex(at(), at(), at()));
+    VoxelBits changed{};
+    changed[voxel / 64] = uint64_t{1} << (voxel % 64);
+    Change(voxel, &random, *map.voxels.FindMutable({0, 0, 0})->surface);
+    std::vector<BlockMesh> after = mesh_all();
+    NeighbourBits differ = 0;
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      const Mesh &a = before[i].mesh, &b = after[i].mesh;
+      const bool same = a.triangles == b.triangles &&
+                        std::ranges::equal(a.vertices, b.vertices, testing_support::SameVertex);
+      const auto& [x, y, z] = blocks[i];
+      if (!same) differ |= NeighbourBits{1} << NeighbourSlot(x, y, z);
+    }
+    EXPECT_EQ(differ & ~AffectedBy(changed), 0u) << "voxel " << voxel;
+    affected_once |= differ;
+    before = std::move(after);
+  }
+  // Some look at this block for nothing but votes, and seldom.
+  EXPECT_GE(std::popcount(affected_once), 22);
+}
+
+TEST(BlocksToMesh, HasEveryBlockWhoseSurfaceDiffersAfterAFrame) {
+  size_t surfaces = 0;
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    testing_support::FollowedMesh followed(RandomOptions(seed));
+    MapRandomFrames(seed, [&](const SemanticMap& map, const MapDelta& delta) {
+      followed.Follow(map, delta);
+      followed.ExpectUpToDate(map);
+    });
+    surfaces += followed.surfaces();
+  }
+  EXPECT_GT(surfaces, 100u);
 }
 
 TEST(ExtractMesh, EqualsTheNaiveOne) {

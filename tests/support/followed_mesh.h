@@ -1,0 +1,56 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "mapping/integrate.h"
+#include "meshing/marching_cubes.h"
+
+namespace vismap::testing_support {
+
+inline bool SameVertex(const MeshVertex& a, const MeshVertex& b) {
+  return a.position_W == b.position_W && a.normal_W == b.normal_W && a.color == b.color &&
+         a.segment == b.segment;
+}
+
+/// The surface of a map, meshed after every frame where the changes of the frame said.
+class FollowedMesh {
+ public:
+  explicit FollowedMesh(const MeshingOptions& options) : options_(options) {}
+
+  /// Labels as they were voted for: which of them were merged is told otherwise.
+  void Follow(const SemanticMap& map, const MapDelta& delta) {
+    const auto blocks = BlocksToMesh(map.voxels, delta.changes());
+    for (BlockMesh& block : MeshEachBlock(map, blocks, {}, options_))
+      meshes_[block.block] = std::move(block.mesh);
+    meshed_ += blocks.size();
+    whole_ += BlocksToMesh(map.voxels, delta.changed_blocks).size();
+  }
+
+  void ExpectUpToDate(const SemanticMap& map) {
+    const auto all = BlocksToMesh(map.voxels, map.voxels.SortedIndices());
+    for (const BlockMesh& block : MeshEachBlock(map, all, {}, options_)) {
+      const Mesh& followed = meshes_[block.block];
+      EXPECT_EQ(followed.triangles, block.mesh.triangles);
+      EXPECT_TRUE(std::ranges::equal(followed.vertices, block.mesh.vertices, SameVertex));
+      surfaces_ += !block.mesh.triangles.empty();
+    }
+  }
+
+  /// Blocks with a surface that were compared.
+  size_t surfaces() const { return surfaces_; }
+  /// Blocks that were meshed, and that would have been, had all been meshed around each that
+  /// changed.
+  size_t meshed() const { return meshed_; }
+  size_t whole() const { return whole_; }
+
+ private:
+  MeshingOptions options_;
+  std::map<BlockIndex, Mesh> meshes_;
+  size_t surfaces_ = 0, meshed_ = 0, whole_ = 0;
+};
+
+}  // namespace vismap::testing_support
