@@ -32,6 +32,23 @@ void BlockSet::Append(const BlockIndex& at, uint64_t bits) {
   }
 }
 
+void BlockSet::Put(const BlockIndex& at, uint64_t bits) {
+  if (bits == 0) return;
+  auto place = runs_.end();
+  while (place != runs_.begin() && at < (place - 1)->at) --place;
+  if (place != runs_.begin() && (place - 1)->at == at) {
+    (place - 1)->bits |= bits;
+  } else {
+    runs_.insert(place, {at, bits});
+  }
+}
+
+void BlockSet::PutStepped(const BlockIndex& at, uint64_t down, uint64_t still, uint64_t up) {
+  Put({at.x, at.y, at.z - 1}, down << kRunMask);
+  Put(at, down >> 1 | still | up << 1);
+  Put({at.x, at.y, at.z + 1}, up >> kRunMask);
+}
+
 BlockSet BlockSet::Grown(int below, int above) const {
   return GrownAlongZ(below, above)
       .GrownAside({0, 1, 0}, below, above)
@@ -39,26 +56,21 @@ BlockSet BlockSet::Grown(int below, int above) const {
 }
 
 BlockSet BlockSet::GrownAlongZ(int below, int above) const {
-  BlockSet grown, before, behind;  // what steps into the next run is little
+  BlockSet grown;
   grown.runs_.reserve(runs_.size());
-  for (const auto& [at, bits] : runs_) {
-    grown.Append(at, bits | (below > 0 ? bits >> 1 : 0) | (above > 0 ? bits << 1 : 0));
-    before.Append({at.x, at.y, at.z - 1}, below > 0 ? bits << kRunMask : 0);
-    behind.Append({at.x, at.y, at.z + 1}, above > 0 ? bits >> kRunMask : 0);
-  }
-  if (!before.runs_.empty()) grown = grown.Union(before);
-  if (!behind.runs_.empty()) grown = grown.Union(behind);
+  for (const auto& [at, bits] : runs_)
+    grown.PutStepped(at, below > 0 ? bits : 0, bits, above > 0 ? bits : 0);
   return grown;
 }
 
 BlockSet BlockSet::GrownAside(const BlockIndex& step, int below, int above) const {
-  std::vector<Moved> copies{{runs_, {0, 0, 0}}};
-  if (below > 0) copies.push_back({runs_, {-step.x, -step.y, 0}});
-  if (above > 0) copies.push_back({runs_, step});
-  return Merge(copies);
+  const std::span<const Run> none, all = runs_;
+  return Merge({{all, {0, 0, 0}},
+                {below > 0 ? all : none, {-step.x, -step.y, 0}},
+                {above > 0 ? all : none, step}});
 }
 
-BlockSet BlockSet::Merge(std::span<const Moved> parts) {
+BlockSet BlockSet::Merge(std::initializer_list<Moved> parts) {
   struct Rest {
     std::span<const Run> runs;  // never empty
     BlockIndex step, at{};
@@ -97,39 +109,40 @@ BlockSet BlockSet::Merge(std::span<const Moved> parts) {
 
 BlockSet BlockSet::AffectedBy(const BlockChanges& changes) {
   if (changes.affected.empty()) return BlockSet(changes.blocks).Grown(1, 1);
-  // Per run of changed blocks, which of them affect the neighbour in each slot.
+  // Per run of changed blocks, which of them affect all neighbours, and each one.
   struct Affecting {
     BlockIndex at;
+    uint64_t all = 0;
     std::array<uint64_t, kNeighbourSlots> bits{};
   };
-  std::vector<Affecting> all;
+  std::vector<Affecting> affecting;
   for (size_t i = 0; i < changes.blocks.size(); ++i) {
     const auto& [x, y, z] = changes.blocks[i];
     const BlockIndex at{x, y, z >> kRunBits};
-    if (all.empty() || all.back().at != at) all.push_back({at});
-    const int bit = z & kRunMask;
-    for (size_t slot = 0; slot < kNeighbourSlots; ++slot)
-      all.back().bits[slot] |= uint64_t{changes.affected[i] >> slot & 1} << bit;
-  }
-  // The affected blocks of each column of neighbours, not yet moved to it; and what steps into
-  // another run, which is little.
-  std::array<BlockSet, kNeighbourSlots / 3> columns, before, behind;
-  std::array<Moved, 3 * (kNeighbourSlots / 3)> parts;
-  for (size_t column = 0; column < columns.size(); ++column) {
-    for (const auto& [at, bits] : all) {
-      const uint64_t below = bits[3 * column], own = bits[3 * column + 1],
-                     above = bits[3 * column + 2];
-      columns[column].Append(at, below >> 1 | own | above << 1);
-      before[column].Append({at.x, at.y, at.z - 1}, below << kRunMask);
-      behind[column].Append({at.x, at.y, at.z + 1}, above >> kRunMask);
+    if (affecting.empty() || affecting.back().at != at) affecting.push_back({at});
+    Affecting& run = affecting.back();
+    const uint64_t bit = uint64_t{1} << (z & kRunMask);
+    if (changes.affected[i] == kAllNeighbours) {
+      run.all |= bit;
+    } else {
+      for (NeighbourBits rest = changes.affected[i]; rest != 0; rest &= rest - 1)
+        run.bits[static_cast<size_t>(std::countr_zero(rest))] |= bit;
     }
-    const auto number = static_cast<int32_t>(column);
-    const BlockIndex step{number / 3 - 1, number % 3 - 1, 0};
-    parts[3 * column] = {columns[column].runs_, step};
-    parts[3 * column + 1] = {before[column].runs_, step};
-    parts[3 * column + 2] = {behind[column].runs_, step};
   }
-  return Merge(parts);
+  std::array<BlockSet, 3> sides;  // along x, not yet moved to where they are; so are the columns
+  for (size_t x = 0; x < 3; ++x) {
+    std::array<BlockSet, 3> columns;
+    for (size_t y = 0; y < 3; ++y) {
+      const size_t slot = 3 * (y + 3 * x);
+      for (const auto& [at, all, bits] : affecting)
+        columns[y].PutStepped(at, bits[slot] | all, bits[slot + 1] | all, bits[slot + 2] | all);
+    }
+    sides[x] = Merge({{columns[0].runs_, {0, -1, 0}},
+                      {columns[1].runs_, {0, 0, 0}},
+                      {columns[2].runs_, {0, 1, 0}}});
+  }
+  return Merge(
+      {{sides[0].runs_, {-1, 0, 0}}, {sides[1].runs_, {0, 0, 0}}, {sides[2].runs_, {1, 0, 0}}});
 }
 
 BlockSet BlockSet::Union(const BlockSet& other) const {

@@ -2,6 +2,7 @@
 
 #include <compare>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -40,8 +41,13 @@ class BlockSet {
     std::span<const Run> runs;
     BlockIndex step;
   };
-  static BlockSet Merge(std::span<const Moved> parts);
+  static BlockSet Merge(std::initializer_list<Moved> parts);
+  // Behind all runs, or to the last one.
   void Append(const BlockIndex& at, uint64_t bits);
+  // Anywhere, but not far from the end.
+  void Put(const BlockIndex& at, uint64_t bits);
+  // Puts bits a step lower along z, others as they are, and others a step higher.
+  void PutStepped(const BlockIndex& at, uint64_t down, uint64_t still, uint64_t up);
   BlockSet GrownAlongZ(int below, int above) const;
   BlockSet GrownAside(const BlockIndex& step, int below, int above) const;
 
