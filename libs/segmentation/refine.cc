@@ -1,11 +1,15 @@
 #include "segmentation/refine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 
+#include "base/parallel.h"
 #include "base/require.h"
 #include "segmentation/mask_sets.h"
 
@@ -16,6 +20,34 @@ constexpr int32_t kNobody = -1;
 
 size_t At(SegmentIndex index) { return static_cast<size_t>(Raw(index)); }
 size_t At(int32_t index) { return static_cast<size_t>(index); }
+
+/// Pixels in a row that belong to one segment, or to none; also across ends of rows.
+struct PixelRun {
+  SegmentIndex segment;
+  size_t begin, end;
+};
+
+/// What `read(run)` says of the runs of an image, in their order. It runs in parallel.
+template <typename Read>
+auto ReadRuns(const Image<SegmentIndex>& image, const Read& read) {
+  using Reading = std::decay_t<decltype(read(PixelRun{}))>;
+  constexpr size_t kBands = 16;
+  const SegmentIndex* index = image.data();
+  const size_t size = image.size();
+  std::array<std::vector<Reading>, kBands> bands;  // a run belongs to the band where it begins
+  ParallelFor(kBands, 1, [&](size_t band) {
+    size_t begin = size * band / kBands;
+    const size_t limit = size * (band + 1) / kBands;
+    while (begin > 0 && begin < limit && index[begin] == index[begin - 1]) ++begin;
+    for (size_t end = begin; begin < limit; begin = end) {
+      while (end < size && index[end] == index[begin]) ++end;
+      bands[band].push_back(read(PixelRun{index[begin], begin, end}));
+    }
+  });
+  std::vector<Reading> all;
+  for (const auto& band : bands) all.insert(all.end(), band.begin(), band.end());
+  return all;
+}
 
 /// Calls visit(v, u) for the pixels of a mask that lie in the image, in row order.
 template <typename Visit>
@@ -67,6 +99,8 @@ class Refiner {
     ClaimPixels();
   }
 
+  /// Before what follows: looks at what is inside the masks.
+  void Count();
   void Split();
   void Match();
   /// `depths` = mean depth per segment [m].
@@ -121,6 +155,7 @@ class Refiner {
   std::vector<int32_t> order_;
   std::map<int32_t, Mask> joint_;  ///< of detections with others of the same thing
   Image<int32_t> owner_;  ///< detection that owns the pixel; empty = masks may share pixels
+  std::vector<std::vector<int32_t>> inside_;  ///< CountInside of each in order_
 };
 
 // The weaker of two detections of one thing leaves the ranking.
@@ -172,10 +207,16 @@ bool Refiner::Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const 
          inside <= options_.min_overlap * pixels;  // otherwise the mask gets the whole segment
 }
 
+void Refiner::Count() {
+  inside_.resize(order_.size());
+  ParallelFor(order_.size(), 1, [&](size_t rank) { inside_[rank] = CountInside(order_[rank]); });
+}
+
 void Refiner::Split() {
-  for (const int32_t k : order_) {
+  for (size_t rank = 0; rank < order_.size(); ++rank) {
+    const int32_t k = order_[rank];
     if (set_.detections[At(k)].score < options_.split_min_score) continue;
-    const std::vector<int32_t> inside = CountInside(k);
+    std::vector<int32_t>& inside = inside_[rank];
     const int32_t mask_pixels = std::accumulate(inside.begin(), inside.end(), 0);
     const size_t main =
         static_cast<size_t>(std::max_element(inside.begin(), inside.end()) - inside.begin());
@@ -187,13 +228,17 @@ void Refiner::Split() {
     });
     out_.segments[main].pixels -= inside[main];
     out_.segments.push_back({.pixels = inside[main]});
+    inside.resize(out_.segments.size());
+    inside.back() = std::exchange(inside[main], 0);
+    if (owner_.empty()) Count();  // others had these pixels, too
   }
 }
 
 void Refiner::Match() {
-  for (const int32_t k : order_) {  // best score first: a later one must cover strictly more
+  for (size_t rank = 0; rank < order_.size(); ++rank) {  // a later one must cover strictly more
+    const int32_t k = order_[rank];
     const Detection& detection = set_.detections[At(k)];
-    const std::vector<int32_t> inside = CountInside(k);
+    const std::vector<int32_t>& inside = inside_[rank];
     for (size_t i = 0; i < inside.size(); ++i) {
       FrameSegment& segment = out_.segments[i];
       const float overlap = static_cast<float>(inside[i]) / static_cast<float>(segment.pixels);
@@ -210,13 +255,16 @@ void Refiner::Match() {
 
 /// Mean depth per segment [m].
 std::vector<double> MeanDepths(const SegmentedFrame& out) {
-  std::vector<double> depths(out.segments.size());
-  const SegmentIndex* index = out.image.index.data();
   const float* depth = out.frame.depth.data();
-  for (size_t i = 0, end = 0; i < out.frame.depth.size(); i = end) {
-    double sum = 0;  // of pixels in a row: it stays in a register
-    for (end = i; end < out.frame.depth.size() && index[end] == index[i]; ++end) sum += depth[end];
-    if (index[i] != SegmentIndex::kNone) depths[At(index[i])] += sum;
+  const auto sums = ReadRuns(out.image.index, [&](const PixelRun& run) {
+    double sum = 0;
+    if (run.segment == SegmentIndex::kNone) return std::pair(run.segment, sum);
+    for (size_t i = run.begin; i < run.end; ++i) sum += depth[i];
+    return std::pair(run.segment, sum);
+  });
+  std::vector<double> depths(out.segments.size());
+  for (const auto& [segment, sum] : sums) {
+    if (segment != SegmentIndex::kNone) depths[At(segment)] += sum;
   }
   for (size_t i = 0; i < depths.size(); ++i) depths[i] /= out.segments[i].pixels;
   return depths;
@@ -356,8 +404,9 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
       "a segment image has the size of its frame");
   SegmentedFrame out{std::move(frame), std::move(image), {}, detections != nullptr};
   out.segments.resize(At(out.image.segment_count));
-  for (const SegmentIndex segment : out.image.index.pixels()) {
-    if (segment != SegmentIndex::kNone) ++out.segments[At(segment)].pixels;
+  for (const PixelRun& run : ReadRuns(out.image.index, std::identity())) {
+    if (run.segment != SegmentIndex::kNone)
+      out.segments[At(run.segment)].pixels += static_cast<int32_t>(run.end - run.begin);
   }
   if (detections == nullptr) {
     out.image.ambiguous = {};
@@ -365,6 +414,7 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
     return out;
   }
   Refiner refiner(*detections, options, &out);
+  refiner.Count();
   if (options.split) refiner.Split();
   refiner.Match();
   if (!detections->detections.empty()) {
