@@ -28,6 +28,7 @@ VISMAP_VECTOR_CLONES void PreparePixels(const PixelRow& row, const SurfaceConsta
   float* __restrict w = row.w, * __restrict sigma = row.sigma;
   float* __restrict depth_sigma = row.depth_sigma;
   uint8_t* __restrict radius = row.radius;
+#pragma GCC ivdep  // so many rows: GCC would give up proving that none overlaps another
   for (int u = 0; u < width; ++u) {
     const float d = depth[u];
     const float in = (d >= k.low ? 1.0F : 0.0F) * (d <= k.high ? 1.0F : 0.0F);
@@ -78,8 +79,10 @@ VISMAP_VECTOR_CLONES void ReachLeft(const uint8_t* joined, const uint8_t* radius
     const uint8_t* __restrict a = from;
     uint8_t* __restrict b = to;
     const auto full = static_cast<uint8_t>(k);
-    for (int u = k; u < width; ++u)
-      b[u] = static_cast<uint8_t>(a[u] + (a[u] == full ? a[u - k] : 0));
+    for (int u = k; u < width; ++u) {
+      const uint8_t near = a[u], far = a[u - k];  // read in any case, or the loop stays scalar
+      b[u] = static_cast<uint8_t>(near + (near == full ? far : 0));
+    }
     std::swap(from, to);
   }
   const uint8_t* __restrict far = from;
@@ -97,8 +100,10 @@ VISMAP_VECTOR_CLONES void ReachRight(const uint8_t* joined, const uint8_t* radiu
     const uint8_t* __restrict a = from;
     uint8_t* __restrict b = to;
     const auto full = static_cast<uint8_t>(k);
-    for (int u = 0; u < body; ++u)
-      b[u] = static_cast<uint8_t>(a[u] + (a[u] == full ? a[u + k] : 0));
+    for (int u = 0; u < body; ++u) {
+      const uint8_t near = a[u], far = a[u + k];
+      b[u] = static_cast<uint8_t>(near + (near == full ? far : 0));
+    }
     for (int u = body; u < width; ++u) b[u] = a[u];
     std::swap(from, to);
   }
@@ -120,6 +125,7 @@ VISMAP_VECTOR_CLONES void SumStretches(const StretchRow& row, int width, const S
   const double* __restrict prefix_w = row.prefix_w, * __restrict prefix_uw = row.prefix_uw;
   float* __restrict n = out.n, * __restrict x = out.x, * __restrict xx = out.xx;
   float* __restrict sum_w = out.w, * __restrict sum_xw = out.xw;
+#pragma GCC ivdep
   for (int u = 0; u < width; ++u) {
     const int l = left[u], r = right[u], a = u - l, b = u + r + 1;
     const double stretch_w = prefix_w[b] - prefix_w[a];
