@@ -81,7 +81,7 @@ CellBox BoxAround(const CellBits& cells) {
 }
 
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells) {
-  if (!ReachBehind(walk)) return false;  // mostly
+  if (walk.At(NeighbourWalk::Slot(0, 0, 0)).observed == nullptr || !ReachBehind(walk)) return false;
   uint64_t any = 0;
   Corners below = ReadCorners(walk, 0);
   for (int z = 0; z < kBlockSide; ++z) {
