@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/prefetch.h"
 #include "mapping/clear_depth.h"
 #include "volume/label_votes.h"
 
@@ -215,6 +216,12 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
     static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
     return {.affected = AffectedBy(MarkFree(kAll, block))};
   }
+  if (const SurfaceVoxels* there = block.surface.get()) {  // comes while voxels are projected
+    PrefetchAll(there->distance);
+    PrefetchAll(there->weight);
+    PrefetchAll(there->observations);
+    PrefetchLine(&there->palette);
+  }
   const Eigen::Vector3d first_W =
       Eigen::Vector3d(index.x, index.y, index.z) * (kBlockSide * voxel_size_) +
       Eigen::Vector3d::Constant(0.5 * voxel_size_);
@@ -230,6 +237,12 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
   if (said == 0) return {};
   if (!block.surface && !(said & kNearSurface)) {
     return {.affected = AffectedBy(MarkFree(VoxelsWith(samples.flags, kSeenFree), block))};
+  }
+  if (const SurfaceVoxels* there = block.surface.get()) {
+    PrefetchLine(there->palette.data());
+    PrefetchAll(there->color);
+    PrefetchAll(there->slot_label);
+    PrefetchAll(there->slot_votes);
   }
   WeighVoxels(depth, limits_, samples);
   block.surface.Unpack();

@@ -41,12 +41,9 @@ void ReadSurface(const BlockView& view, const ObservationGate& gate, VoxelSigns*
 
 // What ReadSurface reads of a block in the map: it would wait for every line.
 void PrefetchSurface(const BlockView& view) {
-  constexpr size_t kPerLine = 32;
   if (view.voxels == nullptr) return;
-  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) {
-    PrefetchLine(&view.voxels->distance[i]);
-    PrefetchLine(&view.voxels->weight[i]);
-  }
+  PrefetchAll(view.voxels->distance);
+  PrefetchAll(view.voxels->weight);
 }
 
 bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {

@@ -62,9 +62,7 @@ bool IsEmpty(const VoxelRange& range) { return range.begin >= range.end; }
 
 // Rows of eight are read in order, which the processor foresees; columns are not.
 void PrefetchDistances(const SurfaceVoxels* voxels) {
-  if (voxels == nullptr) return;
-  constexpr size_t kPerLine = 64 / sizeof(int16_t);
-  for (size_t i = 0; i < kBlockVoxels; i += kPerLine) PrefetchLine(&voxels->distance[i]);
+  if (voxels != nullptr) PrefetchAll(voxels->distance);
 }
 
 }  // namespace

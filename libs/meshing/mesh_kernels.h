@@ -64,14 +64,14 @@ struct VertexLanes {
   template <typename T>
   using Lane = std::array<T, kVertexLanes>;
   alignas(64) Lane<uint16_t> slot{};  ///< of the vertex's edge, as numbered by EdgeSlot
-  alignas(64) std::array<Lane<int16_t>, 7> lower{};   ///< star of the edge's lower end
-  alignas(64) std::array<Lane<int16_t>, 7> upper{};   ///< and of its upper end
-  alignas(64) Lane<uint32_t> lower_color{};           ///< r | g << 8 | b << 16
-  alignas(64) Lane<uint32_t> upper_color{};           ///< the same
-  alignas(64) Lane<uint32_t> lower_end{};             ///< set by LocateEnds
-  alignas(64) Lane<uint32_t> upper_end{};             ///< the same
-  alignas(64) Lane<uint32_t> nearer_end{};            ///< the one of them that the vertex is nearer to
-  alignas(64) Lane<float> t{};                        ///< place between the ends, [0.01, 0.99]
+  alignas(64) std::array<Lane<int16_t>, 7> lower{};  ///< star of the edge's lower end
+  alignas(64) std::array<Lane<int16_t>, 7> upper{};  ///< and of its upper end
+  alignas(64) Lane<uint32_t> lower_color{};          ///< r | g << 8 | b << 16
+  alignas(64) Lane<uint32_t> upper_color{};          ///< the same
+  alignas(64) Lane<uint32_t> lower_end{};            ///< set by LocateEnds
+  alignas(64) Lane<uint32_t> upper_end{};            ///< the same
+  alignas(64) Lane<uint32_t> nearer_end{};  ///< the one of them that the vertex is nearer to
+  alignas(64) Lane<float> t{};              ///< place between the ends, [0.01, 0.99]
   alignas(64) std::array<Lane<float>, 3> normal{};    ///< unit, W
   alignas(64) std::array<Lane<float>, 3> position{};  ///< W [m]
   alignas(64) Lane<uint32_t> color{};                 ///< as above, interpolated
