@@ -141,7 +141,11 @@ VISMAP_VECTOR_CLONES void Locate(const uint16_t* slots, int groups, uint32_t* __
 VISMAP_VECTOR_CLONES void PickNearer(const uint32_t* lower, const uint32_t* upper, const float* t,
                                      int groups, uint32_t* __restrict nearer_out) {
   for (int group = 0; group < groups * kGroup; group += kGroup) {
-    for (int i = group; i < group + kGroup; ++i) nearer_out[i] = t[i] > 0.5F ? upper[i] : lower[i];
+    for (int i = group; i < group + kGroup; ++i) {
+      // Both are read in any case: of one or the other GCC 12 makes wrong code for AVX2.
+      const uint32_t low = lower[i], high = upper[i];
+      nearer_out[i] = t[i] > 0.5F ? high : low;
+    }
   }
 }
 
