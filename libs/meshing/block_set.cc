@@ -32,7 +32,7 @@ void BlockSet::Append(const BlockIndex& at, uint64_t bits) {
   }
 }
 
-void BlockSet::Put(const BlockIndex& at, uint64_t bits) {
+inline void BlockSet::Put(const BlockIndex& at, uint64_t bits) {
   if (bits == 0) return;
   auto place = runs_.end();
   while (place != runs_.begin() && at < (place - 1)->at) --place;
@@ -43,10 +43,10 @@ void BlockSet::Put(const BlockIndex& at, uint64_t bits) {
   }
 }
 
-void BlockSet::PutStepped(const BlockIndex& at, uint64_t down, uint64_t still, uint64_t up) {
-  Put({at.x, at.y, at.z - 1}, down << kRunMask);
+inline void BlockSet::PutStepped(const BlockIndex& at, uint64_t down, uint64_t still, uint64_t up) {
+  if ((down & 1) != 0) Put({at.x, at.y, at.z - 1}, down << kRunMask);
   Put(at, down >> 1 | still | up << 1);
-  Put({at.x, at.y, at.z + 1}, up >> kRunMask);
+  if (up >> kRunMask != 0) Put({at.x, at.y, at.z + 1}, up >> kRunMask);
 }
 
 BlockSet BlockSet::Grown(int below, int above) const {

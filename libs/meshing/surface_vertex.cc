@@ -36,6 +36,7 @@ void PrefetchVoxel(const CellGrid::Place& place) {
   if (place.voxels == nullptr) return;
   PrefetchLine(&place.voxels->color[static_cast<size_t>(place.offset)]);
   PrefetchLine(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
+  PrefetchLine(&place.voxels->slot_votes[static_cast<size_t>(place.offset)]);
 }
 
 // Of four voxels, by their twelve entries.
