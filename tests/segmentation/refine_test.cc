@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "support/random_scenes.h"
+
 namespace vismap {
 namespace {
 
@@ -344,6 +346,51 @@ TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
   options.resolve_overlaps = false;
   const SegmentedFrame out = RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, options);
   EXPECT_EQ(Raw(out.image.index(115, 123)), 1);
+}
+
+TEST(Refine, OverlapsAreThoseOfTheSegmentsAfterAllSplits) {
+  testing_support::RandomNumbers random(3);
+  int splits = 0, matches = 0;
+  for (int round = 0; round < 60; ++round) {
+    RefineOptions options;
+    options.same_part = 1;
+    options.max_depth_extent = 0;
+    options.take_loose = false;
+    options.fold_min_score = 2;
+    options.split_min_score = 0;
+    options.resolve_overlaps = random.Chance(0.5);
+    std::vector<Detection> detections;
+    for (int k = random.Whole(1, 8); k > 0; --k) {  // best first
+      detections.push_back(Rectangle(kCup, 0.1F * static_cast<float>(k), random.Whole(-20, 150),
+                                     random.Whole(-20, 120), random.Whole(10, 90),
+                                     random.Whole(10, 90)));
+    }
+    const SegmentedFrame out = Refine(detections, options);
+    ExpectConsistent(out);
+    splits += out.image.segment_count - 2;
+    std::vector<std::vector<int>> inside(detections.size(), std::vector<int>(out.segments.size()));
+    for (int v = 0; v < kHeight; ++v) {
+      for (int u = 0; u < kWidth; ++u) {
+        const SegmentIndex segment = out.image.index(v, u);
+        if (segment == SegmentIndex::kNone) continue;
+        for (size_t k = 0; k < detections.size(); ++k) {
+          if (!detections[k].mask.Contains(v, u)) continue;
+          ++inside[k][static_cast<size_t>(Raw(segment))];
+          if (options.resolve_overlaps) break;
+        }
+      }
+    }
+    for (size_t i = 0; i < out.segments.size(); ++i) {
+      float best = 0;
+      for (size_t k = 0; k < detections.size(); ++k)
+        best = std::max(
+            best, static_cast<float>(inside[k][i]) / static_cast<float>(out.segments[i].pixels));
+      EXPECT_EQ(out.segments[i].overlap, best > static_cast<float>(options.min_overlap) ? best : 0);
+      matches += out.segments[i].overlap > 0;
+    }
+  }
+  EXPECT_GT(splits, 50);
+  EXPECT_GT(matches, 50);
 }
 
 TEST(Refine, NoSegmentsAtAllIsFine) {
