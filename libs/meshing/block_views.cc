@@ -119,7 +119,7 @@ void NeighbourWalk::FindLower() {
 }
 
 const BlockView* NeighbourWalk::Next() const {
-  const Rest& rest = rests_[Slot(0, 0, -1) / 3];
+  const Rest& rest = rests_[NeighbourSlot(0, 0, -1) / 3];
   const std::vector<BlockView>& all = views_.views();
   const BlockView* view = rest.begin;
   while (view != rest.end && view->index.z <= block_.z) ++view;
@@ -137,7 +137,7 @@ void NeighbourWalk::FindColumns() {
                                      return std::pair(a.x, a.y) < b;
                                    });
     for (int y = -1; y <= 1; ++y) {
-      Rest& rest = rests_[Slot(x, y, -1) / 3];
+      Rest& rest = rests_[NeighbourSlot(x, y, -1) / 3];
       rest = {};
       if (column == views_.columns().end() || column->x != block_.x + x ||
           column->y != block_.y + y)
@@ -149,12 +149,12 @@ void NeighbourWalk::FindColumns() {
 }
 
 inline void NeighbourWalk::FindAlong(int x, int y) {
-  Rest& rest = rests_[Slot(x, y, -1) / 3];
+  Rest& rest = rests_[NeighbourSlot(x, y, -1) / 3];
   while (rest.begin != rest.end && rest.begin->index.z < block_.z - 1) ++rest.begin;
   const BlockView* next = rest.begin;
   for (int z = -1; z <= 1; ++z) {
     const bool is_there = next != rest.end && next->index.z == block_.z + z;
-    found_[Slot(x, y, z)] = is_there ? next : &kUnseen;
+    found_[NeighbourSlot(x, y, z)] = is_there ? next : &kUnseen;
     next += is_there ? 1 : 0;
   }
 }

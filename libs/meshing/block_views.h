@@ -55,8 +55,6 @@ class NeighbourWalk {
  public:
   explicit NeighbourWalk(const BlockViews& views) : views_(views) {}
 
-  /// Slot of the neighbour at (x, y, z), each -1..1.
-  static constexpr size_t Slot(int x, int y, int z) { return NeighbourSlot(x, y, z); }
   /// Goes to a block; finds it and the seven neighbours that its cells reach into.
   void GoTo(BlockIndex block);
   /// Finds the other nineteen.
@@ -64,7 +62,8 @@ class NeighbourWalk {
   /// The block that comes after this one of those with voxels behind the surface, so that it can be
   /// prefetched; nullptr = none.
   const BlockView* Next() const;
-  /// Never nullptr; unseen where there are no views. Slots not found are those of an earlier block.
+  /// Of a NeighbourSlot; never nullptr, unseen where there are no views. Slots not found are those
+  /// of an earlier block.
   const BlockView& At(size_t slot) const { return *found_[slot]; }
   BlockIndex block() const { return block_; }
 

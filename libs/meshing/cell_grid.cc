@@ -20,7 +20,7 @@ constexpr Distances kFreeDistances = FreeDistances();
 // A neighbour of the block whose voxels its cells depend on.
 struct Neighbour {
   int bx = 0, by = 0, bz = 0;
-  size_t slot() const { return NeighbourWalk::Slot(bx, by, bz); }
+  size_t slot() const { return NeighbourSlot(bx, by, bz); }
 };
 
 // The block itself and those around it but for seven: normals ask for voxels below the block along
@@ -79,10 +79,10 @@ void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceRead
         view.has_surface && view.voxels == nullptr ? reader->Read(*view.block) : view.voxels;
   }
   for (int i = 0; i < 8; ++i) {
-    upper_voxels_[static_cast<size_t>(i)] = voxels_[NeighbourWalk::Slot(i & 1, i >> 1 & 1, i >> 2)];
+    upper_voxels_[static_cast<size_t>(i)] = voxels_[NeighbourSlot(i & 1, i >> 1 & 1, i >> 2)];
   }
-  PrefetchDistances(voxels_[NeighbourWalk::Slot(-1, 0, 0)]);
-  PrefetchDistances(voxels_[NeighbourWalk::Slot(1, 0, 0)]);
+  PrefetchDistances(voxels_[NeighbourSlot(-1, 0, 0)]);
+  PrefetchDistances(voxels_[NeighbourSlot(1, 0, 0)]);
   const auto first_layer = distances_.begin() + GridOffset(kGridLow, kGridLow, cells.z.from - 1);
   std::fill_n(first_layer, (cells.z.to - cells.z.from + 3) * kGridLayer, kUnseenDistance);
   const auto x = Overlaps(cells.x), y = Overlaps(cells.y), z = Overlaps(cells.z);

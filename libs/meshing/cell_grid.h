@@ -38,7 +38,7 @@ class CellGrid {
   }
   /// Of the voxel (x, y, z).
   Place PlaceOf(int x, int y, int z) const {
-    return {voxels_[NeighbourWalk::Slot(x >> 3, y >> 3, z >> 3)], LinearIndex(x & 7, y & 7, z & 7)};
+    return {voxels_[NeighbourSlot(x >> 3, y >> 3, z >> 3)], LinearIndex(x & 7, y & 7, z & 7)};
   }
 
  private:

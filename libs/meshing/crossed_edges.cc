@@ -14,7 +14,7 @@ void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellBox::Range layers)
   layers_ = layers;
   for (int z = layers.from; z <= layers.to; ++z) {
     const auto word = [&](int x, int y) -> uint64_t {
-      const uint64_t* words = walk.At(NeighbourWalk::Slot(x, y, z / kBlockSide)).behind;
+      const uint64_t* words = walk.At(NeighbourSlot(x, y, z / kBlockSide)).behind;
       return words == nullptr ? 0 : words[z % kBlockSide];
     };
     uint16_t* rows = &behind_[static_cast<size_t>(kBitRows * z)];

@@ -66,7 +66,7 @@ struct VertexLanes {
   alignas(64) Lane<uint16_t> slot{};  ///< of the vertex's edge, as numbered by EdgeSlot
   alignas(64) std::array<Lane<int16_t>, 7> lower{};  ///< star of the edge's lower end
   alignas(64) std::array<Lane<int16_t>, 7> upper{};  ///< and of its upper end
-  alignas(64) Lane<uint32_t> lower_color{};          ///< r | g << 8 | b << 16
+  alignas(64) Lane<uint32_t> lower_color{};          ///< r | g << 8 | b << 16, and anything above
   alignas(64) Lane<uint32_t> upper_color{};          ///< the same
   alignas(64) Lane<uint32_t> lower_end{};            ///< set by LocateEnds
   alignas(64) Lane<uint32_t> upper_end{};            ///< the same

@@ -17,7 +17,7 @@ using Bits = const uint64_t* BlockView::*;
 
 Layer ReadLayer(const NeighbourWalk& walk, Bits bits, int z) {
   const auto word = [&](int x, int y) -> uint64_t {
-    const uint64_t* words = walk.At(NeighbourWalk::Slot(x, y, z / kBlockSide)).*bits;
+    const uint64_t* words = walk.At(NeighbourSlot(x, y, z / kBlockSide)).*bits;
     return words == nullptr ? 0 : words[z % kBlockSide];
   };
   return {word(0, 0), word(1, 0), word(0, 1), word(1, 1)};
@@ -55,7 +55,7 @@ Corners ReadCorners(const NeighbourWalk& walk, int z) {
 // Whether there is anything behind the surface where the cells of a block reach.
 bool ReachBehind(const NeighbourWalk& walk) {
   for (int i = 0; i < 8; ++i) {
-    if (walk.At(NeighbourWalk::Slot(i & 1, i >> 1 & 1, i >> 2)).behind != nullptr) return true;
+    if (walk.At(NeighbourSlot(i & 1, i >> 1 & 1, i >> 2)).behind != nullptr) return true;
   }
   return false;
 }
@@ -81,7 +81,7 @@ CellBox BoxAround(const CellBits& cells) {
 }
 
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells) {
-  if (walk.At(NeighbourWalk::Slot(0, 0, 0)).observed == nullptr || !ReachBehind(walk)) return false;
+  if (walk.At(NeighbourSlot(0, 0, 0)).observed == nullptr || !ReachBehind(walk)) return false;
   uint64_t any = 0;
   Corners below = ReadCorners(walk, 0);
   for (int z = 0; z < kBlockSide; ++z) {

@@ -108,6 +108,15 @@ VISMAP_VECTOR_CLONES void MarkRegions(const int32_t* regions, int width, RunFlag
     on[u] = static_cast<uint8_t>(in[u] & (regions[u] == regions[u - 1] ? 1 : 0));
 }
 
+VISMAP_VECTOR_CLONES void MarkSegments(const SegmentIndex* segments, int width, RunFlags out) {
+  uint8_t* __restrict in = out.in;
+  uint8_t* __restrict on = out.on;
+  for (int u = 0; u < width; ++u) in[u] = segments[u] != SegmentIndex::kNone ? 1 : 0;
+  on[0] = 0;
+  for (int u = 1; u < width; ++u)
+    on[u] = static_cast<uint8_t>(in[u] & (segments[u] == segments[u - 1] ? 1 : 0));
+}
+
 VISMAP_VECTOR_CLONES void MarkFront(const FrontRow& row, int width, uint8_t* __restrict out) {
   const uint8_t* __restrict links = row.links;
   const uint8_t* __restrict radius = row.radius;

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "base/ids.h"
+
 namespace vismap {
 
 // The loops of the segmentation over the pixels of a row, free of branches so that the compiler
@@ -48,6 +50,8 @@ void MarkMissed(const uint8_t* radius, const int32_t* regions, const uint8_t* li
                 RunFlags out);
 /// Runs of pixels of one region.
 void MarkRegions(const int32_t* regions, int width, RunFlags out);
+/// Runs of pixels of one segment.
+void MarkSegments(const SegmentIndex* segments, int width, RunFlags out);
 
 /// Pixels with a region that are joined with one that has depth and none; region rows above and
 /// below are any rows outside the image.

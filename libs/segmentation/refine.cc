@@ -1,17 +1,15 @@
 #include "segmentation/refine.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numeric>
-#include <type_traits>
 #include <utility>
 
 #include "base/parallel.h"
 #include "base/require.h"
 #include "segmentation/mask_sets.h"
+#include "segmentation/runs.h"
 
 namespace vismap {
 namespace {
@@ -21,32 +19,10 @@ constexpr int32_t kNobody = -1;
 size_t At(SegmentIndex index) { return static_cast<size_t>(Raw(index)); }
 size_t At(int32_t index) { return static_cast<size_t>(index); }
 
-/// Pixels in a row that belong to one segment, or to none; also across ends of rows.
-struct PixelRun {
-  SegmentIndex segment;
-  size_t begin, end;
-};
-
-/// What `read(run)` says of the runs of an image, in their order. It runs in parallel.
-template <typename Read>
-auto ReadRuns(const Image<SegmentIndex>& image, const Read& read) {
-  using Reading = std::decay_t<decltype(read(PixelRun{}))>;
-  constexpr size_t kBands = 16;
-  const SegmentIndex* index = image.data();
-  const size_t size = image.size();
-  std::array<std::vector<Reading>, kBands> bands;  // a run belongs to the band where it begins
-  ParallelFor(kBands, 1, [&](size_t band) {
-    size_t begin = size * band / kBands;
-    const size_t limit = size * (band + 1) / kBands;
-    while (begin > 0 && begin < limit && index[begin] == index[begin - 1]) ++begin;
-    for (size_t end = begin; begin < limit; begin = end) {
-      while (end < size && index[end] == index[begin]) ++end;
-      bands[band].push_back(read(PixelRun{index[begin], begin, end}));
-    }
-  });
-  std::vector<Reading> all;
-  for (const auto& band : bands) all.insert(all.end(), band.begin(), band.end());
-  return all;
+/// The runs of pixels of one segment.
+RunTable SegmentRuns(const Image<SegmentIndex>& index) {
+  return {index.width(), index.height(),
+          [&index](int v, RunFlags flags) { MarkSegments(index.row(v), index.width(), flags); }};
 }
 
 /// Calls visit(v, u) for the pixels of a mask that lie in the image, in row order.
@@ -255,17 +231,16 @@ void Refiner::Match() {
 
 /// Mean depth per segment [m].
 std::vector<double> MeanDepths(const SegmentedFrame& out) {
-  const float* depth = out.frame.depth.data();
-  const auto sums = ReadRuns(out.image.index, [&](const PixelRun& run) {
-    double sum = 0;
-    if (run.segment == SegmentIndex::kNone) return std::pair(run.segment, sum);
-    for (size_t i = run.begin; i < run.end; ++i) sum += depth[i];
-    return std::pair(run.segment, sum);
+  const RunTable table = SegmentRuns(out.image.index);
+  const std::vector<Run>& runs = table.runs();
+  std::vector<double> sums(runs.size());
+  ParallelFor(runs.size(), 256, [&](size_t i) {
+    const float* depth = out.frame.depth.row(runs[i].v);
+    sums[i] = std::accumulate(depth + runs[i].begin, depth + runs[i].end, 0.0);
   });
   std::vector<double> depths(out.segments.size());
-  for (const auto& [segment, sum] : sums) {
-    if (segment != SegmentIndex::kNone) depths[At(segment)] += sum;
-  }
+  for (size_t i = 0; i < runs.size(); ++i)
+    depths[At(out.image.index(runs[i].v, runs[i].begin))] += sums[i];
   for (size_t i = 0; i < depths.size(); ++i) depths[i] /= out.segments[i].pixels;
   return depths;
 }
@@ -404,10 +379,9 @@ SegmentedFrame RefineWithDetections(RgbdFrame frame, SegmentImage image,
       "a segment image has the size of its frame");
   SegmentedFrame out{std::move(frame), std::move(image), {}, detections != nullptr};
   out.segments.resize(At(out.image.segment_count));
-  for (const PixelRun& run : ReadRuns(out.image.index, std::identity())) {
-    if (run.segment != SegmentIndex::kNone)
-      out.segments[At(run.segment)].pixels += static_cast<int32_t>(run.end - run.begin);
-  }
+  const RunTable table = SegmentRuns(out.image.index);
+  for (const Run& run : table.runs())
+    out.segments[At(out.image.index(run.v, run.begin))].pixels += run.length();
   if (detections == nullptr) {
     out.image.ambiguous = {};
     out.image.loose = {};

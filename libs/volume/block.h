@@ -87,8 +87,8 @@ inline constexpr float kWeightScale = 128.0F;
 /// Which voxels of a block were seen empty, for blocks far from any surface: one bit per voxel (bit
 /// = linear index), at least once and at least twice. 128 bytes instead of 7 kB.
 struct FreeVoxels {
-  std::array<uint64_t, kBlockVoxels / 64> once{};
-  std::array<uint64_t, kBlockVoxels / 64> twice{};
+  VoxelBits once{};
+  VoxelBits twice{};
 
   bool SeenOnce(int voxel) const {
     return (once[static_cast<size_t>(voxel) / 64] >> (voxel % 64)) & 1;

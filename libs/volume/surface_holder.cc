@@ -19,7 +19,6 @@ constexpr size_t kMaxContent = kMaskBytes + 1 + 255 * sizeof(SegmentLabel) + kPl
 constexpr int kLevel = 1;
 constexpr size_t kSizeBytes = 2;
 
-using Mask = std::array<uint64_t, kBlockVoxels / 64>;
 using Content = std::array<uint8_t, kMaxContent>;
 
 // The bytes of a voxel, in the order of the planes.
@@ -49,7 +48,7 @@ void SetBytes(const std::array<uint8_t, kPlanes>& bytes, size_t i, SurfaceVoxels
 
 size_t Write(const SurfaceVoxels& voxels, Content& content) {
   std::array<std::array<uint8_t, kBlockVoxels>, kPlanes> planes;
-  Mask mask{};
+  VoxelBits mask{};
   size_t count = 0;
   for (size_t i = 0; i < kBlockVoxels; ++i) {
     const std::array<uint8_t, kPlanes> bytes = BytesOf(voxels, i);
@@ -72,7 +71,7 @@ size_t Write(const SurfaceVoxels& voxels, Content& content) {
 }
 
 void ReadContent(const Content& content, SurfaceVoxels* voxels) {
-  Mask mask;
+  VoxelBits mask;
   std::memcpy(mask.data(), content.data(), kMaskBytes);
   const size_t labels = content[kMaskBytes];
   const uint8_t* at = content.data() + kMaskBytes + 1;
