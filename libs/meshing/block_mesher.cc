@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <utility>
 
 namespace vismap {
@@ -44,24 +45,26 @@ constexpr std::array<uint16_t, 12> CellEdgeSlots() {
 }
 constexpr std::array<uint16_t, 12> kCellEdgeSlot = CellEdgeSlots();
 
-// What a cell adds to the mesh, by which of its corners are behind the surface. Padded, so that
-// most cells run through the same code: how much a cell has cannot be foreseen.
+// Slots of edges, or steps between them; as vectors, so that those of a cell are one addition.
+using Slots = uint16_t __attribute__((vector_size(16)));
+
+// What a cell adds to the mesh, by which of its corners are behind the surface. Of a fixed size, so
+// that all cells run through the same code: how much one has cannot be foreseen.
 struct Recipe {
-  static constexpr size_t kMostTriangles = 3;  // of most cells
-  std::array<uint16_t, 15> corners{};          // of the triangles: steps of slots from the cell's
-  uint8_t triangle_count = 0;
+  std::array<uint16_t, 16> corners{};  // of the triangles: steps of slots from the cell's
+  uint16_t corner_count = 0;
 };
 
 Recipe ReadRecipe(const int* row) {
   Recipe recipe;
-  size_t corners = 0;
-  for (; row[corners] >= 0; corners += 3) {
+  uint16_t corners = 0;
+  for (; row[corners] >= 0; corners = static_cast<uint16_t>(corners + 3)) {
     // The tables turn clockwise for corners that are set; ours are set behind the surface.
     for (const auto& [to, from] : {std::pair{0, 0}, std::pair{1, 2}, std::pair{2, 1}})
-      recipe.corners[corners + to] = kCellEdgeSlot[static_cast<size_t>(row[corners + from])];
+      recipe.corners[static_cast<size_t>(corners + to)] =
+          kCellEdgeSlot[static_cast<size_t>(row[corners + from])];
   }
-  std::fill(recipe.corners.begin() + corners, recipe.corners.end(), recipe.corners[0]);
-  recipe.triangle_count = static_cast<uint8_t>(corners / 3);
+  recipe.corner_count = corners;
   return recipe;
 }
 
@@ -82,13 +85,14 @@ std::array<Recipe, 256> ReadRecipes() {
 }
 const std::array<Recipe, 256> kRecipes = ReadRecipes();
 
-template <typename Visit>
-void ForEachCell(const CellBits& cells, const Visit& visit) {
-  for (int z = 0; z < kBlockSide; ++z) {
-    for (uint64_t bits = cells[static_cast<size_t>(z)]; bits != 0; bits &= bits - 1) {
-      const int cell = std::countr_zero(bits);
-      visit(cell % kBlockSide, cell / kBlockSide, z);
-    }
+// The slots of the corners of a cell's triangles; with room for more behind them.
+inline void AddCorners(const Recipe& recipe, size_t cell, uint16_t* slots_out) {
+  const auto from = static_cast<uint16_t>(cell);
+  for (size_t i = 0; i < recipe.corners.size(); i += sizeof(Slots) / sizeof(uint16_t)) {
+    Slots slots;
+    std::memcpy(&slots, &recipe.corners[i], sizeof(slots));
+    slots += from;
+    std::memcpy(slots_out + i, &slots, sizeof(slots));
   }
 }
 
@@ -136,35 +140,33 @@ void BlockMesher::Find(BlockIndex block) {
 Mesh BlockMesher::MakeMesh() {
   Mesh mesh;
   if (edges_.slots().empty()) return mesh;
-  size_t triangles = 0;
-  ForEachCell(cells_, [&](int x, int y, int z) {
-    const Recipe& recipe = kRecipes[edges_.CubeOf(x, y, z)];
-    const auto cell = static_cast<size_t>(EdgeSlot({x, y, z}));
-    const auto corner = [&](size_t i) -> uint32_t {
-      return edges_.NumberOf(cell + recipe.corners[i]);
-    };
-    const auto add = [&](size_t i) {
-      triangles_[triangles + i] = {corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)};
-    };
-    for (size_t i = 0; i < Recipe::kMostTriangles; ++i) add(i);
-    for (size_t i = Recipe::kMostTriangles; i < recipe.triangle_count; ++i) add(i);
-    triangles += recipe.triangle_count;
+  size_t count = 0;
+  edges_.ForEachCell([&](size_t cell) {
+    const Recipe& recipe = kRecipes[edges_.CubeOf(cell)];
+    AddCorners(recipe, cell, &corners_[count]);
+    count += recipe.corner_count;
   });
-  const auto made = std::span(triangles_).first(triangles);
-  mesh.triangles.assign(made.begin(), made.end());
+  const auto triangles = std::span(triangles_).first(count / 3);
+  const uint16_t* corner = corners_.data();
+  for (auto& triangle : triangles) {
+    for (uint32_t& number : triangle) number = edges_.NumberOf(*corner++);
+  }
+  mesh.triangles.assign(triangles.begin(), triangles.end());
   vertex_maker_.Make(walk_.block(), edges_.slots(), &mesh.vertices);
   return mesh;
 }
 
 void BlockMesher::LeaveOutJumps() {
-  ForEachCell(CellBits(cells_), [&](int x, int y, int z) {
-    const Recipe& recipe = kRecipes[edges_.CubeOf(x, y, z)];
-    const auto cell = static_cast<size_t>(EdgeSlot({x, y, z}));
-    const auto corners = std::span(recipe.corners).first(3u * recipe.triangle_count);
+  CellBits left = cells_;
+  edges_.ForEachCell([&](size_t cell) {
+    const Recipe& recipe = kRecipes[edges_.CubeOf(cell)];
+    const auto corners = std::span(recipe.corners).first(recipe.corner_count);
     const bool crosses = std::any_of(corners.begin(), corners.end(),
                                      [&](uint16_t step) { return IsJump(cell + step); });
-    if (crosses) cells_[static_cast<size_t>(z)] &= ~(uint64_t{1} << (x + kBlockSide * y));
+    const LatticeEdge at = EdgeOfSlot(static_cast<int>(cell));
+    if (crosses) left[static_cast<size_t>(at.z)] &= ~(uint64_t{1} << (at.x + kBlockSide * at.y));
   });
+  cells_ = left;
   edges_.List(cells_);
 }
 

@@ -48,7 +48,9 @@ class BlockMesher {
   CellBits cells_;  // meshed ones, where there are edges
   CrossedEdges edges_;
   // With room for everything, so that nothing is asked on the way.
-  std::array<std::array<uint32_t, 3>, 5 * kBlockVoxels + 3> triangles_;
+  static constexpr size_t kMostTriangles = size_t{5} * kBlockVoxels;
+  std::array<uint16_t, 3 * kMostTriangles + 1> corners_;  // slots
+  std::array<std::array<uint32_t, 3>, kMostTriangles> triangles_;
 };
 
 }  // namespace vismap

@@ -1,14 +1,6 @@
 #include "meshing/crossed_edges.h"
 
-#include <bit>
-#include <cstring>
-
 namespace vismap {
-namespace {
-
-constexpr int kRowsPerWord = 4;
-
-}  // namespace
 
 void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellBox::Range layers) {
   layers_ = layers;
@@ -24,11 +16,12 @@ void CrossedEdges::ReadCorners(const NeighbourWalk& walk, CellBox::Range layers)
 }
 
 void CrossedEdges::List(const CellBits& cells) {
-  constexpr size_t kFirst = kBitRows + 1;  // of the block's cells
-  for (size_t z = 0; z < kBlockSide; ++z) SpreadRows(cells[z], 0, &cells_[kFirst + kBitRows * z]);
+  for (size_t z = 0; z < kBlockSide; ++z)
+    SpreadRows(cells[z], 0, &cells_[kFirstCells + kBitRows * z]);
   const auto from = static_cast<size_t>(kBitRows * layers_.from);
   uint16_t* crossed = crossed_.data() + from;
-  CrossEdges(&behind_[from], &cells_[kFirst + from], kBitRows * (layers_.to - layers_.from + 1),
+  CrossEdges(&behind_[from], &cells_[kFirstCells + from],
+             kBitRows * (layers_.to - layers_.from + 1),
              {crossed, crossed + kAxisSlots / kSlotStride, crossed + 2 * kAxisSlots / kSlotStride});
   count_ = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -40,10 +33,7 @@ void CrossedEdges::List(const CellBits& cells) {
 }
 
 inline void CrossedEdges::AddSlots(size_t first) {
-  uint64_t bits;
-  static_assert(sizeof(bits) == kRowsPerWord * sizeof(crossed_[0]));
-  std::memcpy(&bits, &crossed_[first / kSlotStride], sizeof(bits));
-  for (; bits != 0; bits &= bits - 1) {
+  for (uint64_t bits = WordOf(&crossed_[first / kSlotStride]); bits != 0; bits &= bits - 1) {
     const size_t slot = first + static_cast<size_t>(std::countr_zero(bits));
     number_of_slot_[slot] = static_cast<uint16_t>(count_);
     slots_[count_++] = static_cast<uint16_t>(slot);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "meshing/lattice_edge.h"
@@ -26,18 +28,39 @@ class CrossedEdges {
   /// Where a listed edge is in the list.
   uint16_t NumberOf(size_t slot) const { return number_of_slot_[slot]; }
 
+  /// Calls `visit(cell)` for each of the cells that edges were listed of, ascending by layers.
+  /// Cells are numbered as their first edges: see EdgeSlot.
+  template <typename Visit>
+  void ForEachCell(const Visit& visit) const {
+    for (int z = layers_.from; z < layers_.to; ++z) {
+      for (int y = 0; y < kBlockSide; y += kRowsPerWord) {
+        const auto first = static_cast<size_t>(EdgeSlot({0, y, z}));
+        const uint64_t word = WordOf(&cells_[kFirstCells + first / kSlotStride]);
+        for (uint64_t bits = word; bits != 0; bits &= bits - 1)
+          visit(first + static_cast<size_t>(std::countr_zero(bits)));
+      }
+    }
+  }
   /// Which corners of a cell are behind the surface: bit x + 2 y + 4 z.
-  size_t CubeOf(int x, int y, int z) const {
-    const uint16_t* row = &behind_[static_cast<size_t>(y + kBitRows * z)];
-    const auto pair = [x](uint16_t bits) { return static_cast<size_t>(bits >> x & 3); };
+  size_t CubeOf(size_t cell) const {
+    const uint16_t* row = &behind_[cell / kSlotStride];
+    const auto pair = [x = cell % kSlotStride](uint16_t bits) -> size_t { return bits >> x & 3; };
     return pair(row[0]) | pair(row[1]) << 2 | pair(row[kBitRows]) << 4 |
            pair(row[kBitRows + 1]) << 6;
   }
 
  private:
+  static constexpr int kRowsPerWord = 4;
+  static uint64_t WordOf(const uint16_t* rows) {
+    uint64_t word;
+    static_assert(sizeof(word) == kRowsPerWord * sizeof(*rows));
+    std::memcpy(&word, rows, sizeof(word));
+    return word;
+  }
   // Those crossed among a word of rows, from one slot on.
   void AddSlots(size_t first);
 
+  static constexpr size_t kFirstCells = kBitRows + 1;  // of the block
   static constexpr size_t kMostEdges = 3 * kBlockSide * kSlotSide * kSlotSide;
 
   CellBox::Range layers_;

@@ -41,6 +41,43 @@ VISMAP_VECTOR_CLONES void PackRows(const uint64_t* flags, uint64_t* __restrict r
   }
 }
 
+constexpr uint64_t kFirstOfRows = 0x0101010101010101u;  // x = 0 of the rows y = 0..7
+constexpr uint64_t kFirstRow = 0xFF;
+
+// Of every voxel of a layer the one next to it along x.
+inline uint64_t NextAlongX(uint64_t own, uint64_t beyond) {
+  return ((own >> 1) & ~(kFirstOfRows << 7)) | ((beyond & kFirstOfRows) << 7);
+}
+inline uint64_t NextAlongY(uint64_t own, uint64_t beyond) {
+  return own >> 8 | (beyond & kFirstRow) << 56;
+}
+
+// Over the four corners of cells in one layer, of a block and those behind it.
+inline uint64_t AllOfFour(uint64_t own, uint64_t x, uint64_t y, uint64_t xy) {
+  const uint64_t pairs = own & NextAlongX(own, x), beyond = y & NextAlongX(y, xy);
+  return pairs & NextAlongY(pairs, beyond);
+}
+inline uint64_t AnyOfFour(uint64_t own, uint64_t x, uint64_t y, uint64_t xy) {
+  const uint64_t pairs = own | NextAlongX(own, x), beyond = y | NextAlongX(y, xy);
+  return pairs | NextAlongY(pairs, beyond);
+}
+
+VISMAP_VECTOR_CLONES void MarkCells(const uint64_t* observed, const uint64_t* behind,
+                                    uint64_t* __restrict cells) {
+  constexpr int kLayers = kBlockSide + 1;
+  uint64_t seen[kLayers], any[kLayers], all[kLayers];
+  for (int z = 0; z < kLayers; ++z) {
+    seen[z] = AllOfFour(observed[z], observed[kLayers + z], observed[2 * kLayers + z],
+                        observed[3 * kLayers + z]);
+    any[z] =
+        AnyOfFour(behind[z], behind[kLayers + z], behind[2 * kLayers + z], behind[3 * kLayers + z]);
+    all[z] =
+        AllOfFour(behind[z], behind[kLayers + z], behind[2 * kLayers + z], behind[3 * kLayers + z]);
+  }
+  for (int z = 0; z < kBlockSide; ++z)
+    cells[z] = seen[z] & seen[z + 1] & (any[z] | any[z + 1]) & ~(all[z] & all[z + 1]);
+}
+
 // A row of a block. As a vector of its own: loops over few rows are not vectorised else.
 using Row = int16_t __attribute__((vector_size(sizeof(int16_t) * kBlockSide)));
 
@@ -259,6 +296,10 @@ void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSi
     UnflagRare(voxels.observations.data(), gate.observations, observed, behind);
   PackSigns(observed, signs.observed);
   PackSigns(behind, signs.behind);
+}
+
+void MarkSurfaceCells(const LatticeBits& observed, const LatticeBits& behind, CellBits& cells) {
+  MarkCells(observed.front().data(), behind.front().data(), cells.data());
 }
 
 void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part, int first,

@@ -25,6 +25,15 @@ struct ObservationGate {
 };
 void ReadSigns(const SurfaceVoxels& voxels, const ObservationGate& gate, VoxelSigns& signs);
 
+/// Cells of a block that the surface passes through: bit x of byte y of word z. A cell reaches from
+/// a voxel to the next one along each axis.
+using CellBits = std::array<uint64_t, kBlockSide>;
+/// Bits of the voxels of the layers z = 0..8 of a block, then of those behind it along x, along y,
+/// and along both.
+using LatticeBits = std::array<std::array<uint64_t, kBlockSide + 1>, 4>;
+/// The cells whose eight corners were all observed, with some behind the surface and some before.
+void MarkSurfaceCells(const LatticeBits& observed, const LatticeBits& behind, CellBits& cells);
+
 /// A cube of distances, x fastest, in steps of truncation / 32767; kUnseenDistance = not observed.
 /// Its strides are those of edge slots, so a slot's lower end is found without dividing.
 inline constexpr int kGridLow = -1;  ///< coordinates are -1..9: a block, one before, two behind it

@@ -1,14 +1,8 @@
 #pragma once
 
-#include <array>
-
 #include "meshing/block_views.h"
 
 namespace vismap {
-
-/// Cells of a block that the surface passes through: bit x of byte y of word z. A cell reaches from
-/// a voxel to the next one along each axis.
-using CellBits = std::array<uint64_t, kBlockSide>;
 
 /// Cells of a block, from <= i < to along each axis.
 struct CellBox {
