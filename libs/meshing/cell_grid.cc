@@ -16,41 +16,12 @@ constexpr Distances FreeDistances() {
   return distances;
 }
 constexpr Distances kFreeDistances = FreeDistances();
-
-// A neighbour of the block whose voxels its cells depend on.
-struct Neighbour {
-  int bx = 0, by = 0, bz = 0;
-  size_t slot() const { return NeighbourSlot(bx, by, bz); }
-};
-
-// The block itself and those around it but for seven: normals ask for voxels below the block along
-// one axis only. The middle columns first, while the others are on their way.
-constexpr std::array<Neighbour, 20> ListNeighbours() {
-  std::array<Neighbour, 20> neighbours;
-  size_t count = 0;
-  for (const int bx : {0, 1, -1}) {
-    for (int i = 0; i < 9; ++i) {
-      const Neighbour neighbour{bx, i / 3 - 1, i % 3 - 1};
-      const int below = (bx < 0) + (neighbour.by < 0) + (neighbour.bz < 0);
-      if (below < 2) neighbours[count++] = neighbour;
-    }
-  }
-  return neighbours;
-}
-constexpr std::array<Neighbour, 20> kNeighbours = ListNeighbours();
-
-constexpr bool LowerXComesLast() {
-  for (size_t i = 1; i < kNeighbours.size(); ++i) {
-    if (kNeighbours[i - 1].bx < 0 && kNeighbours[i].bx >= 0) return false;
-  }
-  return true;
-}
-static_assert(LowerXComesLast(), "what lies at upper x makes the first of the next row unseen");
+constexpr VoxelBits kNoneSeen{};
 
 // What some cells depend on along one axis: of the neighbour before, of the block, of the one
 // behind, in the coordinates of each.
-std::array<VoxelRange, 3> Overlaps(const CellBox::Range& cells) {
-  std::array<VoxelRange, 3> overlaps;
+std::array<CellBox::Range, 3> Overlaps(const CellBox::Range& cells) {
+  std::array<CellBox::Range, 3> overlaps;
   for (int i = 0; i < 3; ++i) {
     const int origin = kBlockSide * (i - 1);
     overlaps[static_cast<size_t>(i)] = {std::max(0, cells.from - 1 - origin),
@@ -58,7 +29,7 @@ std::array<VoxelRange, 3> Overlaps(const CellBox::Range& cells) {
   }
   return overlaps;
 }
-bool IsEmpty(const VoxelRange& range) { return range.begin >= range.end; }
+bool IsEmpty(const CellBox::Range& range) { return range.from >= range.to; }
 
 // Rows of eight are read in order, which the processor foresees; columns are not.
 void PrefetchDistances(const SurfaceVoxels* voxels) {
@@ -83,19 +54,21 @@ void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceRead
   }
   PrefetchDistances(voxels_[NeighbourSlot(-1, 0, 0)]);
   PrefetchDistances(voxels_[NeighbourSlot(1, 0, 0)]);
-  const auto first_layer = distances_.begin() + GridOffset(kGridLow, kGridLow, cells.z.from - 1);
-  std::fill_n(first_layer, (cells.z.to - cells.z.from + 3) * kGridLayer, kUnseenDistance);
   const auto x = Overlaps(cells.x), y = Overlaps(cells.y), z = Overlaps(cells.z);
-  for (const Neighbour& n : kNeighbours) {
-    const VoxelRange& layers = z[static_cast<size_t>(n.bz + 1)];
-    const uint64_t* observed = walk.At(n.slot()).observed;
-    if (observed == nullptr || IsEmpty(layers) || IsEmpty(x[static_cast<size_t>(n.bx + 1)]) ||
-        IsEmpty(y[static_cast<size_t>(n.by + 1)]))
-      continue;
-    const SurfaceVoxels* voxels = voxels_[n.slot()];
-    const Distances& distances = voxels == nullptr ? kFreeDistances : voxels->distance;
-    CopySeen(distances.data(), observed, {n.bx, n.by, layers},
-             GridOffset(kBlockSide * n.bx, kBlockSide * n.by, kBlockSide * n.bz), &distances_);
+  for (int bz = -1; bz <= 1; ++bz) {
+    const CellBox::Range& layers = z[static_cast<size_t>(bz + 1)];
+    if (IsEmpty(layers)) continue;
+    SeenBlocks blocks;
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      const size_t slot =
+          NeighbourSlot(static_cast<int>(i % 3) - 1, static_cast<int>(i / 3) - 1, bz);
+      const uint64_t* observed = walk.At(slot).observed;
+      const SurfaceVoxels* voxels = voxels_[slot];
+      const bool needed = observed != nullptr && !IsEmpty(x[i % 3]) && !IsEmpty(y[i / 3]);
+      blocks[i] = {(needed && voxels != nullptr ? voxels->distance : kFreeDistances).data(),
+                   needed ? observed : kNoneSeen.data()};
+    }
+    CopySeen(blocks, layers.from, layers.to, layers.from + kBlockSide * bz, distances_);
   }
 }
 

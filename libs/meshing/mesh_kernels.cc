@@ -85,55 +85,46 @@ constexpr Row kRowBits = {1, 2, 4, 8, 16, 32, 64, 128};
 constexpr int16_t kU = kUnseenDistance;
 constexpr Row kUnseenRow = {kU, kU, kU, kU, kU, kU, kU, kU};
 
-// Copies the voxels of a row whose bit is set, and no others.
-inline void CopyRow(const int16_t* distances, uint64_t bits, int16_t* grid) {
-  const auto all = static_cast<int16_t>(bits);
+// The voxels of a row whose bit is set; the others unseen.
+inline Row SeenOfRow(const int16_t* distances, uint64_t bits) {
+  const auto all = static_cast<int16_t>(bits & 0xFF);
   const Row is_seen = Row{all, all, all, all, all, all, all, all} & kRowBits;
   Row row;
   std::memcpy(&row, distances, sizeof(row));
-  row = is_seen != 0 ? row : kUnseenRow;
-  std::memcpy(grid, &row, sizeof(row));
+  return is_seen != 0 ? row : kUnseenRow;
 }
 
-// How much is copied of a layer is known beforehand: that leaves one loop to foresee.
-template <int kBx, int kFirstY, int kCountY>
-inline void CopyPart(const int16_t* distances, const uint64_t* observed, int z_begin, int z_end,
-                     int first, int16_t* grid) {
+// A layer of three blocks along x. As values: what is stored might else be one of them.
+struct Layers {
+  const int16_t *lower, *own, *upper;
+  uint64_t lower_seen, own_seen, upper_seen;
+};
+inline Layers LayersOf(const SeenBlock* blocks, int z) {
+  const int first = LinearIndex(0, 0, z);
+  return {blocks[0].distances + first, blocks[1].distances + first, blocks[2].distances + first,
+          blocks[0].observed[z],       blocks[1].observed[z],       blocks[2].observed[z]};
+}
+
+// Copies a row of the grid: one voxel of the first block, all of the second, two of the third; with
+// six unseen ones behind these, the last of them at the beginning of the next row.
+inline void CopyRow(const Layers& layers, int y, int16_t* grid) {
   constexpr int kLast = kBlockSide - 1;
-  for (int z = z_begin; z < z_end; ++z) {
-    for (int y = kFirstY; y < kFirstY + kCountY; ++y) {
-      const uint64_t bits = observed[z] >> (kBlockSide * y) & 0xFF;
-      const int16_t* from = &distances[LinearIndex(0, y, z)];
-      int16_t* to = grid + first + y * kGridRow + z * kGridLayer;
-      if constexpr (kBx < 0) {
-        to[kLast] = bits >> kLast != 0 ? from[kLast] : kUnseenDistance;
-      } else {
-        CopyRow(from, kBx == 0 ? bits : bits & 3, to);  // two, and beyond them unseen ones
-      }
-    }
-  }
+  const int row = kBlockSide * y;
+  const int16_t lower = layers.lower[row + kLast];
+  grid[0] = (layers.lower_seen >> (row + kLast) & 1) != 0 ? lower : kUnseenDistance;
+  const Row own = SeenOfRow(layers.own + row, layers.own_seen >> row);
+  std::memcpy(grid + 1, &own, sizeof(own));
+  const Row upper = SeenOfRow(layers.upper + row, layers.upper_seen >> row & 3);
+  std::memcpy(grid + 1 + kBlockSide, &upper, sizeof(upper));
 }
 
-template <int kBx>
-inline void CopyRows(const int16_t* distances, const uint64_t* observed, int by, int z_begin,
-                     int z_end, int first, int16_t* grid) {
-  if (by == 0) {
-    CopyPart<kBx, 0, kBlockSide>(distances, observed, z_begin, z_end, first, grid);
-  } else if (by < 0) {
-    CopyPart<kBx, kBlockSide - 1, 1>(distances, observed, z_begin, z_end, first, grid);
-  } else {
-    CopyPart<kBx, 0, 2>(distances, observed, z_begin, z_end, first, grid);
-  }
-}
-
-void Copy(const int16_t* distances, const uint64_t* observed, int bx, int by, int z_begin,
-          int z_end, int first, int16_t* grid) {
-  if (bx == 0) {
-    CopyRows<0>(distances, observed, by, z_begin, z_end, first, grid);
-  } else if (bx < 0) {
-    CopyRows<-1>(distances, observed, by, z_begin, z_end, first, grid);
-  } else {
-    CopyRows<1>(distances, observed, by, z_begin, z_end, first, grid);
+VISMAP_VECTOR_CLONES void CopyLayers(const SeenBlock* blocks, int from, int to, int16_t* grid) {
+  for (int z = from; z < to; ++z, grid += kGridLayer) {
+    CopyRow(LayersOf(blocks, z), kBlockSide - 1, grid);
+    const Layers middle = LayersOf(blocks + 3, z);
+    for (int y = 0; y < kBlockSide; ++y) CopyRow(middle, y, grid + (y + 1) * kGridRow);
+    const Layers last = LayersOf(blocks + 6, z);
+    for (int y = 0; y < 2; ++y) CopyRow(last, y, grid + (y + 1 + kBlockSide) * kGridRow);
   }
 }
 
@@ -302,9 +293,8 @@ void MarkSurfaceCells(const LatticeBits& observed, const LatticeBits& behind, Ce
   MarkCells(observed.front().data(), behind.front().data(), cells.data());
 }
 
-void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part, int first,
-              DistanceGrid* grid) {
-  Copy(distances, observed, part.bx, part.by, part.z.begin, part.z.end, first, grid->data());
+void CopySeen(const SeenBlocks& blocks, int from, int to, int layer, DistanceGrid& grid) {
+  CopyLayers(blocks.data(), from, to, grid.data() + GridOffset(kGridLow, kGridLow, layer));
 }
 
 void LocateEnds(size_t groups, VertexLanes& vertices) {

@@ -46,21 +46,15 @@ constexpr int GridOffset(int x, int y, int z) {
   return (x - kGridLow) + kGridRow * (y - kGridLow) + kGridLayer * (z - kGridLow);
 }
 
-struct VoxelRange {
-  int begin, end;
+/// Distances of a block, and which of them count: observed as in VoxelSigns.
+struct SeenBlock {
+  const int16_t* distances;
+  const uint64_t* observed;
 };
-/// What of a block some cells depend on, by where it lies: the cells' own (0), or beside it, at its
-/// lower (-1) or upper side (1), where one voxel or two count.
-struct SeenPart {
-  int bx = 0, by = 0;
-  VoxelRange z{0, kBlockSide};
-};
-/// Copies distances of a block. `observed` as in VoxelSigns; `first` = GridOffset of the block's
-/// first voxel, which need not lie in the grid. Rows are written eight at a time: of a block at
-/// upper x also six unseen ones beyond the grid's last, into the first of the next row; so copy
-/// what lies at lower x after it.
-void CopySeen(const int16_t* distances, const uint64_t* observed, const SeenPart& part, int first,
-              DistanceGrid* grid);
+/// The blocks of one height around a block: (x, y), each -1..1, is at x + 1 + 3 (y + 1).
+using SeenBlocks = std::array<SeenBlock, 9>;
+/// Copies the layers `from` <= z < `to` of blocks to the grid, the first of them to layer `layer`.
+void CopySeen(const SeenBlocks& blocks, int from, int to, int layer, DistanceGrid& grid);
 
 /// Distances at a voxel and at its neighbours: itself, then lower and upper along x, y, z.
 inline constexpr std::array<int, 7> kStar = {0,        -1,          1,         -kGridRow,
