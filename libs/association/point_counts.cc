@@ -87,6 +87,7 @@ class PointLookup {
     // A point is z * ray + t, in voxels.
     const Eigen::Vector3d step = R_.col(0) / camera.fx;
     const Eigen::Vector3d ray0 = R_ * camera.BackProject(0, v, 1);
+    VoxelMap::Reader blocks = map_.voxels.reader();
     BlockIndex cached{INT32_MAX, 0, 0};
     const SurfaceVoxels* voxels = nullptr;
     for (int u = 0; u < camera.width; u += options_.pixel_stride) {
@@ -98,7 +99,7 @@ class PointLookup {
                              static_cast<int32_t>(cell.z())};
       if (const BlockIndex index = BlockOf(voxel); index != cached) {
         cached = index;
-        const Block* block = map_.voxels.Find(index);
+        const Block* block = blocks.Find(index);
         voxels = block != nullptr ? reader->Read(*block) : nullptr;
       }
       const int offset = OffsetInBlock(voxel);

@@ -1,7 +1,6 @@
 #include "meshing/block_set.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 namespace vismap {
@@ -9,6 +8,53 @@ namespace {
 
 constexpr int kRunBits = 6;
 constexpr int32_t kRunMask = (1 << kRunBits) - 1;
+constexpr double kMostRuns = 1 << 16;  // that are in memory though they may be empty
+
+// All runs of a box, numbered ascending.
+class RunBox {
+ public:
+  // With the neighbours of some blocks, of which there must be one.
+  static RunBox Around(std::span<const BlockIndex> blocks) {
+    BlockIndex low = blocks.front(), high = low;
+    for (const auto& [x, y, z] : blocks) {
+      low = {std::min(low.x, x), std::min(low.y, y), std::min(low.z, z)};
+      high = {std::max(high.x, x), std::max(high.y, y), std::max(high.z, z)};
+    }
+    return RunBox({low.x - 1, low.y - 1, (low.z - 1) >> kRunBits},
+                  {high.x + 1, high.y + 1, (high.z + 1) >> kRunBits});
+  }
+
+  size_t size() const { return Count(low_.x, high_.x) * step_x(); }
+  bool IsLarge() const {  // without overflow
+    const auto count = [](int32_t from, int32_t to) {
+      return static_cast<double>(Count(from, to));
+    };
+    return count(low_.x, high_.x) * count(low_.y, high_.y) * count(low_.z, high_.z) > kMostRuns;
+  }
+  size_t step_x() const { return Count(low_.y, high_.y) * step_y(); }
+  size_t step_y() const { return Count(low_.z, high_.z); }
+  size_t At(const BlockIndex& run) const {
+    return Count(low_.x, run.x - 1) * step_x() + Count(low_.y, run.y - 1) * step_y() +
+           Count(low_.z, run.z - 1);
+  }
+  template <typename Visit>
+  void ForEach(const Visit& visit) const {
+    size_t i = 0;
+    for (int x = low_.x; x <= high_.x; ++x) {
+      for (int y = low_.y; y <= high_.y; ++y) {
+        for (int z = low_.z; z <= high_.z; ++z) visit(BlockIndex{x, y, z}, i++);
+      }
+    }
+  }
+
+ private:
+  RunBox(const BlockIndex& low, const BlockIndex& high) : low_(low), high_(high) {}
+  static size_t Count(int32_t from, int32_t to) {
+    return static_cast<size_t>(int64_t{to} - from + 1);
+  }
+
+  BlockIndex low_, high_;
+};
 
 }  // namespace
 
@@ -109,40 +155,37 @@ BlockSet BlockSet::Merge(std::initializer_list<Moved> parts) {
 
 BlockSet BlockSet::AffectedBy(const BlockChanges& changes) {
   if (changes.affected.empty()) return BlockSet(changes.blocks).Grown(1, 1);
-  // Per run of changed blocks, which of them affect all neighbours, and each one.
-  struct Affecting {
-    BlockIndex at;
-    uint64_t all = 0;
-    std::array<uint64_t, kNeighbourSlots> bits{};
-  };
-  std::vector<Affecting> affecting;
-  for (size_t i = 0; i < changes.blocks.size(); ++i) {
-    const auto& [x, y, z] = changes.blocks[i];
-    const BlockIndex at{x, y, z >> kRunBits};
-    if (affecting.empty() || affecting.back().at != at) affecting.push_back({at});
-    Affecting& run = affecting.back();
-    const uint64_t bit = uint64_t{1} << (z & kRunMask);
-    if (changes.affected[i] == kAllNeighbours) {
-      run.all |= bit;
-    } else {
-      for (NeighbourBits rest = changes.affected[i]; rest != 0; rest &= rest - 1)
-        run.bits[static_cast<size_t>(std::countr_zero(rest))] |= bit;
+  return AffectedBy(changes.blocks, changes.affected);
+}
+
+BlockSet BlockSet::AffectedBy(std::span<const BlockIndex> changed,
+                              std::span<const NeighbourBits> affected) {
+  if (changed.empty()) return {};
+  const RunBox box = RunBox::Around(changed);
+  if (changed.size() > 1 && box.IsLarge()) {  // far apart; they ascend along x
+    const size_t half = changed.size() / 2;
+    return AffectedBy(changed.first(half), affected.first(half))
+        .Union(AffectedBy(changed.subspan(half), affected.subspan(half)));
+  }
+  std::vector<uint64_t> runs(box.size());
+  for (size_t i = 0; i < changed.size(); ++i) {
+    const auto& [x, y, z] = changed[i];
+    // Three neighbours along z are three bits, from the lower one on: mostly of one run.
+    const int first = z - 1, shift = first & kRunMask;
+    uint64_t* run = &runs[box.At({x - 1, y - 1, first >> kRunBits})];
+    NeighbourBits left = affected[i];
+    for (int along_x = 0; along_x < 3; ++along_x, run += box.step_x()) {
+      uint64_t* column = run;
+      for (int along_y = 0; along_y < 3; ++along_y, column += box.step_y(), left >>= 3) {
+        const uint64_t three = left & 7;
+        *column |= three << shift;
+        if (shift > kRunMask - 2) column[1] |= three >> (kRunMask + 1 - shift);
+      }
     }
   }
-  std::array<BlockSet, 3> sides;  // along x, not yet moved to where they are; so are the columns
-  for (size_t x = 0; x < 3; ++x) {
-    std::array<BlockSet, 3> columns;
-    for (size_t y = 0; y < 3; ++y) {
-      const size_t slot = 3 * (y + 3 * x);
-      for (const auto& [at, all, bits] : affecting)
-        columns[y].PutStepped(at, bits[slot] | all, bits[slot + 1] | all, bits[slot + 2] | all);
-    }
-    sides[x] = Merge({{columns[0].runs_, {0, -1, 0}},
-                      {columns[1].runs_, {0, 0, 0}},
-                      {columns[2].runs_, {0, 1, 0}}});
-  }
-  return Merge(
-      {{sides[0].runs_, {-1, 0, 0}}, {sides[1].runs_, {0, 0, 0}}, {sides[2].runs_, {1, 0, 0}}});
+  BlockSet set;
+  box.ForEach([&](const BlockIndex& at, size_t i) { set.Append(at, runs[i]); });
+  return set;
 }
 
 BlockSet BlockSet::Union(const BlockSet& other) const {

@@ -41,6 +41,8 @@ class BlockSet {
     std::span<const Run> runs;
     BlockIndex step;
   };
+  static BlockSet AffectedBy(std::span<const BlockIndex> changed,
+                             std::span<const NeighbourBits> affected);
   static BlockSet Merge(std::initializer_list<Moved> parts);
   // Behind all runs, or to the last one.
   void Append(const BlockIndex& at, uint64_t bits);

@@ -56,13 +56,18 @@ bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {
 
 BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks)
     : views_(blocks.size()) {
-  ParallelFor(blocks.size(), 512, [&](size_t i) {
-    BlockView& view = views_[i];
-    view.index = blocks[i];
-    view.block = map.Find(blocks[i]);
-    if (view.block == nullptr || !view.block->surface) return;
-    view.has_surface = true;
-    view.voxels = view.block->surface.get();
+  constexpr size_t kGroup = 512;
+  ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
+    VoxelMap::Reader reader = map.reader();
+    const size_t end = std::min(blocks.size(), (group + 1) * kGroup);
+    for (size_t i = group * kGroup; i < end; ++i) {
+      BlockView& view = views_[i];
+      view.index = blocks[i];
+      view.block = reader.Find(blocks[i]);
+      if (view.block == nullptr || !view.block->surface) continue;
+      view.has_surface = true;
+      view.voxels = view.block->surface.get();
+    }
   });
   for (const BlockView& view : views_) {
     const auto [x, y, z] = view.index;

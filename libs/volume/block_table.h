@@ -19,7 +19,39 @@ namespace vismap {
 /// Reading is safe from several threads, changing is not.
 template <typename Value>
 class BlockTable {
+  static constexpr int32_t kSide = 4;  // blocks along the edge of a cube: one bit each in a word
+
+  struct Cube {
+    uint64_t present = 0;
+    std::array<Value, kSide * kSide * kSide> values{};
+  };
+
  public:
+  /// Finds values of one block after the other: those in the same cube as the last one without
+  /// hashing. While it is in use, no block may be created or erased. One per thread.
+  class Reader {
+   public:
+    explicit Reader(const BlockTable& table) : table_(table) {}
+    /// The value of a block, or nullptr when it has none.
+    const Value* Find(BlockIndex index) {
+      if (const BlockIndex place = CubeOf(index); !(started_ && place == place_)) {
+        const auto found = table_.cubes_.find(place);
+        cube_ = found != table_.cubes_.end() ? found->second.get() : nullptr;
+        place_ = place;
+        started_ = true;
+      }
+      if (cube_ == nullptr) return nullptr;
+      const int slot = SlotOf(index);
+      return ((cube_->present >> slot) & 1) != 0 ? &cube_->values[At(slot)] : nullptr;
+    }
+
+   private:
+    const BlockTable& table_;
+    BlockIndex place_;
+    const Cube* cube_ = nullptr;  // nullptr = there is none
+    bool started_ = false;
+  };
+
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   void Clear() {
@@ -28,12 +60,7 @@ class BlockTable {
   }
 
   /// The value of a block, or nullptr when it has none.
-  const Value* Find(BlockIndex index) const {
-    const auto found = cubes_.find(CubeOf(index));
-    if (found == cubes_.end()) return nullptr;
-    const int slot = SlotOf(index);
-    return ((found->second->present >> slot) & 1) != 0 ? &found->second->values[At(slot)] : nullptr;
-  }
+  const Value* Find(BlockIndex index) const { return Reader(*this).Find(index); }
   Value* Find(BlockIndex index) {
     return const_cast<Value*>(static_cast<const BlockTable*>(this)->Find(index));
   }
@@ -72,8 +99,8 @@ class BlockTable {
     for (const auto& [place, cube] : cubes_) {
       for (uint64_t left = cube->present; left != 0; left &= left - 1) {
         const int slot = std::countr_zero(left);
-        visit(BlockIndex{kSide * place.x + (slot & 3), kSide * place.y + ((slot >> 2) & 3),
-                         kSide * place.z + (slot >> 4)},
+        visit(BlockIndex{kSide * place.x + (slot >> 4), kSide * place.y + ((slot >> 2) & 3),
+                         kSide * place.z + (slot & 3)},
               cube->values[At(slot)]);
       }
     }
@@ -94,16 +121,10 @@ class BlockTable {
   }
 
  private:
-  static constexpr int32_t kSide = 4;  // blocks along the edge of a cube: one bit each in a word
-
-  struct Cube {
-    uint64_t present = 0;
-    std::array<Value, kSide * kSide * kSide> values{};
-  };
-
   static BlockIndex CubeOf(BlockIndex index) { return {index.x >> 2, index.y >> 2, index.z >> 2}; }
+  // What ascends side by side stands side by side.
   static int SlotOf(BlockIndex index) {
-    return (index.x & 3) | (index.y & 3) << 2 | (index.z & 3) << 4;
+    return (index.z & 3) | (index.y & 3) << 2 | (index.x & 3) << 4;
   }
   static size_t At(int slot) { return static_cast<size_t>(slot); }
 

@@ -36,6 +36,9 @@ class VoxelMap {
 
   /// The block, or nullptr where nothing was ever seen.
   const Block* Find(BlockIndex index) const { return blocks_.Find(index); }
+  /// Finds one block after the other, faster where neighbours follow each other.
+  using Reader = BlockTable<Block>::Reader;
+  Reader reader() const { return Reader(blocks_); }
   /// Block at `index`, created empty (unseen) when missing. Not thread-safe.
   Block& FindOrCreate(BlockIndex index) { return blocks_.FindOrCreate(index); }
   Block* FindMutable(BlockIndex index) { return blocks_.Find(index); }
