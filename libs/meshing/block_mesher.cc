@@ -112,13 +112,13 @@ inline bool BlockMesher::IsJump(size_t slot) const {
 
 bool BlockMesher::MayCrossJumps() const {
   int farthest = 0;
-  ForEachAxis(edges_.slots(), [&](size_t axis, std::span<const uint16_t> slots) {
+  for (size_t axis = 0; axis < 3; ++axis) {
     const size_t step = AxisStep(axis);
-    for (const uint16_t slot : slots) {
-      const int16_t* lower = grid_.Lower(slot);
+    for (size_t i = edges_.FirstAlong(axis); i < edges_.FirstAlong(axis + 1); ++i) {
+      const int16_t* lower = grid_.Lower(edges_.slots()[i]);
       farthest = std::max(farthest, std::abs(*lower - lower[step]));
     }
-  });
+  }
   return farthest >= 2 * jump_;
 }
 
@@ -152,7 +152,7 @@ Mesh BlockMesher::MakeMesh() {
     for (uint32_t& number : triangle) number = edges_.NumberOf(*corner++);
   }
   mesh.triangles.assign(triangles.begin(), triangles.end());
-  vertex_maker_.Make(walk_.block(), edges_.slots(), &mesh.vertices);
+  vertex_maker_.Make(walk_.block(), edges_, &mesh.vertices);
   return mesh;
 }
 

@@ -25,11 +25,13 @@ void CrossedEdges::List(const CellBits& cells) {
              {crossed, crossed + kAxisSlots / kSlotStride, crossed + 2 * kAxisSlots / kSlotStride});
   count_ = 0;
   for (int axis = 0; axis < 3; ++axis) {
+    first_[static_cast<size_t>(axis)] = count_;
     for (int z = layers_.from; z <= layers_.to; ++z) {
       for (int y = 0; y < kSlotSide; y += kRowsPerWord)
         AddSlots(static_cast<size_t>(EdgeSlot({0, y, z, axis})));
     }
   }
+  first_.back() = count_;
 }
 
 inline void CrossedEdges::AddSlots(size_t first) {

@@ -19,12 +19,17 @@ class CrossedEdges {
   /// Reads which corners of some layers of cells are behind the surface, of the block that the walk
   /// is at.
   void ReadCorners(const NeighbourWalk& walk, CellBox::Range layers);
-  void Clear() { count_ = 0; }
+  void Clear() {
+    count_ = 0;
+    first_ = {};
+  }
   /// Lists the crossed edges of some cells in the layers that were read.
   void List(const CellBits& cells);
 
   /// Those listed, ascending, as numbers of EdgeSlot.
   std::span<const uint16_t> slots() const { return std::span(slots_).first(count_); }
+  /// Where those along an axis begin in the list; those along axis 3, which are none, at its end.
+  size_t FirstAlong(size_t axis) const { return first_[axis]; }
   /// Where a listed edge is in the list.
   uint16_t NumberOf(size_t slot) const { return number_of_slot_[slot]; }
 
@@ -70,6 +75,7 @@ class CrossedEdges {
   alignas(64) std::array<uint16_t, kEdgeSlots / kSlotStride> crossed_{};  // bit = slot
   std::array<uint16_t, kMostEdges> slots_;
   size_t count_ = 0;
+  std::array<size_t, 4> first_{};                    // by axis
   std::array<uint16_t, kEdgeSlots> number_of_slot_;  // of listed ones
 };
 

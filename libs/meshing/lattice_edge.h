@@ -1,9 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "volume/block.h"
 
@@ -33,17 +31,5 @@ constexpr LatticeEdge EdgeOfSlot(int slot) {
 }
 /// How far an edge along an axis reaches, in slots.
 constexpr size_t AxisStep(size_t axis) { return size_t{1} << (kSlotBits * axis); }
-
-/// Calls `visit(axis, part)` for the edges along each axis that there are any of. `slots` ascend.
-template <typename Visit>
-void ForEachAxis(std::span<const uint16_t> slots, const Visit& visit) {
-  while (!slots.empty()) {
-    const size_t axis = slots.front() / kAxisSlots;
-    const auto end = std::lower_bound(slots.begin(), slots.end(), (axis + 1) * kAxisSlots);
-    const auto part = slots.first(static_cast<size_t>(end - slots.begin()));
-    visit(axis, part);
-    slots = slots.subspan(part.size());
-  }
-}
 
 }  // namespace vismap

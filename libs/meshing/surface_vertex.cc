@@ -90,39 +90,39 @@ constexpr std::array<Around, 3> kFaceNeighbours = ListFaceNeighbours();
 
 }  // namespace
 
-void VertexMaker::Make(BlockIndex block, std::span<const uint16_t> edges,
+void VertexMaker::Make(BlockIndex block, const CrossedEdges& edges,
                        std::vector<MeshVertex>* vertices) {
   const auto first = [](int32_t index) { return static_cast<double>(index) * kBlockSide + 0.5; };
   const VoxelCenters centers{{first(block.x), first(block.y), first(block.z)}, voxel_size_};
-  vertices->reserve(edges.size());
-  while (!edges.empty()) {
-    const auto some = edges.first(std::min(edges.size(), kVertexLanes));
-    const size_t groups = (some.size() + kVertexGroup - 1) / kVertexGroup;
-    std::copy(some.begin(), some.end(), lanes_.slot.begin());
+  const std::span<const uint16_t> slots = edges.slots();
+  vertices->reserve(slots.size());
+  for (size_t from = 0; from < slots.size(); from += kVertexLanes) {
+    const size_t count = std::min(slots.size() - from, kVertexLanes);
+    const size_t groups = (count + kVertexGroup - 1) / kVertexGroup;
+    std::copy_n(slots.begin() + static_cast<std::ptrdiff_t>(from), count, lanes_.slot.begin());
     LocateEnds(groups, lanes_);
-    LoadStars(some);
+    LoadStars(edges, from, from + count);
     PlaceVertices(groups, centers, lanes_);
-    for (size_t i = 0; i < some.size(); ++i) LoadColors(i);
+    for (size_t i = 0; i < count; ++i) LoadColors(i);
     BlendColors(groups, lanes_);
-    for (size_t i = 0; i < some.size(); ++i) vertices->push_back(VertexAt(i));
-    edges = edges.subspan(some.size());
+    for (size_t i = 0; i < count; ++i) vertices->push_back(VertexAt(i));
   }
 }
 
-inline void VertexMaker::LoadStars(std::span<const uint16_t> edges) {
+inline void VertexMaker::LoadStars(const CrossedEdges& edges, size_t from, size_t to) {
   size_t lane = 0;
-  ForEachAxis(edges, [&](size_t axis, std::span<const uint16_t> slots) {
-    const size_t step = AxisStep(axis);
-    for (const uint16_t slot : slots) {
-      const int16_t* lower = grid_.Lower(slot);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const size_t step = AxisStep(axis), end = std::min(edges.FirstAlong(axis + 1), to);
+    for (; from < end; ++from, ++lane) {
+      const int16_t* lower = grid_.Lower(edges.slots()[from]);
       const int16_t* upper = lower + step;
       for (size_t i = 0; i < kStar.size(); ++i) {
         lanes_.lower[i][lane] = lower[kStar[i]];
         lanes_.upper[i][lane] = upper[kStar[i]];
       }
-      PrefetchEnds(lane++);
+      PrefetchEnds(lane);
     }
-  });
+  }
 }
 
 inline void VertexMaker::PrefetchEnds(size_t lane) const {

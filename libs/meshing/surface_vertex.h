@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "meshing/cell_grid.h"
+#include "meshing/crossed_edges.h"
 #include "meshing/lattice_edge.h"
 #include "meshing/read_out.h"
 
@@ -21,12 +22,13 @@ class VertexMaker {
   VertexMaker(const CellGrid& grid, double voxel_size, std::span<const ShownLabel> shown)
       : grid_(grid), voxel_size_(voxel_size), shown_(shown) {}
 
-  /// One vertex per edge, in their order. Edges are numbers of EdgeSlot.
-  void Make(BlockIndex block, std::span<const uint16_t> edges, std::vector<MeshVertex>* vertices);
+  /// One vertex per listed edge, in their order.
+  void Make(BlockIndex block, const CrossedEdges& edges, std::vector<MeshVertex>* vertices);
 
  private:
-  /// The distances around some edges, of which the first lanes have the ends.
-  void LoadStars(std::span<const uint16_t> edges);
+  /// The distances around the edges from <= i < to of a list, of which the first lanes have the
+  /// ends.
+  void LoadStars(const CrossedEdges& edges, size_t from, size_t to);
   /// Asks memory for the colours and votes at the ends of an edge.
   void PrefetchEnds(size_t lane) const;
   void LoadColors(size_t lane);
