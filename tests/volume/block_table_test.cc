@@ -49,6 +49,29 @@ TEST(BlockTable, DoesWhatAnOrderedMapDoes) {
   EXPECT_EQ(table.SortedIndices(), sorted);
 }
 
+TEST(BlockTable, AReaderFindsWhatTheTableFinds) {
+  std::mt19937 random(8);
+  std::uniform_int_distribution<int32_t> coordinate(-9, 9);
+  std::uniform_int_distribution<int> step(-1, 1);
+  BlockTable<int> table;
+  BlockTable<int>::Reader of_empty(table);
+  EXPECT_EQ(of_empty.Find({0, 0, 0}), nullptr);
+  for (int i = 0; i < 2000; ++i)
+    table.FindOrCreate({coordinate(random), coordinate(random), coordinate(random)}) = i;
+  BlockTable<int>::Reader reader(table);
+  BlockIndex index;
+  int found = 0, missing = 0;
+  for (int i = 0; i < 20000; ++i) {  // mostly in the cube of the one before
+    index = {index.x + step(random), index.y + step(random), index.z + step(random)};
+    if (i % 100 == 0) index = {coordinate(random), coordinate(random), coordinate(random)};
+    const int* value = reader.Find(index);
+    ASSERT_EQ(value, table.Find(index));
+    ++(value != nullptr ? found : missing);
+  }
+  EXPECT_GT(found, 1000);
+  EXPECT_GT(missing, 1000);
+}
+
 TEST(BlockTable, ReachesTheEndsOfTheGrid) {
   constexpr int32_t kLow = INT32_MIN;
   constexpr int32_t kHigh = INT32_MAX;
