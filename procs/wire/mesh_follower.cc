@@ -7,11 +7,22 @@
 
 namespace vismap {
 
-uint64_t MeshDigest::HashOf(const mesh_block_t& block) {
-  if (block.n_vertices == 0) return 0;
+namespace {
+
+std::vector<uint8_t> BytesOf(const mesh_block_t& block) {
   std::vector<uint8_t> bytes(static_cast<size_t>(block.getEncodedSize()));
   block.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return std::max<uint64_t>(1, Checksum64(bytes));
+  return bytes;
+}
+
+}  // namespace
+
+uint64_t MeshDigest::HashOf(const mesh_block_t& block) {
+  return block.n_vertices == 0 ? 0 : HashOf(BytesOf(block));
+}
+
+uint64_t MeshDigest::HashOf(std::span<const uint8_t> encoded_block) {
+  return std::max<uint64_t>(1, Checksum64(encoded_block));
 }
 
 void MeshDigest::Set(BlockIndex index, uint64_t hash) {
@@ -32,11 +43,14 @@ std::string MeshDigest::Hex() const {
 }
 
 FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
-  Result<MeshUpdate> update = Decode(message);
-  if (!update) return FollowOutcome::kBroken;
-  Part received{std::move(update->mesh.blocks), {}};
-  for (const mesh_block_t& block : message.blocks)
-    received.hashes.push_back(MeshDigest::HashOf(block));
+  if (!Decode(message)) return FollowOutcome::kBroken;
+  Part received;
+  received.blocks.reserve(message.blocks.size());
+  for (const mesh_block_t& block : message.blocks) {
+    received.blocks.push_back({{block.index[0], block.index[1], block.index[2]},
+                               static_cast<size_t>(block.n_triangles),
+                               block.n_vertices == 0 ? std::vector<uint8_t>() : BytesOf(block)});
+  }
   const FollowOutcome outcome =
       sequence_.Take({message.map_id, message.revision, message.base_revision,
                       static_cast<bool>(message.full), message.part, message.parts},
@@ -47,25 +61,30 @@ FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
     triangles_ = 0;
     digest_.Clear();
   }
-  for (Part& part : sequence_.TakeReady()) {
-    for (size_t i = 0; i < part.blocks.size(); ++i) {
-      digest_.Set(part.blocks[i].block, part.hashes[i]);
-      Set(std::move(part.blocks[i]));
-    }
+  for (const Part& part : sequence_.TakeReady()) {
+    for (const EncodedBlock& block : part.blocks) Set(block);
   }
   utime_ = message.utime;
   return outcome;
 }
 
-void MeshFollower::Set(BlockMesh block) {
-  const auto known = blocks_.find(block.block);
-  if (known != blocks_.end()) triangles_ -= known->second.triangles.size();
-  if (!block.mesh.vertices.empty()) {
-    triangles_ += block.mesh.triangles.size();
-    blocks_.insert_or_assign(block.block, std::move(block.mesh));
-  } else if (known != blocks_.end()) {
-    blocks_.erase(known);
+void MeshFollower::Set(const EncodedBlock& block) {
+  digest_.Set(block.index, block.bytes.empty() ? 0 : MeshDigest::HashOf(block.bytes));
+  const auto known = blocks_.find(block.index);
+  if (known != blocks_.end()) triangles_ -= known->second.triangles;
+  if (block.bytes.empty()) {
+    if (known != blocks_.end()) blocks_.erase(known);
+    return;
   }
+  triangles_ += block.triangles;
+  if (known == blocks_.end()) {
+    blocks_.emplace(block.index, block);
+    return;
+  }
+  // Into the memory that it has: blocks change often, and a large heap full of gaps is slow.
+  EncodedBlock& held = known.value();
+  held.triangles = block.triangles;
+  held.bytes.assign(block.bytes.begin(), block.bytes.end());
 }
 
 Mesh MeshFollower::Joined() const {
@@ -74,7 +93,10 @@ Mesh MeshFollower::Joined() const {
   std::sort(ascending.begin(), ascending.end());
   Mesh joined;
   for (const BlockIndex& index : ascending) {
-    const Mesh& mesh = blocks_.at(index);
+    const std::vector<uint8_t>& bytes = blocks_.at(index).bytes;
+    mesh_block_t message;
+    message.decode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    const Mesh mesh = Decode(message)->mesh;  // it was decoded once before
     const auto first = static_cast<uint32_t>(joined.vertices.size());
     joined.vertices.insert(joined.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& triangle : mesh.triangles) {

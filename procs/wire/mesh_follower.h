@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ class MeshDigest {
  public:
   /// Of the surface of a block; 0 = it has none.
   static uint64_t HashOf(const mesh_block_t& block);
+  /// The same, of a block's bytes.
+  static uint64_t HashOf(std::span<const uint8_t> encoded_block);
   /// The surface of this block is now the one with that hash.
   void Set(BlockIndex index, uint64_t hash);
   void Clear() { *this = {}; }
@@ -46,14 +49,19 @@ class MeshFollower {
   Mesh Joined() const;
 
  private:
-  struct Part {
-    std::vector<BlockMesh> blocks;
-    std::vector<uint64_t> hashes;  // of each, as it came
+  // A block as it travels: half of the memory, and one piece of it.
+  struct EncodedBlock {
+    BlockIndex index;
+    size_t triangles = 0;
+    std::vector<uint8_t> bytes;  // none = it has no surface
   };
-  void Set(BlockMesh block);
+  struct Part {
+    std::vector<EncodedBlock> blocks;
+  };
+  void Set(const EncodedBlock& block);
 
   UpdateSequence<Part> sequence_;
-  tsl::robin_map<BlockIndex, Mesh, BlockIndexHash> blocks_;  // with a surface
+  tsl::robin_map<BlockIndex, EncodedBlock, BlockIndexHash> blocks_;  // with a surface
   size_t triangles_ = 0;
   MeshDigest digest_;
   int64_t utime_ = 0;

@@ -89,7 +89,9 @@ MeshVertex DecodeVertex(const mesh_block_t& message, const Eigen::Vector3d& corn
   return vertex;
 }
 
-Result<BlockMesh> DecodeBlock(const mesh_block_t& message) {
+}  // namespace
+
+Result<BlockMesh> Decode(const mesh_block_t& message) {
   BlockMesh block{{message.index[0], message.index[1], message.index[2]}, {}};
   const std::string where = "block (" + std::to_string(message.index[0]) + ", " +
                             std::to_string(message.index[1]) + ", " +
@@ -117,8 +119,6 @@ Result<BlockMesh> DecodeBlock(const mesh_block_t& message) {
   }
   return block;
 }
-
-}  // namespace
 
 mesh_delta_t Encode(const MeshUpdate& update) {
   mesh_delta_t message{};
@@ -153,7 +153,7 @@ Result<MeshUpdate> Decode(const mesh_delta_t& message) {
                     0,
                     {message.revision, {}}};
   for (const mesh_block_t& element : message.blocks) {
-    Result<BlockMesh> block = DecodeBlock(element);
+    Result<BlockMesh> block = Decode(element);
     if (!block) return Fail(where + block.error().message);
     if (!update.mesh.blocks.empty() && !(update.mesh.blocks.back().block < block->block)) {
       return Fail(where + "blocks are not in ascending order");

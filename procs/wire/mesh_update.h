@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <vector>
+#include <vismap/mesh_block_t.hpp>
 #include <vismap/mesh_delta_t.hpp>
 
 #include "base/result.h"
@@ -25,6 +26,8 @@ struct MeshUpdate {
 /// Positions are kept to 1/65535 of two block edges, normals to 1/127.
 mesh_delta_t Encode(const MeshUpdate& update);
 
+/// The surface of one block. Fails, naming it, on indices out of range.
+Result<BlockMesh> Decode(const mesh_block_t& message);
 /// Fails, naming the block, on indices out of range and on blocks out of order.
 Result<MeshUpdate> Decode(const mesh_delta_t& message);
 
