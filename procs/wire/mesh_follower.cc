@@ -7,18 +7,11 @@
 
 namespace vismap {
 
-namespace {
-
-std::vector<uint8_t> BytesOf(const mesh_block_t& block) {
+uint64_t MeshDigest::HashOf(const mesh_block_t& block) {
+  if (block.n_vertices == 0) return 0;
   std::vector<uint8_t> bytes(static_cast<size_t>(block.getEncodedSize()));
   block.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
-
-}  // namespace
-
-uint64_t MeshDigest::HashOf(const mesh_block_t& block) {
-  return block.n_vertices == 0 ? 0 : HashOf(BytesOf(block));
+  return HashOf(bytes);
 }
 
 uint64_t MeshDigest::HashOf(std::span<const uint8_t> encoded_block) {
@@ -43,13 +36,22 @@ std::string MeshDigest::Hex() const {
 }
 
 FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
-  if (!Decode(message)) return FollowOutcome::kBroken;
+  if (!Check(message)) return FollowOutcome::kBroken;
   Part received;
-  received.blocks.reserve(message.blocks.size());
+  size_t bytes = 0;
   for (const mesh_block_t& block : message.blocks) {
+    const auto size = static_cast<size_t>(block.n_vertices == 0 ? 0 : block.getEncodedSize());
     received.blocks.push_back({{block.index[0], block.index[1], block.index[2]},
                                static_cast<size_t>(block.n_triangles),
-                               block.n_vertices == 0 ? std::vector<uint8_t>() : BytesOf(block)});
+                               size});
+    bytes += size;
+  }
+  received.bytes.resize(bytes);
+  uint8_t* to = received.bytes.data();
+  for (size_t i = 0; i < received.blocks.size(); ++i) {
+    const size_t size = received.blocks[i].size;
+    if (size > 0) message.blocks[i].encode(to, 0, static_cast<int>(size));
+    to += size;
   }
   const FollowOutcome outcome =
       sequence_.Take({message.map_id, message.revision, message.base_revision,
@@ -62,29 +64,33 @@ FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
     digest_.Clear();
   }
   for (const Part& part : sequence_.TakeReady()) {
-    for (const EncodedBlock& block : part.blocks) Set(block);
+    std::span<const uint8_t> left = part.bytes;
+    for (const Part::Block& block : part.blocks) {
+      Set(block, left.first(block.size));
+      left = left.subspan(block.size);
+    }
   }
   utime_ = message.utime;
   return outcome;
 }
 
-void MeshFollower::Set(const EncodedBlock& block) {
-  digest_.Set(block.index, block.bytes.empty() ? 0 : MeshDigest::HashOf(block.bytes));
-  const auto known = blocks_.find(block.index);
-  if (known != blocks_.end()) triangles_ -= known->second.triangles;
-  if (block.bytes.empty()) {
-    if (known != blocks_.end()) blocks_.erase(known);
+void MeshFollower::Set(const Part::Block& block, std::span<const uint8_t> bytes) {
+  digest_.Set(block.index, bytes.empty() ? 0 : MeshDigest::HashOf(bytes));
+  if (bytes.empty()) {
+    const auto known = blocks_.find(block.index);
+    if (known == blocks_.end()) return;
+    triangles_ -= known->second.triangles;
+    blocks_.erase(known);
     return;
   }
-  triangles_ += block.triangles;
-  if (known == blocks_.end()) {
-    blocks_.emplace(block.index, block);
-    return;
-  }
-  // Into the memory that it has: blocks change often, and a large heap full of gaps is slow.
-  EncodedBlock& held = known.value();
+  EncodedBlock& held = blocks_[block.index];
+  triangles_ += block.triangles - held.triangles;
   held.triangles = block.triangles;
-  held.bytes.assign(block.bytes.begin(), block.bytes.end());
+  // With room to grow: a block changes often, by little.
+  constexpr size_t kStep = 512;
+  if (held.bytes.capacity() < bytes.size())
+    held.bytes.reserve((bytes.size() + kStep - 1) / kStep * kStep);
+  held.bytes.assign(bytes.begin(), bytes.end());
 }
 
 Mesh MeshFollower::Joined() const {

@@ -49,16 +49,23 @@ class MeshFollower {
   Mesh Joined() const;
 
  private:
-  // A block as it travels: half of the memory, and one piece of it.
+  // A block as it travels: a third less memory than decoded, and one piece of it.
   struct EncodedBlock {
-    BlockIndex index;
     size_t triangles = 0;
-    std::vector<uint8_t> bytes;  // none = it has no surface
+    std::vector<uint8_t> bytes;
   };
+  // Blocks of an update, their bytes behind each other: thousands of pieces of memory that come and
+  // go would tear the heap, and a torn heap is slow.
   struct Part {
-    std::vector<EncodedBlock> blocks;
+    struct Block {
+      BlockIndex index;
+      size_t triangles = 0;
+      size_t size = 0;  // in bytes; 0 = it has no surface
+    };
+    std::vector<Block> blocks;
+    std::vector<uint8_t> bytes;
   };
-  void Set(const EncodedBlock& block);
+  void Set(const Part::Block& block, std::span<const uint8_t> bytes);
 
   UpdateSequence<Part> sequence_;
   tsl::robin_map<BlockIndex, EncodedBlock, BlockIndexHash> blocks_;  // with a surface

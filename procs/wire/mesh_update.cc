@@ -89,15 +89,34 @@ MeshVertex DecodeVertex(const mesh_block_t& message, const Eigen::Vector3d& corn
   return vertex;
 }
 
+Result<void> Check(const mesh_block_t& message) {
+  const auto where = [&] {
+    return "block (" + std::to_string(message.index[0]) + ", " + std::to_string(message.index[1]) +
+           ", " + std::to_string(message.index[2]) + "): ";
+  };
+  const double edge = message.edge_m;
+  if (!(edge > 0 && edge < 1e3)) return Fail(where() + "edge_m is not a positive length");
+  for (const std::vector<int32_t>* corners : {&message.a, &message.b, &message.c}) {
+    for (const int32_t index : *corners) {
+      if (index < 0 || index >= message.n_vertices) {
+        return Fail(where() + "a triangle has vertex " + std::to_string(index) + " of " +
+                    std::to_string(message.n_vertices));
+      }
+    }
+  }
+  return {};
+}
+
+BlockIndex IndexOf(const mesh_block_t& message) {
+  return {message.index[0], message.index[1], message.index[2]};
+}
+
 }  // namespace
 
 Result<BlockMesh> Decode(const mesh_block_t& message) {
-  BlockMesh block{{message.index[0], message.index[1], message.index[2]}, {}};
-  const std::string where = "block (" + std::to_string(message.index[0]) + ", " +
-                            std::to_string(message.index[1]) + ", " +
-                            std::to_string(message.index[2]) + "): ";
+  if (Result<void> checked = Check(message); !checked) return tl::unexpected(checked.error());
+  BlockMesh block{IndexOf(message), {}};
   const double edge = message.edge_m;
-  if (!(edge > 0 && edge < 1e3)) return Fail(where + "edge_m is not a positive length");
   const Eigen::Vector3d corner =
       Eigen::Vector3d(block.block.x, block.block.y, block.block.z) * edge;
   const auto count = static_cast<size_t>(message.n_vertices);
@@ -107,12 +126,6 @@ Result<BlockMesh> Decode(const mesh_block_t& message) {
   const auto triangles = static_cast<size_t>(message.n_triangles);
   block.mesh.triangles.reserve(triangles);
   for (size_t i = 0; i < triangles; ++i) {
-    for (const int32_t index : {message.a[i], message.b[i], message.c[i]}) {
-      if (index < 0 || index >= message.n_vertices) {
-        return Fail(where + "a triangle has vertex " + std::to_string(index) + " of " +
-                    std::to_string(message.n_vertices));
-      }
-    }
     block.mesh.triangles.push_back({static_cast<uint32_t>(message.a[i]),
                                     static_cast<uint32_t>(message.b[i]),
                                     static_cast<uint32_t>(message.c[i])});
@@ -137,13 +150,28 @@ mesh_delta_t Encode(const MeshUpdate& update) {
   return message;
 }
 
-Result<MeshUpdate> Decode(const mesh_delta_t& message) {
-  const std::string where = "mesh_delta_t of map '" + message.map_id + "', revision " +
-                            std::to_string(message.revision) + ": ";
+Result<void> Check(const mesh_delta_t& message) {
+  const auto where = [&] {
+    return "mesh_delta_t of map '" + message.map_id + "', revision " +
+           std::to_string(message.revision) + ": ";
+  };
   if (message.parts < 1 || message.part < 0 || message.part >= message.parts) {
-    return Fail(where + "is part " + std::to_string(message.part) + " of " +
+    return Fail(where() + "is part " + std::to_string(message.part) + " of " +
                 std::to_string(message.parts));
   }
+  const mesh_block_t* last = nullptr;
+  for (const mesh_block_t& block : message.blocks) {
+    if (Result<void> checked = Check(block); !checked)
+      return Fail(where() + checked.error().message);
+    if (last != nullptr && !(IndexOf(*last) < IndexOf(block)))
+      return Fail(where() + "blocks are not in ascending order");
+    last = &block;
+  }
+  return {};
+}
+
+Result<MeshUpdate> Decode(const mesh_delta_t& message) {
+  if (Result<void> checked = Check(message); !checked) return tl::unexpected(checked.error());
   MeshUpdate update{message.utime,
                     message.map_id,
                     message.base_revision,
@@ -152,14 +180,9 @@ Result<MeshUpdate> Decode(const mesh_delta_t& message) {
                     message.parts,
                     0,
                     {message.revision, {}}};
-  for (const mesh_block_t& element : message.blocks) {
-    Result<BlockMesh> block = Decode(element);
-    if (!block) return Fail(where + block.error().message);
-    if (!update.mesh.blocks.empty() && !(update.mesh.blocks.back().block < block->block)) {
-      return Fail(where + "blocks are not in ascending order");
-    }
-    update.block_size = element.edge_m;
-    update.mesh.blocks.push_back(std::move(*block));
+  for (const mesh_block_t& block : message.blocks) {
+    update.block_size = block.edge_m;
+    update.mesh.blocks.push_back(std::move(*Decode(block)));
   }
   return update;
 }

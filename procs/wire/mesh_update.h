@@ -29,6 +29,8 @@ mesh_delta_t Encode(const MeshUpdate& update);
 /// The surface of one block. Fails, naming it, on indices out of range.
 Result<BlockMesh> Decode(const mesh_block_t& message);
 /// Fails, naming the block, on indices out of range and on blocks out of order.
+Result<void> Check(const mesh_delta_t& message);
+/// The same, with its content.
 Result<MeshUpdate> Decode(const mesh_delta_t& message);
 
 }  // namespace vismap
