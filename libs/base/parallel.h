@@ -51,4 +51,14 @@ void ParallelFor(size_t count, size_t grain, const Body& body) {
 #endif
 }
 
+/// Calls `body(from, to)` for every `size` indices of [0, count), the last time for what is left,
+/// in parallel: for bodies that keep something from one index to the next. See ParallelFor.
+template <typename Body>
+void ParallelForGroups(size_t count, size_t size, const Body& body) {
+  ParallelFor((count + size - 1) / size, 1, [&](size_t group) {
+    const size_t from = group * size, left = count - from;
+    body(from, from + (left < size ? left : size));
+  });
+}
+
 }  // namespace vismap

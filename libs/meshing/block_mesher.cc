@@ -157,16 +157,14 @@ Mesh BlockMesher::MakeMesh() {
 }
 
 void BlockMesher::LeaveOutJumps() {
-  CellBits left = cells_;
   edges_.ForEachCell([&](size_t cell) {
     const Recipe& recipe = kRecipes[edges_.CubeOf(cell)];
     const auto corners = std::span(recipe.corners).first(recipe.corner_count);
     const bool crosses = std::any_of(corners.begin(), corners.end(),
                                      [&](uint16_t step) { return IsJump(cell + step); });
     const LatticeEdge at = EdgeOfSlot(static_cast<int>(cell));
-    if (crosses) left[static_cast<size_t>(at.z)] &= ~(uint64_t{1} << (at.x + kBlockSide * at.y));
+    if (crosses) cells_[static_cast<size_t>(at.z)] &= ~(uint64_t{1} << (at.x + kBlockSide * at.y));
   });
-  cells_ = left;
   edges_.List(cells_);
 }
 

@@ -57,10 +57,9 @@ bool HasBits(const std::array<uint64_t, kBlockSide>& bits) {
 BlockViews::BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks)
     : views_(blocks.size()) {
   constexpr size_t kGroup = 512;
-  ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
+  ParallelForGroups(blocks.size(), kGroup, [&](size_t from, size_t to) {
     VoxelMap::Reader reader = map.reader();
-    const size_t end = std::min(blocks.size(), (group + 1) * kGroup);
-    for (size_t i = group * kGroup; i < end; ++i) {
+    for (size_t i = from; i < to; ++i) {
       BlockView& view = views_[i];
       view.index = blocks[i];
       view.block = reader.Find(blocks[i]);

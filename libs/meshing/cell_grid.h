@@ -12,7 +12,7 @@ namespace vismap {
 
 /// The voxels of one block and a rim around it (one voxel below, two above), copied from up to 27
 /// blocks: all that the surface of the block's cells depends on. Coordinates are local to the
-/// block, -1..9. Distances below the block along two axes or three are left out.
+/// block, -1..9.
 class CellGrid {
  public:
   /// Asks memory for what the grid of a block will need first.

@@ -1,7 +1,5 @@
 #include "meshing/marching_cubes.h"
 
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "meshing/block_mesher.h"
 #include "meshing/block_set.h"
@@ -20,10 +18,9 @@ std::vector<Local> MeshEach(const std::vector<BlockIndex>& blocks, const Meshing
                             const Take& take) {
   constexpr size_t kGroup = 64;  // one mesher for so many: neighbours share what it has unpacked
   std::vector<Local> meshes(blocks.size());
-  ParallelFor((blocks.size() + kGroup - 1) / kGroup, 1, [&](size_t group) {
+  ParallelForGroups(blocks.size(), kGroup, [&](size_t from, size_t to) {
     BlockMesher mesher(job);
-    const size_t end = std::min(blocks.size(), (group + 1) * kGroup);
-    for (size_t i = group * kGroup; i < end; ++i) {
+    for (size_t i = from; i < to; ++i) {
       mesher.Find(blocks[i]);
       meshes[i] = take(&mesher);
     }

@@ -102,7 +102,7 @@ Mesh MeshFollower::Joined() const {
     const std::vector<uint8_t>& bytes = blocks_.at(index).bytes;
     mesh_block_t message;
     message.decode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    const Mesh mesh = Decode(message)->mesh;  // it was decoded once before
+    const Mesh mesh = Decode(message)->mesh;  // it was checked when it came
     const auto first = static_cast<uint32_t>(joined.vertices.size());
     joined.vertices.insert(joined.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& triangle : mesh.triangles) {
