@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "association/label_table.h"
+#include "map/label_table.h"
+#include "map/voxel_map.h"
 #include "segmentation/segmented_frame.h"
-#include "volume/voxel_map.h"
 
 namespace vismap {
 

@@ -5,7 +5,7 @@
 
 #include "base/parallel.h"
 #include "base/prefetch.h"
-#include "volume/surface_reader.h"
+#include "map/surface_reader.h"
 
 namespace vismap {
 namespace {

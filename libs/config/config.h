@@ -10,10 +10,10 @@
 #include "detection/dnn_options.h"
 #include "freespace/occupancy.h"
 #include "freespace/octree.h"
+#include "map/voxel_map.h"
 #include "mapping/integrate.h"
-#include "meshing/objects.h"
+#include "objects/objects.h"
 #include "segmentation/segmentation_options.h"
-#include "volume/voxel_map.h"
 
 namespace vismap {
 

@@ -4,11 +4,11 @@
 #include <functional>
 #include <type_traits>
 
+#include "base/class_names.h"
 #include "base/file.h"
 #include "base/require.h"
 #include "config/bindings.h"
 #include "config/config.h"
-#include "datasets/class_names.h"
 #include "options.pb.h"
 
 namespace vismap {

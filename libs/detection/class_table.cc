@@ -5,8 +5,8 @@
 #include <charconv>
 #include <sstream>
 
+#include "base/class_names.h"
 #include "base/file.h"
-#include "datasets/class_names.h"
 
 namespace vismap {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 #include <sstream>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 
 namespace vismap {
 namespace {

@@ -1,11 +1,11 @@
 #include <set>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 #include "datasets/text_file.h"
 #include "evaluation/class_list.h"
 #include "evaluation/ground_truth.h"
 #include "evaluation/xml_labels.h"
-#include "meshing/ply.h"
+#include "exports/ply.h"
 
 namespace vismap {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/require.h"
-#include "volume/surface_reader.h"
+#include "map/surface_reader.h"
 
 namespace vismap {
 namespace {

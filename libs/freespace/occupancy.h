@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "volume/block.h"
-#include "volume/voxel_map.h"
+#include "map/block.h"
+#include "map/voxel_map.h"
 
 namespace vismap {
 

@@ -17,7 +17,7 @@ std::pair<int, int> BitRange(uint64_t bits) {
 }
 
 /// Box of the known cells within a block, in 0..8.
-CellBox KnownInBlock(const BlockOccupancy& occupancy) {
+OccupancyBox KnownInBlock(const BlockOccupancy& occupancy) {
   if (occupancy.is_uniform()) return {{0, 0, 0}, {8, 8, 8}};
   uint64_t layers = 0;
   uint64_t slab = 0;
@@ -99,24 +99,24 @@ OccupancyDelta OccupancyMap::Snapshot() const {
   return delta;
 }
 
-void Extend(const CellBox& more, std::optional<CellBox>* box) {
+void Extend(const OccupancyBox& more, std::optional<OccupancyBox>* box) {
   if (!*box) *box = more;
-  CellBox& whole = **box;
+  OccupancyBox& whole = **box;
   whole.min = {std::min(whole.min.x, more.min.x), std::min(whole.min.y, more.min.y),
                std::min(whole.min.z, more.min.z)};
   whole.max = {std::max(whole.max.x, more.max.x), std::max(whole.max.y, more.max.y),
                std::max(whole.max.z, more.max.z)};
 }
 
-CellBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy) {
-  const CellBox local = KnownInBlock(occupancy);
+OccupancyBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy) {
+  const OccupancyBox local = KnownInBlock(occupancy);
   const VoxelIndex first{kBlockSide * index.x, kBlockSide * index.y, kBlockSide * index.z};
   return {{first.x + local.min.x, first.y + local.min.y, first.z + local.min.z},
           {first.x + local.max.x, first.y + local.max.y, first.z + local.max.z}};
 }
 
-std::optional<CellBox> OccupancyMap::KnownCells() const {
-  std::optional<CellBox> box;
+std::optional<OccupancyBox> OccupancyMap::KnownCells() const {
+  std::optional<OccupancyBox> box;
   blocks_.ForEach([&](BlockIndex index, const BlockOccupancy& occupancy) {
     Extend(KnownCellsOf(index, occupancy), &box);
   });

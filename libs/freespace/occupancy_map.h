@@ -9,7 +9,7 @@
 #include "base/result.h"
 #include "freespace/occupancy.h"
 #include "freespace/occupancy_digest.h"
-#include "mapping/semantic_map.h"
+#include "map/semantic_map.h"
 
 namespace vismap {
 
@@ -23,16 +23,16 @@ struct OccupancyDelta {
 };
 
 /// Cells min <= cell < max along each axis.
-struct CellBox {
+struct OccupancyBox {
   VoxelIndex min, max;
-  friend bool operator==(const CellBox&, const CellBox&) = default;
+  friend bool operator==(const OccupancyBox&, const OccupancyBox&) = default;
 };
 
 /// Grows a box so that it holds another; none holds nothing.
-void Extend(const CellBox& more, std::optional<CellBox>* box);
+void Extend(const OccupancyBox& more, std::optional<OccupancyBox>* box);
 
 /// The smallest box around the cells of a block that are not unknown, which there must be.
-CellBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy);
+OccupancyBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy);
 
 /// Occupancy of the whole map, by blocks of 8x8x8 cells. A cell is a voxel of the map, or a larger
 /// cube where a coarser map was made of it. Kept up to date by deltas: from a SemanticMap in the
@@ -71,7 +71,7 @@ class OccupancyMap {
   std::string Digest() const { return digest_.Hex(cell_size_); }
 
   /// The smallest box around all cells that are not unknown; nullopt when there are none.
-  std::optional<CellBox> KnownCells() const;
+  std::optional<OccupancyBox> KnownCells() const;
 
  private:
   double cell_size_;

@@ -18,7 +18,7 @@ uint64_t Spread3(uint64_t value) {
 
 class Assembler {
  public:
-  Assembler(const CellBox& box, UnknownPolicy unknown)
+  Assembler(const OccupancyBox& box, UnknownPolicy unknown)
       : box_(box), closed_(unknown == UnknownPolicy::kOccupied) {}
 
   /// The tree itself: as a subtree it does not count its root.
@@ -58,11 +58,11 @@ class Assembler {
   /// A cube of which nothing is known, cut by the bounds. All along a side of the bounds these are
   /// the same.
   const Subtree& Empty(const OctreeCube& cube) {
-    const CellBox part = Intersect(cube.Box(), box_);
+    const OccupancyBox part = Intersect(cube.Box(), box_);
     const auto from_corner = [&](VoxelIndex cell) {
       return VoxelIndex{cell.x - cube.min.x, cell.y - cube.min.y, cell.z - cube.min.z};
     };
-    const CellBox shape{from_corner(part.min), from_corner(part.max)};
+    const OccupancyBox shape{from_corner(part.min), from_corner(part.max)};
     for (const auto& [known_shape, subtree] : empty_) {
       if (known_shape == shape) return subtree;
     }
@@ -70,10 +70,10 @@ class Assembler {
     return empty_.emplace_back(shape, subtree).second;
   }
 
-  CellBox box_;
+  OccupancyBox box_;
   bool closed_;
   NodeWriter writer_;
-  std::deque<std::pair<CellBox, Subtree>> empty_;  // at most 27: one for each way to be cut
+  std::deque<std::pair<OccupancyBox, Subtree>> empty_;  // at most 27: one for each way to be cut
 };
 
 }  // namespace
@@ -85,7 +85,7 @@ uint64_t OctreeOrder(const OctreeCube& cube) {
   return place(cube.min.x) | place(cube.min.y) << 1 | place(cube.min.z) << 2;
 }
 
-NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const CellBox& box,
+NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const OccupancyBox& box,
                           UnknownPolicy unknown) {
   return Assembler(box, unknown).Run(parts);
 }

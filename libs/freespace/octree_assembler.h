@@ -21,7 +21,7 @@ struct PlacedSubtree {
 
 /// A whole tree within `box`, put together of the cubes of which anything is known, in ascending
 /// order.
-NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const CellBox& box,
+NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const OccupancyBox& box,
                           UnknownPolicy unknown);
 
 }  // namespace vismap

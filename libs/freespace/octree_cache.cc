@@ -22,8 +22,8 @@ OctreeCube CubeAround(BlockIndex block) {
   return {{first(block.x), first(block.y), first(block.z)}, kOctreeCubeSide};
 }
 
-std::optional<CellBox> KnownIn(const OctreeCube& cube, const OccupancyMap& leaves) {
-  std::optional<CellBox> known;
+std::optional<OccupancyBox> KnownIn(const OctreeCube& cube, const OccupancyMap& leaves) {
+  std::optional<OccupancyBox> known;
   constexpr int kBlocks = kOctreeCubeSide / kBlockSide;
   const BlockIndex first = BlockOf(cube.min);
   for (int i = 0; i < kBlocks * kBlocks * kBlocks; ++i) {
@@ -36,7 +36,7 @@ std::optional<CellBox> KnownIn(const OctreeCube& cube, const OccupancyMap& leave
 }
 
 /// The cells whose centres lie in the box.
-CellBox CellsOf(const Eigen::AlignedBox3d& bounds_W, double resolution) {
+OccupancyBox CellsOf(const Eigen::AlignedBox3d& bounds_W, double resolution) {
   const auto cell = [&](double at) {
     const double rounded = std::round(at / resolution);
     constexpr double kReach = kOctreeCellOffset;
@@ -48,7 +48,7 @@ CellBox CellsOf(const Eigen::AlignedBox3d& bounds_W, double resolution) {
           {cell(max.x()), cell(max.y()), cell(max.z())}};
 }
 
-Eigen::AlignedBox3d MetersOf(const CellBox& box, double resolution) {
+Eigen::AlignedBox3d MetersOf(const OccupancyBox& box, double resolution) {
   return {Eigen::Vector3d(box.min.x, box.min.y, box.min.z) * resolution,
           Eigen::Vector3d(box.max.x, box.max.y, box.max.z) * resolution};
 }
@@ -82,7 +82,7 @@ void OctreeCache::Update(const OccupancyMap& leaves, std::span<const BlockIndex>
     }
   }
   for (const auto& [order, cube] : touched) {
-    const std::optional<CellBox> known = KnownIn(cube, leaves);
+    const std::optional<OccupancyBox> known = KnownIn(cube, leaves);
     if (known) {
       cubes_[order] = Cube{cube, *known, {}};
     } else {
@@ -91,24 +91,24 @@ void OctreeCache::Update(const OccupancyMap& leaves, std::span<const BlockIndex>
   }
 }
 
-std::optional<CellBox> OctreeCache::KnownCells() const {
-  std::optional<CellBox> box;
+std::optional<OccupancyBox> OctreeCache::KnownCells() const {
+  std::optional<OccupancyBox> box;
   for (const auto& entry : cubes_) Extend(entry.second.known, &box);
   return box;
 }
 
-void OctreeCache::EncodeChanged(const OccupancyMap& leaves, const CellBox& box,
+void OctreeCache::EncodeChanged(const OccupancyMap& leaves, const OccupancyBox& box,
                                 UnknownPolicy unknown) {
   struct Task {
     const OctreeCube* place;
-    CellBox box;
+    OccupancyBox box;
     Written* written;
   };
   std::vector<Task> tasks;
   for (auto& [order, cube] : cubes_) {
     // Where unknown space is absent, bounds that leave all that is known change nothing.
     const bool closed = unknown == UnknownPolicy::kOccupied;
-    const CellBox part = Intersect(closed ? cube.place.Box() : cube.known, box);
+    const OccupancyBox part = Intersect(closed ? cube.place.Box() : cube.known, box);
     Written* written = &cube.written[static_cast<size_t>(unknown)];
     if (written->box != part) tasks.push_back({&cube.place, part, written});
   }
@@ -128,14 +128,14 @@ Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, double resol
                 " m around the origin that an octree with leaves of " + ShortestText(resolution) +
                 " m can hold; use larger leaves");
   }
-  const std::optional<CellBox> box = bounds_W ? CellsOf(*bounds_W, resolution) : KnownCells();
-  EncodeChanged(leaves, box.value_or(CellBox{}), unknown);
+  const std::optional<OccupancyBox> box = bounds_W ? CellsOf(*bounds_W, resolution) : KnownCells();
+  EncodeChanged(leaves, box.value_or(OccupancyBox{}), unknown);
   std::vector<PlacedSubtree> parts;
   parts.reserve(cubes_.size());
   for (const auto& [order, cube] : cubes_) {
     parts.push_back({order, &cube.written[static_cast<size_t>(unknown)].subtree});
   }
-  const NodeWriter tree = AssembleOctree(parts, box.value_or(CellBox{}), unknown);
+  const NodeWriter tree = AssembleOctree(parts, box.value_or(OccupancyBox{}), unknown);
   OctreeBytes octree;
   octree.resolution = resolution;
   octree.nodes = tree.nodes();

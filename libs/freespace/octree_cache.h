@@ -28,17 +28,17 @@ class OctreeCache {
 
  private:
   struct Written {
-    std::optional<CellBox> box;  ///< that it was written for; none = not up to date
+    std::optional<OccupancyBox> box;  ///< that it was written for; none = not up to date
     Subtree subtree;
   };
   struct Cube {
     OctreeCube place;
-    CellBox known;                   ///< the smallest box around its leaves that are not unknown
+    OccupancyBox known;              ///< the smallest box around its leaves that are not unknown
     std::array<Written, 2> written;  ///< by UnknownPolicy
   };
 
-  std::optional<CellBox> KnownCells() const;
-  void EncodeChanged(const OccupancyMap& leaves, const CellBox& box, UnknownPolicy unknown);
+  std::optional<OccupancyBox> KnownCells() const;
+  void EncodeChanged(const OccupancyMap& leaves, const OccupancyBox& box, UnknownPolicy unknown);
 
   std::map<uint64_t, Cube> cubes_;    // by place in depth-first order
   std::set<BlockIndex> unreachable_;  // known blocks outside of OctoMap's key space

@@ -31,24 +31,24 @@ struct OctreeCube {
              min.z + ((child >> 2) & 1) * half},
             half};
   }
-  CellBox Box() const { return {min, {min.x + size, min.y + size, min.z + size}}; }
+  OccupancyBox Box() const { return {min, {min.x + size, min.y + size, min.z + size}}; }
 };
 
 /// The cells that are in both; the default box when there are none.
-inline CellBox Intersect(const CellBox& a, const CellBox& b) {
-  const CellBox both{
+inline OccupancyBox Intersect(const OccupancyBox& a, const OccupancyBox& b) {
+  const OccupancyBox both{
       {std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
       {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
   const bool none =
       both.min.x >= both.max.x || both.min.y >= both.max.y || both.min.z >= both.max.z;
-  return none ? CellBox{} : both;
+  return none ? OccupancyBox{} : both;
 }
 
-inline bool Disjoint(const OctreeCube& cube, const CellBox& box) {
-  return Intersect(cube.Box(), box) == CellBox{};
+inline bool Disjoint(const OctreeCube& cube, const OccupancyBox& box) {
+  return Intersect(cube.Box(), box) == OccupancyBox{};
 }
 
-inline bool Inside(const OctreeCube& cube, const CellBox& box) {
+inline bool Inside(const OctreeCube& cube, const OccupancyBox& box) {
   return Intersect(cube.Box(), box) == cube.Box();
 }
 

@@ -9,7 +9,7 @@ namespace {
 NodeState ToNode(CellState state) { return static_cast<NodeState>(state); }
 
 /// The cells of a block that lie in the box, one bit each.
-std::array<uint64_t, 8> CellsInside(const OctreeCube& block, const CellBox& box) {
+std::array<uint64_t, 8> CellsInside(const OctreeCube& block, const OccupancyBox& box) {
   const auto clip = [](int32_t low, int32_t min, int32_t max) {
     const auto end = [&](int32_t at) { return std::clamp(at - low, 0, kBlockSide); };
     return ((uint64_t{1} << end(max)) - 1) & ~((uint64_t{1} << end(min)) - 1);
@@ -47,7 +47,7 @@ constexpr std::array<uint16_t, 256> kEveryOtherBit = [] {
 
 class SubtreeEncoder {
  public:
-  SubtreeEncoder(const OccupancyMap* leaves, const CellBox& box, UnknownPolicy unknown)
+  SubtreeEncoder(const OccupancyMap* leaves, const OccupancyBox& box, UnknownPolicy unknown)
       : leaves_(leaves), box_(box), closed_(unknown == UnknownPolicy::kOccupied) {}
 
   NodeState EmitNode(const OctreeCube& cube) {
@@ -104,7 +104,7 @@ class SubtreeEncoder {
   }
 
   const OccupancyMap* leaves_;
-  CellBox box_;
+  OccupancyBox box_;
   bool closed_;
   NodeWriter writer_;
 };
@@ -125,7 +125,7 @@ NodeState NodeWriter::Finish(size_t start, uint32_t code) {
   return NodeState::kInner;
 }
 
-Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const CellBox& box,
+Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const OccupancyBox& box,
                       UnknownPolicy unknown) {
   SubtreeEncoder encoder(leaves, box, unknown);
   const NodeState state = encoder.EmitNode(cube);

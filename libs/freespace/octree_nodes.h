@@ -57,7 +57,7 @@ class NodeWriter {
 
 /// The node of a block or of a larger cube within `box`. `leaves` = cells of the leaf size; nullptr
 /// = nothing is known.
-Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const CellBox& box,
+Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const OccupancyBox& box,
                       UnknownPolicy unknown);
 
 }  // namespace vismap

@@ -12,7 +12,7 @@ OccupancySlice SliceAt(const OccupancyMap& map, double z) {
   slice.cell_size = size;
   slice.z_min = layer * size;
   slice.z_max = (layer + 1) * size;
-  const std::optional<CellBox> box = map.KnownCells();
+  const std::optional<OccupancyBox> box = map.KnownCells();
   if (!box) return slice;
   slice.origin_W = Eigen::Vector2d(box->min.x, box->min.y) * size;
   slice.states = Image<CellState>(box->max.x - box->min.x, box->max.y - box->min.y);

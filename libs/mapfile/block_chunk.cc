@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/require.h"
-#include "volume/surface_reader.h"
+#include "map/surface_reader.h"
 
 namespace vismap::mapfile {
 namespace {

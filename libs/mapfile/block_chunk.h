@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "volume/voxel_map.h"
+#include "map/voxel_map.h"
 
 namespace vismap::mapfile {
 

@@ -2,36 +2,19 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
-#include "geometry/pose.h"
-#include "mapping/semantic_map.h"
+#include "map/map_metadata.h"
+#include "map/semantic_map.h"
 
 namespace vismap {
 
 // What lives in this room: saved maps, the only user of their protobuf (.cc files). A file is a
 // version, a stream of checksummed protobuf records with the blocks compressed in chunks, and at
 // the end what must have come before. The same map and metadata give the same bytes.
-
-/// One camera pose that went into a map.
-struct CameraPose {
-  int64_t utime = 0;  ///< [us]
-  CameraId camera_id{0};
-  Pose T_W_C = Pose::Identity();
-};
-
-/// What is saved beside the map itself.
-struct MapMetadata {
-  std::string map_id;
-  std::string config;      ///< protobuf text that the map was made with
-  std::string created_by;  ///< program and version
-  std::map<ClassId, std::string> class_names;
-  std::vector<CameraPose> trajectory;  ///< in the order of integration
-};
 
 struct SaveInfo {
   std::filesystem::path path;  ///< absolute

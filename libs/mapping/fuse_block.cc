@@ -4,8 +4,8 @@
 #include <bit>
 
 #include "base/prefetch.h"
+#include "map/label_votes.h"
 #include "mapping/clear_depth.h"
-#include "volume/label_votes.h"
 
 namespace vismap {
 namespace {
@@ -210,9 +210,9 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& pro
   return outcome;
 }
 
-FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockView view,
+FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockVisibility view,
                                                Block& block) const {
-  if (view == BlockView::kWhollyFree && !block.surface) {
+  if (view == BlockVisibility::kWhollyFree && !block.surface) {
     static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
     return {.affected = AffectedBy(MarkFree(kAll, block))};
   }

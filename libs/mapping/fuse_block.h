@@ -39,7 +39,7 @@ class FrameProjection {
   /// Projects the voxels of the block at `index` into the frame and updates `block`, which may turn
   /// from unseen to seen empty to surface. `wholly_free` skips the projection: every voxel was seen
   /// empty.
-  Outcome Fuse(BlockIndex index, BlockView view, Block& block) const;
+  Outcome Fuse(BlockIndex index, BlockVisibility view, Block& block) const;
 
  private:
   Outcome FuseSurface(const ProjectedVoxels& projected, VoxelSamples& samples,

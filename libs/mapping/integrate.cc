@@ -187,7 +187,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   const FrameProjection projection(frame, pyramid, {std::move(labels), cuts, map->labels}, options,
                                    map->voxels.options());
   const auto may_change = [&](const VisibleBlock& target) {
-    if (target.view == BlockView::kMixed) return true;
+    if (target.view == BlockVisibility::kMixed) return true;
     // Seen empty once more: nothing that a block without surface could still learn.
     const Block* block = map->voxels.Find(target.index);
     return block == nullptr || !block->all_free;

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "association/associate.h"
-#include "association/instance_split.h"
 #include "geometry/noise_model.h"
-#include "mapping/semantic_map.h"
+#include "map/block_rim.h"
+#include "map/semantic_map.h"
+#include "mapping/instance_split.h"
 #include "segmentation/segmented_frame.h"
-#include "volume/block_rim.h"
 
 namespace vismap {
 

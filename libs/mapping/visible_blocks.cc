@@ -29,8 +29,8 @@ class Descent {
 
   // Appends the visible blocks of the cube of 2^level blocks whose lowest block is `low`.
   void Visit(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
-    const BlockView view = Look(low, level);
-    if (view == BlockView::kNothing) return;
+    const BlockVisibility view = Look(low, level);
+    if (view == BlockVisibility::kNothing) return;
     if (level == 0) {
       Emit({low, view}, visible);
       return;
@@ -39,7 +39,7 @@ class Descent {
     for (int child = 0; child < 8; ++child) {
       const BlockIndex corner{low.x + ((child >> 2) & 1) * half, low.y + ((child >> 1) & 1) * half,
                               low.z + (child & 1) * half};
-      if (view == BlockView::kWhollyFree) {
+      if (view == BlockVisibility::kWhollyFree) {
         EmitFree(corner, level - 1, visible);
       } else {
         Visit(corner, level - 1, visible);
@@ -57,13 +57,13 @@ class Descent {
     for (int x = 0; x < side; ++x) {
       for (int y = 0; y < side; ++y) {
         for (int z = 0; z < side; ++z)
-          Emit({{low.x + x, low.y + y, low.z + z}, BlockView::kWhollyFree}, visible);
+          Emit({{low.x + x, low.y + y, low.z + z}, BlockVisibility::kWhollyFree}, visible);
       }
     }
   }
 
   // What the frame can say of a cube, judged by its bounding box along the camera's axes.
-  BlockView Look(BlockIndex low, int level) const {
+  BlockVisibility Look(BlockIndex low, int level) const {
     const double edge = options_.block_size * (1 << level);
     const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
                                      Eigen::Vector3d::Constant(edge / 2);
@@ -71,21 +71,21 @@ class Descent {
     // The frame speaks of voxels by their centres; a tenth of one is left for rounding.
     const double reach = edge - 0.9 * options_.block_size / kBlockSide;
     for (const Side& side : sides_) {
-      if (side.normal_C.dot(p) + side.extent * reach < 0) return BlockView::kNothing;
+      if (side.normal_C.dot(p) + side.extent * reach < 0) return BlockVisibility::kNothing;
     }
     const Eigen::Vector3d half = extent_ * reach;
     const double z_near = p.z() - half.z(), z_far = p.z() + half.z();
     if (z_far < options_.min_range || z_near > range_ + options_.truncation)
-      return BlockView::kNothing;
+      return BlockVisibility::kNothing;
     if (z_near < 0.02)
-      return level == 0 && z_far < 0.02 ? BlockView::kNothing
-                                        : BlockView::kMixed;  // around the camera itself
+      return level == 0 && z_far < 0.02 ? BlockVisibility::kNothing
+                                        : BlockVisibility::kMixed;  // around the camera itself
 
     const auto [u_low, u_high] = Extent(p.x(), half.x(), z_near, z_far, camera_.fx, camera_.cx);
     const auto [v_low, v_high] = Extent(p.y(), half.y(), z_near, z_far, camera_.fy, camera_.cy);
     const double u_last = camera_.width - 1, v_last = camera_.height - 1;
     if (u_high < -0.5 || v_high < -0.5 || u_low > u_last + 0.5 || v_low > v_last + 0.5)
-      return BlockView::kNothing;
+      return BlockVisibility::kNothing;
     const bool inside = u_low >= 0 && v_low >= 0 && u_high <= u_last && v_high <= v_last;
 
     const DepthRange depth = pyramid_.Bound(static_cast<int>(std::max(u_low, 0.0)),
@@ -94,13 +94,14 @@ class Descent {
                                             static_cast<int>(std::min(v_high + 1, v_last)));
     if (!(depth.farthest > 0) ||
         z_near > static_cast<double>(depth.farthest) + options_.truncation) {
-      return BlockView::kNothing;
+      return BlockVisibility::kNothing;
     }
     const bool before_surface = z_far < static_cast<double>(depth.nearest) - options_.truncation;
-    if (before_surface && !options_.free_space) return BlockView::kNothing;
+    if (before_surface && !options_.free_space) return BlockVisibility::kNothing;
     const bool in_range = z_near > options_.min_range && z_far < options_.free_space_range;
-    if (!before_surface) return BlockView::kMixed;
-    return inside && depth.complete && in_range ? BlockView::kWhollyFree : BlockView::kPartlyFree;
+    if (!before_surface) return BlockVisibility::kMixed;
+    return inside && depth.complete && in_range ? BlockVisibility::kWhollyFree
+                                                : BlockVisibility::kPartlyFree;
   }
 
   // A plane through the camera's centre that bounds what it sees.

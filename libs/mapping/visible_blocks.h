@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "geometry/frame.h"
+#include "map/block.h"
 #include "mapping/depth_pyramid.h"
-#include "volume/block.h"
 
 namespace vismap {
 
@@ -21,7 +21,7 @@ struct VisibilityOptions {
 };
 
 /// What a frame can say of a block.
-enum class BlockView : uint8_t {
+enum class BlockVisibility : uint8_t {
   kNothing,     ///< out of view, hidden or out of range
   kMixed,       ///< a surface may pass near it
   kPartlyFree,  ///< no surface is near; voxels that project to measured pixels are seen empty
@@ -31,7 +31,7 @@ enum class BlockView : uint8_t {
 /// A block that the frame says something about.
 struct VisibleBlock {
   BlockIndex index;
-  BlockView view = BlockView::kMixed;
+  BlockVisibility view = BlockVisibility::kMixed;
 };
 
 /// The blocks that the frame may change, ascending: those that a surface may pass near and those

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "geometry/camera.h"
-#include "volume/block.h"
+#include "map/block.h"
 
 namespace vismap {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "volume/block_rim.h"
+#include "map/block_rim.h"
 
 namespace vismap {
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <vector>
 
+#include "map/block_rim.h"
+#include "map/voxel_map.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/mesh_kernels.h"
-#include "volume/block_rim.h"
-#include "volume/voxel_map.h"
 
 namespace vismap {
 

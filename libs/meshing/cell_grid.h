@@ -2,11 +2,11 @@
 
 #include <array>
 
+#include "map/surface_reader.h"
 #include "meshing/block_views.h"
 #include "meshing/lattice_edge.h"
 #include "meshing/mesh_kernels.h"
 #include "meshing/surface_cells.h"
-#include "volume/surface_reader.h"
 
 namespace vismap {
 

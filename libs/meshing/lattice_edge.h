@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "volume/block.h"
+#include "map/block.h"
 
 namespace vismap {
 

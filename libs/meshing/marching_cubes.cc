@@ -3,10 +3,7 @@
 #include "base/parallel.h"
 #include "meshing/block_mesher.h"
 #include "meshing/block_set.h"
-#include "meshing/contacts.h"
-#include "meshing/islands.h"
 #include "meshing/mesh_parts.h"
-#include "meshing/read_out.h"
 #include "meshing/stitcher.h"
 
 namespace vismap {
@@ -63,7 +60,7 @@ std::vector<BlockMesh> MeshSet(const BlockSet& set, const MeshingJob& job) {
 
 }  // namespace
 
-Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
+Mesh ExtractSurface(const SemanticMap& map, const MeshingOptions& options) {
   const BlockSet candidates = CandidateBlocks(map.voxels, BlocksWithSurface(map.voxels));
   BlockViews views(map.voxels, candidates.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
@@ -77,20 +74,7 @@ Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options) {
                           });
   Stitcher stitcher;
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);
-  Mesh mesh = RemoveSmallComponents(stitcher.Take(), options.min_component_triangles);
-  const auto read_out = [&] {
-    ApplyReadOut(ReadLabels(map.labels, VerticesPerLabel(mesh)), &mesh);
-  };
-  read_out();
-  if (options.island_max_share > 0) {
-    AbsorbIslands(options, &mesh);
-    read_out();
-  }
-  if (options.contact_voxels > 0) {
-    AbsorbContacts(options.contact_voxels * map.voxels.voxel_size(), &mesh);
-    read_out();
-  }
-  return mesh;
+  return RemoveSmallComponents(stitcher.Take(), options.min_component_triangles);
 }
 
 std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, const BlockChanges& changes) {
@@ -108,11 +92,10 @@ std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const Blo
 }
 
 MeshDelta MeshBlocks(const SemanticMap& map, const BlockChanges& changes,
-                     const MeshingOptions& options) {
+                     std::span<const ShownLabel> shown, const MeshingOptions& options) {
   const BlockSet changed(changes.blocks), affected = BlockSet::AffectedBy(changes);
   BlockViews views(map.voxels, affected.Grown(1, 1).Blocks());
   views.ReadVoxels(options);
-  const std::vector<ShownLabel> shown = ShowLabels(map.labels);
   const MeshingJob job{views, map.voxels.voxel_size(), options.jump_fraction, shown};
   return {map.revision, MeshSet(ToMesh(changed, affected, views), job)};
 }

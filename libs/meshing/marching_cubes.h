@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "map/block_rim.h"
 #include "meshing/mesh.h"
-#include "meshing/read_out.h"
-#include "volume/block_rim.h"
+#include "meshing/shown_label.h"
 
 /// The room of surfaces: triangle meshes with ids out of the map (ALGORITHM 6.1), objects with
 /// their boxes and meshes (6.2), and the files people take home. It reads the map and never changes
@@ -46,11 +46,11 @@ struct MeshDelta {
 };
 
 /// Zero level of the TSDF of the whole map (marching cubes over cells whose eight corners were all
-/// observed; voxels of free blocks count as observed at + truncation). Cells share vertices, also
-/// across blocks: where the map has no gaps and no rim, every edge belongs to exactly two
-/// triangles. Order: ascending blocks. A vertex reads out the nearest voxel with votes; the class
-/// of an instance is the one with most evidence over its labels, weighted by their vertices.
-Mesh ExtractMesh(const SemanticMap& map, const MeshingOptions& options = {});
+/// observed; voxels of free blocks count as observed at + truncation), without small components.
+/// Cells share vertices, also across blocks: where the map has no gaps and no rim, every edge
+/// belongs to exactly two triangles. Order: ascending blocks. A vertex has the segment of the
+/// nearest voxel with votes; its instance and class are not set (see objects/map_mesh.h).
+Mesh ExtractSurface(const SemanticMap& map, const MeshingOptions& options = {});
 
 /// Blocks whose surface may differ after some changes, ascending: those that changed, and of the
 /// blocks that these affect the ones near a surface.
@@ -63,8 +63,8 @@ std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const Blo
                                      std::span<const ShownLabel> shown,
                                      const MeshingOptions& options = {});
 
-/// The surface of BlocksToMesh.
+/// The surface of BlocksToMesh. `shown`: what each label shows.
 MeshDelta MeshBlocks(const SemanticMap& map, const BlockChanges& changes,
-                     const MeshingOptions& options = {});
+                     std::span<const ShownLabel> shown, const MeshingOptions& options = {});
 
 }  // namespace vismap

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/semantic_map.h"
+#include "map/semantic_map.h"
 
 namespace vismap {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "map/block.h"
 #include "meshing/lattice_edge.h"
-#include "volume/block.h"
 
 namespace vismap {
 

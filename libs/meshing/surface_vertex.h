@@ -6,7 +6,7 @@
 #include "meshing/cell_grid.h"
 #include "meshing/crossed_edges.h"
 #include "meshing/lattice_edge.h"
-#include "meshing/read_out.h"
+#include "meshing/shown_label.h"
 
 namespace vismap {
 

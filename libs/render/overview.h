@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "meshing/objects.h"
-#include "meshing/objects_json.h"
+#include "base/class_names.h"
+#include "objects/objects.h"
 #include "render/render_mesh.h"
 
 namespace vismap {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "meshing/oriented_box.h"
+#include "objects/oriented_box.h"
 
 namespace vismap {
 namespace {

@@ -55,9 +55,4 @@ class MapSession {
 std::string DigestFrame(const SemanticMap& map, const FrameAssociation& association,
                         const MapDelta& delta);
 
-/// Which way is up in W, from how the cameras were held: the axis of W nearest to the mean of their
-/// upward directions when one is within 35 degrees, else that mean. Unit length; +z when there are
-/// no poses.
-Eigen::Vector3d EstimateUp(const std::vector<CameraPose>& trajectory);
-
 }  // namespace vismap

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/random.h"
 #include "geometry/image.h"
-#include "simulation/random.h"
 
 namespace vismap {
 

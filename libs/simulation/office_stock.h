@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "base/random.h"
 #include "simulation/builder.h"
-#include "simulation/random.h"
 
 namespace vismap {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "base/random.h"
 #include "base/require.h"
-#include "simulation/random.h"
 
 namespace vismap {
 namespace {

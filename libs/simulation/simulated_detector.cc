@@ -1,7 +1,7 @@
 #include <map>
 #include <set>
 
-#include "simulation/random.h"
+#include "base/random.h"
 #include "simulation/simulate.h"
 
 namespace vismap {

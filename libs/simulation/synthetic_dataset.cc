@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.h"
 #include "base/require.h"
 #include "simulation/office.h"
 #include "simulation/pose_noise.h"
-#include "simulation/random.h"
 #include "simulation/room.h"
 
 namespace vismap {

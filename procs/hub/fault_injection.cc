@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/digest.h"
-#include "simulation/random.h"
+#include "base/random.h"
 
 namespace vismap {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "volume/block.h"
+#include "map/block.h"
 
 namespace vismap {
 

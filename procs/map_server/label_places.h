@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "association/label_table.h"
-#include "volume/surface_reader.h"
-#include "volume/voxel_map.h"
+#include "map/label_table.h"
+#include "map/surface_reader.h"
+#include "map/voxel_map.h"
 
 namespace vismap {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/version.h"

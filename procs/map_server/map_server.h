@@ -12,15 +12,15 @@
 #include <vismap/segmented_frame_t.hpp>
 
 #include "config/config.h"
+#include "exports/outputs.h"
 #include "map_server/camera_clocks.h"
 #include "map_server/commit_journal.h"
 #include "map_server/mesh_publisher.h"
 #include "map_server/occupancy_publisher.h"
-#include "meshing/object_tracker.h"
+#include "objects/object_tracker.h"
 #include "runtime/bus.h"
 #include "runtime/status.h"
 #include "session/map_session.h"
-#include "session/outputs.h"
 #include "wire/frame_order.h"
 
 namespace vismap {

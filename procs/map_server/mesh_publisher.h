@@ -7,8 +7,8 @@
 #include "map_server/change_log.h"
 #include "map_server/label_places.h"
 #include "mapping/integrate.h"
-#include "meshing/block_surfaces.h"
-#include "meshing/read_out.h"
+#include "objects/block_surfaces.h"
+#include "objects/read_out.h"
 #include "runtime/bus.h"
 #include "wire/update_sequence.h"
 

@@ -1,14 +1,14 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
+#include "exports/objects_json.h"
+#include "exports/ply.h"
+#include "exports/statistics.h"
 #include "map_server/map_server.h"
-#include "meshing/objects_json.h"
-#include "meshing/ply.h"
+#include "objects/object_query.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
-#include "session/object_query.h"
-#include "session/statistics.h"
 #include "wire/octree_message.h"
 
 // What the map server does when somebody asks it on MAP_REQUEST.

@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
+#include "exports/statistics.h"
 #include "map_tool/compare_runs.h"
 #include "map_tool/live_map.h"
 #include "map_tool/map_diff.h"
 #include "render/overview.h"
 #include "render/png.h"
-#include "session/statistics.h"
 
 namespace vismap {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "base/file.h"
 #include "evaluation/report.h"
+#include "exports/ply.h"
 #include "freespace/coarsen.h"
 #include "map_tool/truth_source.h"
-#include "meshing/ply.h"
 
 namespace vismap {
 namespace {

@@ -7,7 +7,7 @@
 #include <vismap/object_list_t.hpp>
 
 #include "base/file.h"
-#include "meshing/ply.h"
+#include "exports/ply.h"
 #include "runtime/catch_up.h"
 #include "runtime/clock.h"
 #include "wire/mesh_follower.h"

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "volume/surface_reader.h"
+#include "map/surface_reader.h"
 
 namespace vismap {
 namespace {

@@ -3,14 +3,14 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/class_names.h"
 #include "base/file.h"
-#include "datasets/class_names.h"
+#include "exports/objects_json.h"
+#include "exports/outputs.h"
 #include "map_tool/commands.h"
 #include "map_tool/live_map.h"
 #include "map_tool/object_table.h"
-#include "meshing/objects_json.h"
-#include "session/object_query.h"
-#include "session/outputs.h"
+#include "objects/object_query.h"
 
 // `objects` and `export` of vismap-map.
 

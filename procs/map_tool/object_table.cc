@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 
 namespace vismap {
 namespace {

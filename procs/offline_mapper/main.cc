@@ -7,15 +7,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/class_names.h"
 #include "base/file.h"
-#include "datasets/class_names.h"
+#include "exports/outputs.h"
+#include "exports/statistics.h"
 #include "logs/recording.h"
 #include "offline_mapper/offline_mapper.h"
 #include "runtime/clock.h"
 #include "runtime/progress.h"
 #include "runtime/version.h"
-#include "session/outputs.h"
-#include "session/statistics.h"
 #include "settings/settings.h"
 
 namespace {

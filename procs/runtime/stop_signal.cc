@@ -60,7 +60,8 @@ void StopSignal::InstallHandlers(StopSignal* stop) {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit is a failed write, not the end of the process
+  signal(SIGXFSZ,
+         SIG_IGN);  // a file beyond the limit is a failed write, not the end of the process
 }
 
 }  // namespace vismap

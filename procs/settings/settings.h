@@ -6,8 +6,8 @@
 
 #include "base/parallel.h"
 #include "config/config.h"
+#include "exports/outputs.h"
 #include "session/map_session.h"
-#include "session/outputs.h"
 
 namespace CLI {
 class App;

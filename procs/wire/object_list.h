@@ -7,8 +7,8 @@
 #include <vismap/object_list_t.hpp>
 
 #include "base/result.h"
-#include "meshing/objects.h"
-#include "meshing/objects_json.h"
+#include "exports/objects_json.h"
+#include "objects/objects.h"
 
 namespace vismap {
 

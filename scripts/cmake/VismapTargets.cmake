@@ -18,10 +18,11 @@ function(vismap_room NAME)
 endfunction()
 
 # vismap_process(NAME DEPS rooms... [LINK libraries...]): builds vismap-NAME from main.cc, and the other .cc files of the
-# folder as a library, so that tests can link them.
+# folder as the library vismap_FOLDER, so that tests can link them.
 function(vismap_process NAME)
   cmake_parse_arguments(ARG "" "" "DEPS;LINK" ${ARGN})
-  string(REPLACE "-" "_" LIBRARY vismap_${NAME})
+  get_filename_component(FOLDER ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+  set(LIBRARY vismap_${FOLDER})
   list(TRANSFORM ARG_DEPS PREPEND vismap_)
   file(GLOB SOURCES CONFIGURE_DEPENDS *.cc)
   list(FILTER SOURCES EXCLUDE REGEX "/main\\.cc$")

@@ -20,6 +20,7 @@
 #include "base/parallel.h"
 #include "mapfile/map_file.h"
 #include "meshing/marching_cubes.h"
+#include "objects/read_out.h"
 #include "offline_mapper/stage_times.h"
 #include "support/naive/compute_surface.h"
 #include "support/naive/mesh_block.h"
@@ -188,7 +189,8 @@ class Bench {
   void UpdateMesh(const MapDelta& delta, bool compare, Measurement* out) const {
     const char* const stage = "mesh of changes";
     double fast = 0, slow = 0;
-    const MeshDelta meshes = Timed(&fast, [&] { return MeshBlocks(map_, delta.changes()); });
+    const MeshDelta meshes =
+        Timed(&fast, [&] { return MeshBlocks(map_, delta.changes(), ShowLabels(map_.labels)); });
     out->fast.Add(stage, fast);
     if (!compare) return;
     for (const BlockMesh& block : meshes.blocks) {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 #include "support/temp_folder.h"
 
 namespace vismap {

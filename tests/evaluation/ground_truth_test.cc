@@ -7,7 +7,7 @@
 
 #include "evaluation/class_list.h"
 #include "evaluation/xml_labels.h"
-#include "meshing/ply.h"
+#include "exports/ply.h"
 #include "support/temp_folder.h"
 
 namespace vismap {

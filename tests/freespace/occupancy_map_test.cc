@@ -127,7 +127,7 @@ TEST(OccupancyMap, KnownCellsIsTheTightBox) {
   planes.free[3] = uint64_t{1} << (8 * 2 + 5);
   planes.occupied[6] = uint64_t{1} << (8 * 4 + 1);
   map.Set({-1, 0, 2}, BlockOccupancy(planes));
-  EXPECT_EQ(map.KnownCells(), (CellBox{{-7, 2, 19}, {-2, 5, 23}}));
+  EXPECT_EQ(map.KnownCells(), (OccupancyBox{{-7, 2, 19}, {-2, 5, 23}}));
 }
 
 TEST(OccupancyMap, SliceShowsTheLayer) {

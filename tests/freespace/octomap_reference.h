@@ -11,7 +11,7 @@ namespace vismap::testing_support {
 
 /// The octree the slow way: every cell set in OctoMap, then its own pruning and writer.
 inline std::string OctomapBytes(const OccupancyMap& leaves, double resolution,
-                                UnknownPolicy unknown, const CellBox& box) {
+                                UnknownPolicy unknown, const OccupancyBox& box) {
   octomap::OcTree tree(resolution);
   for (int z = box.min.z; z < box.max.z; ++z) {
     for (int y = box.min.y; y < box.max.y; ++y) {

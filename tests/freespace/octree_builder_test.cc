@@ -104,7 +104,7 @@ TEST(OctreeBuilder, BytesAreThoseOfOctomapAfterEveryStep) {
   OctreeCache cache;
   for (int step = 0; step < 30; ++step) {
     cache.Update(leaves, Change(step, &random, &leaves));
-    const std::optional<CellBox> box = leaves.KnownCells();
+    const std::optional<OccupancyBox> box = leaves.KnownCells();
     if (!box) continue;
     for (const UnknownPolicy unknown : kPolicies) {
       const Result<OctreeBytes> octree = cache.Encode(leaves, 0.05, unknown, std::nullopt);

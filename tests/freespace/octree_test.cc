@@ -36,7 +36,7 @@ TEST(EncodeOctree, BoundsCutTheTreeAndAreClosedWhollyEvenBeyondTheMap) {
   const OccupancyMap leaves = RandomOccupancy(77, 120);
   const Eigen::AlignedBox3d bounds_W(Eigen::Vector3d(-0.55, -3.0, -0.2),
                                      Eigen::Vector3d(2.35, 0.4, 0.15));
-  const CellBox box{{-11, -60, -4}, {47, 8, 3}};
+  const OccupancyBox box{{-11, -60, -4}, {47, 8, 3}};
   for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
     const Result<OctreeBytes> octree = EncodeOctree(leaves, 0.05, unknown, bounds_W);
     ASSERT_TRUE(octree);

@@ -119,15 +119,15 @@ TEST(IntegrateFrame, EqualsTheNaiveOneWhenVotesHalveAndAreEvicted) {
 }
 
 /// Whether what FindVisibleBlocks says of a block (kNothing = not listed) is true of its voxels.
-bool IsTrue(BlockView view, const naive::BlockSaid& said) {
+bool IsTrue(BlockVisibility view, const naive::BlockSaid& said) {
   switch (view) {
-    case BlockView::kNothing:
+    case BlockVisibility::kNothing:
       return said.near + said.free == 0;
-    case BlockView::kMixed:
+    case BlockVisibility::kMixed:
       return true;
-    case BlockView::kPartlyFree:
+    case BlockVisibility::kPartlyFree:
       return said.near == 0;
-    case BlockView::kWhollyFree:
+    case BlockVisibility::kWhollyFree:
       return said.free == kBlockVoxels;
   }
   return false;
@@ -149,7 +149,7 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
     for (const BlockIndex index : naive::BlocksInView(frame.frame.header, options, map)) {
       const auto found = std::lower_bound(visible.begin(), visible.end(), index, before);
       const bool is_listed = found != visible.end() && found->index == index;
-      const BlockView view = is_listed ? found->view : BlockView::kNothing;
+      const BlockVisibility view = is_listed ? found->view : BlockVisibility::kNothing;
       EXPECT_TRUE(IsTrue(view, naive::WhatIsSaid(frame, options, map.options(), index)))
           << index.x << " " << index.y << " " << index.z << ": " << static_cast<int>(view);
     }

@@ -73,8 +73,8 @@ TEST(MarchingCubesTables, CornerOrderIsOurs) {
   }
 }
 
-TEST(ExtractMesh, SphereHasTheTrueRadiusAndNormals) {
-  const Mesh mesh = ExtractMesh(SphereMap());
+TEST(ExtractSurface, SphereHasTheTrueRadiusAndNormals) {
+  const Mesh mesh = ExtractSurface(SphereMap());
   ASSERT_GT(mesh.vertices.size(), 1000u);
   for (const MeshVertex& vertex : mesh.vertices) {
     const Vector3d from_center = vertex.position_W.cast<double>() - kCenter;
@@ -85,8 +85,8 @@ TEST(ExtractMesh, SphereHasTheTrueRadiusAndNormals) {
   }
 }
 
-TEST(ExtractMesh, SphereIsClosedAndFacesOut) {
-  const Mesh mesh = ExtractMesh(SphereMap());
+TEST(ExtractSurface, SphereIsClosedAndFacesOut) {
+  const Mesh mesh = ExtractSurface(SphereMap());
   const EdgeUse edges = CountEdges(mesh);
   EXPECT_EQ(edges.border, 0u);
   EXPECT_EQ(edges.nonmanifold, 0u);
@@ -102,11 +102,11 @@ TEST(ExtractMesh, SphereIsClosedAndFacesOut) {
   }
 }
 
-TEST(ExtractMesh, BoxHasTheTrueVolume) {
+TEST(ExtractSurface, BoxHasTheTrueVolume) {
   const Vector3d half(0.2, 0.11, 0.15);
   const AnalyticScene scene{
       .distance = [&](const Vector3d& p) { return BoxDistance(p, kCenter, half); }};
-  const Mesh mesh = ExtractMesh(MakeAnalyticMap(scene, Region(0.5), kGrid));
+  const Mesh mesh = ExtractSurface(MakeAnalyticMap(scene, Region(0.5), kGrid));
   const EdgeUse edges = CountEdges(mesh);
   EXPECT_EQ(edges.border + edges.nonmanifold, 0u);
   EXPECT_NEAR(EnclosedVolume(mesh), 8 * half.prod(), 0.02 * 8 * half.prod());
@@ -116,10 +116,10 @@ TEST(ExtractMesh, BoxHasTheTrueVolume) {
   }
 }
 
-TEST(ExtractMesh, AnySignsGiveAMeshThatIsClosedExceptAtTheRim) {
+TEST(ExtractSurface, AnySignsGiveAMeshThatIsClosedExceptAtTheRim) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const SemanticMap map = NoiseMap(seed);
-    const Mesh mesh = ExtractMesh(map, {.jump_fraction = 2, .min_component_triangles = 0});
+    const Mesh mesh = ExtractSurface(map, {.jump_fraction = 2, .min_component_triangles = 0});
     ASSERT_GT(mesh.triangles.size(), 10000u);
     // Cells lie between the outermost voxel centres.
     const float low = -7.5F * 0.02F + 1e-5F, high = 15.5F * 0.02F - 1e-5F;
@@ -141,11 +141,11 @@ TEST(ExtractMesh, AnySignsGiveAMeshThatIsClosedExceptAtTheRim) {
   }
 }
 
-TEST(ExtractMesh, PlaneThroughBlockBordersHasNoCracksAndNoDoubles) {
+TEST(ExtractSurface, PlaneThroughBlockBordersHasNoCracksAndNoDoubles) {
   // Exactly in the border between two blocks, and exactly through voxel centres.
   for (const double height : {0.16, 0.17}) {
     const AnalyticScene scene{.distance = [&](const Vector3d& p) { return p.z() - height; }};
-    const Mesh mesh = ExtractMesh(MakeAnalyticMap(scene, Region(0.5), kGrid));
+    const Mesh mesh = ExtractSurface(MakeAnalyticMap(scene, Region(0.5), kGrid));
     std::set<std::array<float, 3>> positions;
     for (const MeshVertex& vertex : mesh.vertices) {
       const auto& p = vertex.position_W;
@@ -162,8 +162,8 @@ TEST(ExtractMesh, PlaneThroughBlockBordersHasNoCracksAndNoDoubles) {
   }
 }
 
-TEST(ExtractMesh, VerticesBelongToTheSideTheyLieOn) {
-  const Mesh mesh = ExtractMesh(SphereMap());
+TEST(ExtractSurface, VerticesBelongToTheSideTheyLieOn) {
+  const Mesh mesh = ExtractSurface(SphereMap());
   for (const MeshVertex& vertex : mesh.vertices) {
     const double side = vertex.position_W.x() - kCenter.x();
     if (std::abs(side) < kGrid.voxel_size) continue;
@@ -171,28 +171,17 @@ TEST(ExtractMesh, VerticesBelongToTheSideTheyLieOn) {
   }
 }
 
-TEST(ExtractMesh, InstanceAndClassComeFromTheEvidence) {
-  SemanticMap map = SphereMap();
-  AddEvidence(&map, SegmentLabel{1}, InstanceId{7}, ClassId{62}, 10, 9);
-  AddEvidence(&map, SegmentLabel{2}, InstanceId{0}, ClassId{0}, 10, 0);
-  for (const MeshVertex& vertex : ExtractMesh(map).vertices) {
-    const bool left = vertex.segment == SegmentLabel{1};
-    EXPECT_EQ(vertex.instance, left ? InstanceId{7} : InstanceId::kNone);
-    EXPECT_EQ(vertex.class_id, left ? ClassId{62} : ClassId::kUnknown);
-  }
-}
-
-TEST(ExtractMesh, MergedLabelsReadAsTheSurvivor) {
+TEST(ExtractSurface, MergedLabelsReadAsTheSurvivor) {
   SemanticMap map = SphereMap();
   map.labels.Merge(SegmentLabel{1}, SegmentLabel{2});
-  for (const MeshVertex& vertex : ExtractMesh(map).vertices) {
+  for (const MeshVertex& vertex : ExtractSurface(map).vertices) {
     EXPECT_EQ(vertex.segment, SegmentLabel{1});
   }
 }
 
-TEST(ExtractMesh, SurfaceWithoutVotesTakesTheLabelNextToIt) {
+TEST(ExtractSurface, SurfaceWithoutVotesTakesTheLabelNextToIt) {
   SemanticMap map = SphereMap();
-  const Mesh before = ExtractMesh(map);
+  const Mesh before = ExtractSurface(map);
   // Strip the votes of every voxel on a checkerboard: each keeps neighbours that have them.
   for (const BlockIndex index : map.voxels.SortedIndices()) {
     Block* block = map.voxels.FindMutable(index);
@@ -201,38 +190,38 @@ TEST(ExtractMesh, SurfaceWithoutVotesTakesTheLabelNextToIt) {
       if ((i + i / 8 + i / 64) % 2 == 0) block->surface->slot_label[static_cast<size_t>(i)] = {};
     }
   }
-  const Mesh after = ExtractMesh(map);
+  const Mesh after = ExtractSurface(map);
   ASSERT_EQ(after.vertices.size(), before.vertices.size());
   for (const MeshVertex& vertex : after.vertices) EXPECT_NE(vertex.segment, SegmentLabel::kNone);
 }
 
-TEST(ExtractMesh, GatesOnWeightAndObservations) {
+TEST(ExtractSurface, GatesOnWeightAndObservations) {
   const AnalyticScene scene{
       .distance = [](const Vector3d& p) { return SphereDistance(p, kCenter, kRadius); }};
   const SemanticMap map = MakeAnalyticMap(scene, Region(0.6, 3), kGrid);
-  EXPECT_FALSE(ExtractMesh(map, {.min_observations = 3}).triangles.empty());
-  EXPECT_TRUE(ExtractMesh(map, {.min_observations = 4}).triangles.empty());
-  EXPECT_FALSE(ExtractMesh(map, {.min_weight = 2.9}).triangles.empty());
-  EXPECT_TRUE(ExtractMesh(map, {.min_weight = 3.0}).triangles.empty());
+  EXPECT_FALSE(ExtractSurface(map, {.min_observations = 3}).triangles.empty());
+  EXPECT_TRUE(ExtractSurface(map, {.min_observations = 4}).triangles.empty());
+  EXPECT_FALSE(ExtractSurface(map, {.min_weight = 2.9}).triangles.empty());
+  EXPECT_TRUE(ExtractSurface(map, {.min_weight = 3.0}).triangles.empty());
 }
 
-TEST(ExtractMesh, JumpBetweenTwoSurfacesIsNoSurface) {
+TEST(ExtractSurface, JumpBetweenTwoSurfacesIsNoSurface) {
   // Left half: deep behind a surface; right half: free. Nothing was seen in between.
   const AnalyticScene scene{
       .distance = [](const Vector3d& p) { return p.x() < 0 ? -0.99 * 4 * 0.02 : 1.0; }};
   const SemanticMap map = MakeAnalyticMap(scene, Region(0.3), kGrid);
-  EXPECT_TRUE(ExtractMesh(map).triangles.empty());
-  EXPECT_FALSE(ExtractMesh(map, {.jump_fraction = 1.1}).triangles.empty());
+  EXPECT_TRUE(ExtractSurface(map).triangles.empty());
+  EXPECT_FALSE(ExtractSurface(map, {.jump_fraction = 1.1}).triangles.empty());
 }
 
-TEST(ExtractMesh, SmallFloatingPiecesAreDroppedOnRequest) {
+TEST(ExtractSurface, SmallFloatingPiecesAreDroppedOnRequest) {
   const Vector3d speck(0.45, 0.45, 0.45);
   const AnalyticScene scene{.distance = [&](const Vector3d& p) {
     return std::min(SphereDistance(p, kCenter, kRadius), SphereDistance(p, speck, 0.025));
   }};
   const SemanticMap map = MakeAnalyticMap(scene, Region(0.6), kGrid);
-  const Mesh all = ExtractMesh(map, {.min_component_triangles = 0});
-  const Mesh cleaned = ExtractMesh(map, {.min_component_triangles = 200});
+  const Mesh all = ExtractSurface(map, {.min_component_triangles = 0});
+  const Mesh cleaned = ExtractSurface(map, {.min_component_triangles = 200});
   EXPECT_LT(cleaned.triangles.size(), all.triangles.size());
   EXPECT_EQ(CountEdges(cleaned).border, 0u);
   for (const MeshVertex& vertex : cleaned.vertices) {
@@ -240,7 +229,7 @@ TEST(ExtractMesh, SmallFloatingPiecesAreDroppedOnRequest) {
   }
 }
 
-TEST(ExtractMesh, SurfaceBetweenAFreeBlockAndASurfaceBlockIsKept) {
+TEST(ExtractSurface, SurfaceBetweenAFreeBlockAndASurfaceBlockIsKept) {
   // The surface lies half a voxel beyond the border of a block that only holds free voxels.
   SemanticMap map(kGrid);
   map.voxels.FindOrCreate({-1, 0, 0}).all_free = true;
@@ -249,20 +238,20 @@ TEST(ExtractMesh, SurfaceBetweenAFreeBlockAndASurfaceBlockIsKept) {
   voxels->observations.fill(2);
   voxels->distance.fill(-8000);
   map.voxels.FindOrCreate({0, 0, 0}).surface = std::move(voxels);
-  EXPECT_EQ(ExtractMesh(map).triangles.size(), 2u * 7u * 7u);
+  EXPECT_EQ(ExtractSurface(map).triangles.size(), 2u * 7u * 7u);
 }
 
-TEST(ExtractMesh, EmptyMapGivesEmptyMesh) {
-  const Mesh mesh = ExtractMesh(SemanticMap(kGrid));
+TEST(ExtractSurface, EmptyMapGivesEmptyMesh) {
+  const Mesh mesh = ExtractSurface(SemanticMap(kGrid));
   EXPECT_TRUE(mesh.vertices.empty());
   EXPECT_TRUE(mesh.triangles.empty());
 }
 
-TEST(ExtractMesh, SameForAnyNumberOfThreads) {
+TEST(ExtractSurface, SameForAnyNumberOfThreads) {
   const SemanticMap map = SphereMap();
   const auto with_threads = [&](int threads) {
     const ThreadLimit limit(threads);
-    return ExtractMesh(map);
+    return ExtractSurface(map);
   };
   EXPECT_TRUE(SameMesh(with_threads(1), with_threads(4)));
 }
@@ -271,10 +260,10 @@ TEST(MeshBlocks, AllBlocksTogetherAreTheWholeMesh) {
   for (const SemanticMap& map : {SphereMap(), NoiseMap(9)}) {
     const MeshingOptions options{.min_component_triangles = 0};
     const std::vector<BlockIndex> all = map.voxels.SortedIndices();
-    const MeshDelta delta = MeshBlocks(map, all, options);
+    const MeshDelta delta = MeshBlocks(map, all, ShowSegments(map.labels), options);
     EXPECT_EQ(delta.revision, map.revision);
     TriangleSet whole, parts;
-    AppendTriangles(ExtractMesh(map, options), &whole);
+    AppendTriangles(ExtractSurface(map, options), &whole);
     for (const BlockMesh& part : delta.blocks) AppendTriangles(part.mesh, &parts);
     std::sort(whole.begin(), whole.end());
     std::sort(parts.begin(), parts.end());
@@ -290,7 +279,7 @@ TEST(MeshBlocks, FollowingChangesGivesTheSameAsStartingOver) {
   const auto apply = [&](const MeshDelta& delta) {
     for (const BlockMesh& part : delta.blocks) shown[part.block] = part.mesh;
   };
-  apply(MeshBlocks(map, map.voxels.SortedIndices()));
+  apply(MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels)));
   // Change a block that the surface passes, and erase another.
   const BlockIndex changed = BlockOf(map.voxels.VoxelAt(kCenter + Vector3d(kRadius, 0, 0)));
   const BlockIndex erased = BlockOf(map.voxels.VoxelAt(kCenter - Vector3d(0, kRadius, 0)));
@@ -299,10 +288,10 @@ TEST(MeshBlocks, FollowingChangesGivesTheSameAsStartingOver) {
   }
   map.voxels.Erase(erased);
   const std::vector<BlockIndex> blocks{changed, erased};
-  const MeshDelta update = MeshBlocks(map, blocks);
+  const MeshDelta update = MeshBlocks(map, blocks, ShowSegments(map.labels));
   EXPECT_LT(update.blocks.size(), 60u);
   apply(update);
-  const MeshDelta fresh = MeshBlocks(map, map.voxels.SortedIndices());
+  const MeshDelta fresh = MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels));
   for (const BlockMesh& part : fresh.blocks) {
     EXPECT_TRUE(SameMesh(part.mesh, shown[part.block]));
     shown.erase(part.block);

@@ -48,7 +48,8 @@ TEST(MeshBlocks, EqualsTheNaiveOneAfterEveryFrame) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     const MeshingOptions options = RandomOptions(seed);
     MapRandomFrames(seed, [&](const SemanticMap& map, const MapDelta& delta) {
-      for (const BlockMesh& block : MeshBlocks(map, delta.changes(), options).blocks) {
+      for (const BlockMesh& block :
+           MeshBlocks(map, delta.changes(), ShowSegments(map.labels), options).blocks) {
         const auto naive = naive::MeshBlock(map, block.block, options);
         EXPECT_EQ(naive::SortedTriangles(block.mesh), naive) << "seed " << seed;
         triangles += naive.size();
@@ -122,7 +123,7 @@ TEST(BlocksToMesh, HasEveryBlockWhoseSurfaceDiffersAfterAFrame) {
   EXPECT_GT(surfaces, 100u);
 }
 
-TEST(ExtractMesh, EqualsTheNaiveOne) {
+TEST(ExtractSurface, EqualsTheNaiveOne) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     const MeshingOptions options = RandomOptions(seed);
     const SemanticMap map = MapRandomFrames(seed, [](const SemanticMap&, const MapDelta&) {});
@@ -140,7 +141,7 @@ TEST(ExtractMesh, EqualsTheNaiveOne) {
       all.insert(all.end(), part.begin(), part.end());
     }
     std::sort(all.begin(), all.end());
-    EXPECT_EQ(naive::SortedTriangles(ExtractMesh(map, options)), all) << "seed " << seed;
+    EXPECT_EQ(naive::SortedTriangles(ExtractSurface(map, options)), all) << "seed " << seed;
   }
 }
 
@@ -197,7 +198,8 @@ TEST(MeshBlocks, ColoursAndLabelsEqualTheNaiveOnes) {
     const SemanticMap map = RandomVotes(seed);
     MeshingOptions options;
     options.jump_fraction = 2;
-    for (const BlockMesh& block : MeshBlocks(map, map.voxels.SortedIndices(), options).blocks) {
+    for (const BlockMesh& block :
+         MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels), options).blocks) {
       for (const MeshVertex& vertex : block.mesh.vertices) {
         const naive::VertexEdge edge = naive::EdgeOf(vertex, map);
         ASSERT_EQ(vertex.color, naive::ColorAt(edge, map)) << vertex.position_W.transpose();

@@ -6,8 +6,8 @@
 #include <exception>
 
 #include "base/digest.h"
-#include "meshing/marching_cubes.h"
-#include "meshing/ply.h"
+#include "exports/ply.h"
+#include "objects/map_mesh.h"
 #include "support/pipelines.h"
 
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "exports/outputs.h"
 #include "offline_mapper/offline_mapper.h"
-#include "session/outputs.h"
 #include "simulation/scene.h"
 #include "simulation/sequence.h"
 

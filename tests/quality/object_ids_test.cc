@@ -1,8 +1,8 @@
 // Ids of objects are the same after a map was saved, loaded and continued.
 #include <gtest/gtest.h>
 
+#include "exports/outputs.h"
 #include "offline_mapper/offline_mapper.h"
-#include "session/outputs.h"
 #include "simulation/sequence.h"
 #include "support/temp_folder.h"
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "evaluation/scores.h"
+#include "exports/outputs.h"
 #include "offline_mapper/offline_mapper.h"
-#include "session/outputs.h"
 #include "simulation/room.h"
 #include "simulation/sequence.h"
 

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/parallel.h"
+#include "objects/map_mesh.h"
 #include "render/overview.h"
 #include "render/png.h"
 #include "render/render_mesh.h"

@@ -13,8 +13,8 @@ class CheckLayersTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.root = pathlib.Path(self.folder.name)
-        for path in ("libs/base/result.h", "libs/geometry/image.h", "libs/volume/block.h",
-                     "libs/mapping/semantic_map.h", "libs/meshing/mesh.h", "procs/wire/channels.h",
+        for path in ("libs/base/result.h", "libs/geometry/image.h", "libs/map/block.h",
+                     "libs/meshing/mesh.h", "procs/wire/channels.h",
                      "procs/viewer/page.h", "tests/support/analytic_map.h"):
             self.write(path, "#pragma once\n")
 
@@ -47,8 +47,8 @@ class CheckLayersTest(unittest.TestCase):
         (self.root / path).unlink()
 
     def test_arrows_up_and_across_are_found_with_their_line(self):
-        self.expect("libs/geometry/a.h", '#include <vector>\n\n#include "volume/block.h"\n',
-                    "a.h:3:", "libs/geometry", "volume/block.h")
+        self.expect("libs/geometry/a.h", '#include <vector>\n\n#include "map/block.h"\n',
+                    "a.h:3:", "libs/geometry", "map/block.h")
         self.expect("libs/freespace/a.cc", '#include "meshing/mesh.h"\n', "meshing/mesh.h")
         self.expect("libs/mapping/a.cc", '#  include "wire/channels.h"\n', "wire/channels.h")
 
@@ -61,8 +61,8 @@ class CheckLayersTest(unittest.TestCase):
         self.expect("procs/map_tool/main.cc", '#include "viewer/page.h"\n', "viewer/page.h")
 
     def test_tests_see_only_what_their_room_sees(self):
-        self.expect("tests/geometry/a_test.cc", '#include "volume/block.h"\n', "volume/block.h")
-        self.expect_fine("tests/volume/a_test.cc", '#include "geometry/image.h"\n')
+        self.expect("tests/geometry/a_test.cc", '#include "map/block.h"\n', "map/block.h")
+        self.expect_fine("tests/map/a_test.cc", '#include "geometry/image.h"\n')
         self.expect_fine("tests/process/a_test.cc", '#include "viewer/page.h"\n')
 
     def test_support_headers_do_not_smuggle(self):
@@ -79,7 +79,7 @@ class CheckLayersTest(unittest.TestCase):
         self.expect("libs/meshing/a.h", "#include <octomap/MCTables.h>\n", "marching")
         self.expect("libs/datasets/a.cc", '#include "map.pb.h"\n', "protobuf")
         self.expect("libs/segmentation/a.h", "#include <opencv2/core.hpp>\n", "OpenCV")
-        self.expect("libs/volume/a.cc", "#include <tbb/parallel_for.h>\n", "parallel.h")
+        self.expect("libs/map/a.cc", "#include <tbb/parallel_for.h>\n", "parallel.h")
         self.expect_fine("libs/meshing/a.cc", "#include <octomap/MCTables.h>\n")
         self.expect_fine("libs/freespace/a.cc", "#include <octomap/octomap.h>\n")
         self.expect_fine("libs/segmentation/a.cc", "#include <opencv2/core.hpp>\n")
@@ -93,8 +93,8 @@ class CheckLayersTest(unittest.TestCase):
         self.expect("libs/attic/a.cc", "\n", "attic")
 
     def test_cmake_arrows_are_those_of_the_table(self):
-        self.expect("libs/geometry/CMakeLists.txt", "vismap_room(geometry DEPS base volume LINK a)\n",
-                    "geometry -> volume")
+        self.expect("libs/geometry/CMakeLists.txt", "vismap_room(geometry DEPS base map LINK a)\n",
+                    "geometry -> map")
         self.expect_fine("libs/geometry/CMakeLists.txt",
                          "vismap_room(geometry DEPS base LINK Eigen3::Eigen)\n")
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 #include "simulation/office_plan.h"
 #include "simulation/simulate.h"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/random.h"
 #include "simulation/camera_path.h"
 #include "simulation/office.h"
-#include "simulation/random.h"
 #include "simulation/render_views.h"
 #include "simulation/room.h"
 #include "simulation/simulate.h"

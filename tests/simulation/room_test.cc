@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "datasets/class_names.h"
+#include "base/class_names.h"
 #include "simulation/simulate.h"
 
 namespace vismap {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "mapping/semantic_map.h"
+#include "map/semantic_map.h"
 
 namespace vismap::testing_support {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
+#include "map/surface_reader.h"
 #include "support/naive/voxel_access.h"
-#include "volume/surface_reader.h"
 
 namespace vismap::naive {
 namespace {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <optional>
 
+#include "map/surface_reader.h"
 #include "support/naive/voxel_access.h"
-#include "volume/surface_reader.h"
 
 namespace vismap::naive {
 namespace {

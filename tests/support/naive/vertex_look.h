@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/semantic_map.h"
+#include "map/semantic_map.h"
 #include "meshing/mesh.h"
 
 namespace vismap::naive {

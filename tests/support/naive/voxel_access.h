@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "volume/label_votes.h"
-#include "volume/voxel_map.h"
+#include "map/label_votes.h"
+#include "map/voxel_map.h"
 
 namespace vismap::naive {
 

@@ -1,0 +1,135 @@
+#include "exports/outputs.h"
+
+#include <array>
+#include <cstdio>
+#include <set>
+#include <system_error>
+
+#include "base/class_names.h"
+#include "base/file.h"
+#include "exports/objects_json.h"
+#include "exports/ply.h"
+#include "objects/camera_up.h"
+#include "objects/map_mesh.h"
+#include "objects/object_mesh.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Removes what an earlier run left, so that the folder shows this map's objects and no others.
+Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::string>& current) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool ours =
+        (name.starts_with("instance_") || name.starts_with("segment_")) && name.ends_with(".ply");
+    if (ours && !current.contains(name)) fs::remove(entry.path(), error);
+    if (error) break;
+  }
+  if (error) return Fail("cannot clean the folder " + folder.string() + ": " + error.message());
+  return {};
+}
+
+PlyInfo InfoFor(const MapMetadata& metadata, const Mesh& mesh) {
+  PlyInfo info;
+  info.map_id = metadata.map_id;
+  std::set<ClassId> classes;
+  for (const MeshVertex& vertex : mesh.vertices) {
+    if (vertex.class_id != ClassId::kUnknown) classes.insert(vertex.class_id);
+  }
+  for (const ClassId id : classes) info.class_names[id] = ClassName(id);
+  return info;
+}
+
+std::string NameOf(const ObjectSummary& object) {
+  return ObjectFileName(object,
+                        object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id));
+}
+
+std::string PointsText(const Mesh& mesh) {
+  std::string text;
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const Eigen::Vector3f& p = vertex.position_W;
+    const auto& [r, g, b] = vertex.color;
+    std::array<char, 128> line{};
+    std::snprintf(line.data(), line.size(), "%.5f %.5f %.5f %d %d %d\n", static_cast<double>(p.x()),
+                  static_cast<double>(p.y()), static_cast<double>(p.z()), int{r}, int{g}, int{b});
+    text += line.data();
+  }
+  return text;
+}
+
+}  // namespace
+
+ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options) {
+  ObjectOptions objects = options.objects;
+  objects.up_W = options.up_W.value_or(UpOfCameras(metadata.trajectory));
+  objects.up_is_guess = !options.up_W;
+  return objects;
+}
+
+MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
+                         const OutputOptions& options) {
+  MapProducts products;
+  products.mesh = ExtractMesh(map, options.meshing);
+  products.objects = SummarizeObjects(map, products.mesh, ObjectOptionsFor(metadata, options));
+  return products;
+}
+
+Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
+                               UnknownPolicy unknown) {
+  OctreeOptions octree;
+  octree.resolution = options.octree_resolution;
+  octree.free_fraction = options.octree_free_fraction;
+  octree.unknown = unknown;
+  return BuildOctree(ClassifyMap(map, options.occupancy), octree);
+}
+
+std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products) {
+  return ObjectsJson(metadata.map_id, products.objects, ClassName);
+}
+
+Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
+                              const fs::path& folder) {
+  if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
+  const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
+  std::set<std::string> written;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    const ObjectSummary& object = products.objects[i];
+    if (meshes[i].triangles.empty() || (object.is_structure())) continue;
+    const std::string name = NameOf(object) + ".ply";
+    const Result<void> saved = WritePly(folder / name, meshes[i], InfoFor(metadata, meshes[i]));
+    if (!saved) return tl::unexpected(saved.error());
+    written.insert(name);
+  }
+  if (const Result<void> cleaned = RemoveStaleMeshes(folder, written); !cleaned)
+    return tl::unexpected(cleaned.error());
+  return static_cast<int>(written.size());
+}
+
+Result<std::vector<fs::path>> WriteSelectedObjects(const MapMetadata& metadata,
+                                                   const MapProducts& products,
+                                                   const fs::path& folder) {
+  if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
+  const std::vector<Mesh> meshes = CutObjects(products.mesh, products.objects);
+  std::vector<fs::path> files;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].triangles.empty()) continue;
+    const fs::path file = folder / NameOf(products.objects[i]);
+    const auto mesh = WritePly(file.string() + ".ply", meshes[i], InfoFor(metadata, meshes[i]));
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto points = WriteFileAtomically(file.string() + ".xyz", PointsText(meshes[i]));
+    if (!points) return tl::unexpected(points.error());
+    files.insert(files.end(), {file.string() + ".ply", file.string() + ".xyz"});
+  }
+  return files;
+}
+
+Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
+                       const fs::path& path) {
+  return WritePly(path, products.mesh, InfoFor(metadata, products.mesh));
+}
+
+}  // namespace vismap

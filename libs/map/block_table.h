@@ -1,0 +1,135 @@
+#pragma once
+
+#include <tsl/robin_map.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "map/block.h"
+
+namespace vismap {
+
+/// A value for each of some blocks. Frames touch blocks by neighbourhoods, in tables far larger
+/// than a cache: values stand in memory by cubes of 4^3 blocks, and only the cubes are hashed, so
+/// that neighbours share a look-up's cache misses. References live until their block is erased.
+/// Reading is safe from several threads, changing is not.
+template <typename Value>
+class BlockTable {
+  static constexpr int32_t kSide = 4;  // blocks along the edge of a cube: one bit each in a word
+
+  struct Cube {
+    uint64_t present = 0;
+    std::array<Value, kSide * kSide * kSide> values{};
+  };
+
+ public:
+  /// Finds values of one block after the other: those in the same cube as the last one without
+  /// hashing. While it is in use, no block may be created or erased. One per thread.
+  class Reader {
+   public:
+    explicit Reader(const BlockTable& table) : table_(table) {}
+    /// The value of a block, or nullptr when it has none.
+    const Value* Find(BlockIndex index) {
+      if (const BlockIndex place = CubeOf(index); !(started_ && place == place_)) {
+        const auto found = table_.cubes_.find(place);
+        cube_ = found != table_.cubes_.end() ? found->second.get() : nullptr;
+        place_ = place;
+        started_ = true;
+      }
+      if (cube_ == nullptr) return nullptr;
+      const int slot = SlotOf(index);
+      return ((cube_->present >> slot) & 1) != 0 ? &cube_->values[At(slot)] : nullptr;
+    }
+
+   private:
+    const BlockTable& table_;
+    BlockIndex place_;
+    const Cube* cube_ = nullptr;  // nullptr = there is none
+    bool started_ = false;
+  };
+
+  size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  void Clear() {
+    cubes_.clear();
+    size_ = 0;
+  }
+
+  /// The value of a block, or nullptr when it has none.
+  const Value* Find(BlockIndex index) const { return Reader(*this).Find(index); }
+  Value* Find(BlockIndex index) {
+    return const_cast<Value*>(static_cast<const BlockTable*>(this)->Find(index));
+  }
+
+  /// The value of a block; a new one, as Value() makes it, when it has none.
+  Value& FindOrCreate(BlockIndex index) {
+    auto found = cubes_.find(CubeOf(index));
+    if (found == cubes_.end())
+      found = cubes_.emplace(CubeOf(index), std::make_unique<Cube>()).first;
+    Cube& cube = *found.value();
+    const int slot = SlotOf(index);
+    const uint64_t bit = uint64_t{1} << slot;
+    size_ += (cube.present & bit) == 0;
+    cube.present |= bit;
+    return cube.values[At(slot)];
+  }
+
+  /// Returns whether there was a value.
+  bool Erase(BlockIndex index) {
+    const auto found = cubes_.find(CubeOf(index));
+    if (found == cubes_.end()) return false;
+    Cube& cube = *found.value();
+    const int slot = SlotOf(index);
+    const uint64_t bit = uint64_t{1} << slot;
+    if ((cube.present & bit) == 0) return false;
+    cube.present &= ~bit;
+    cube.values[At(slot)] = Value();
+    --size_;
+    if (cube.present == 0) cubes_.erase(found);
+    return true;
+  }
+
+  /// Calls `visit(BlockIndex, const Value&)` for each, in no order that may reach an output.
+  template <typename Visit>
+  void ForEach(const Visit& visit) const {
+    for (const auto& [place, cube] : cubes_) {
+      for (uint64_t left = cube->present; left != 0; left &= left - 1) {
+        const int slot = std::countr_zero(left);
+        visit(BlockIndex{kSide * place.x + (slot >> 4), kSide * place.y + ((slot >> 2) & 3),
+                         kSide * place.z + (slot & 3)},
+              cube->values[At(slot)]);
+      }
+    }
+  }
+
+  /// All blocks that have a value, in ascending (x, y, z) order.
+  std::vector<BlockIndex> SortedIndices() const {
+    std::vector<BlockIndex> indices;
+    indices.reserve(size_);
+    ForEach([&](BlockIndex index, const Value&) { indices.push_back(index); });
+    std::sort(indices.begin(), indices.end());
+    return indices;
+  }
+
+  /// Bytes held, without what values own elsewhere.
+  size_t bytes() const {
+    return cubes_.size() * sizeof(Cube) + cubes_.bucket_count() * (sizeof(BlockIndex) + 16);
+  }
+
+ private:
+  static BlockIndex CubeOf(BlockIndex index) { return {index.x >> 2, index.y >> 2, index.z >> 2}; }
+  // What ascends side by side stands side by side.
+  static int SlotOf(BlockIndex index) {
+    return (index.z & 3) | (index.y & 3) << 2 | (index.x & 3) << 4;
+  }
+  static size_t At(int slot) { return static_cast<size_t>(slot); }
+
+  tsl::robin_map<BlockIndex, std::unique_ptr<Cube>, BlockIndexHash> cubes_;
+  size_t size_ = 0;
+};
+
+}  // namespace vismap

@@ -1,0 +1,144 @@
+#include <zstd.h>
+
+#include <bit>
+#include <cstring>
+#include <vector>
+
+#include "base/require.h"
+#include "map/block.h"
+
+namespace vismap {
+namespace {
+
+// Packed: the size of what zstd made of the content, two bytes; that. Content: a bit per voxel that
+// holds anything; the palette's size and labels; and for those voxels one plane of bytes after the
+// other.
+constexpr size_t kMaskBytes = kBlockVoxels / 8;
+constexpr size_t kPlanes = 14;
+constexpr size_t kMaxContent = kMaskBytes + 1 + 255 * sizeof(SegmentLabel) + kPlanes * kBlockVoxels;
+constexpr int kLevel = 1;
+constexpr size_t kSizeBytes = 2;
+
+using Content = std::array<uint8_t, kMaxContent>;
+
+// The bytes of a voxel, in the order of the planes.
+std::array<uint8_t, kPlanes> BytesOf(const SurfaceVoxels& voxels, size_t i) {
+  const auto distance = static_cast<uint16_t>(voxels.distance[i]);
+  const uint16_t weight = voxels.weight[i];
+  const auto &labels = voxels.slot_label[i], &votes = voxels.slot_votes[i];
+  const auto low = [](uint16_t value) { return static_cast<uint8_t>(value & 255); };
+  const auto high = [](uint16_t value) { return static_cast<uint8_t>(value >> 8); };
+  return {
+      low(distance),     high(distance),    low(weight),       high(weight), voxels.observations[i],
+      voxels.color[i].r, voxels.color[i].g, voxels.color[i].b, labels[0],    votes[0],
+      labels[1],         votes[1],          labels[2],         votes[2]};
+}
+
+void SetBytes(const std::array<uint8_t, kPlanes>& bytes, size_t i, SurfaceVoxels* voxels) {
+  const auto word = [&](size_t at) {
+    return static_cast<uint16_t>(bytes[at] | bytes[at + 1] << 8);
+  };
+  voxels->distance[i] = static_cast<int16_t>(word(0));
+  voxels->weight[i] = word(2);
+  voxels->observations[i] = bytes[4];
+  voxels->color[i] = {bytes[5], bytes[6], bytes[7]};
+  voxels->slot_label[i] = {bytes[8], bytes[10], bytes[12]};
+  voxels->slot_votes[i] = {bytes[9], bytes[11], bytes[13]};
+}
+
+size_t Write(const SurfaceVoxels& voxels, Content& content) {
+  std::array<std::array<uint8_t, kBlockVoxels>, kPlanes> planes;
+  VoxelBits mask{};
+  size_t count = 0;
+  for (size_t i = 0; i < kBlockVoxels; ++i) {
+    const std::array<uint8_t, kPlanes> bytes = BytesOf(voxels, i);
+    if (bytes == std::array<uint8_t, kPlanes>{}) continue;
+    mask[i / 64] |= uint64_t{1} << (i % 64);
+    for (size_t plane = 0; plane < kPlanes; ++plane) planes[plane][count] = bytes[plane];
+    ++count;
+  }
+  uint8_t* at = content.data();
+  const auto put = [&](const void* data, size_t size) {
+    std::memcpy(at, data, size);
+    at += size;
+  };
+  put(mask.data(), kMaskBytes);
+  const auto labels = static_cast<uint8_t>(voxels.palette.size());
+  put(&labels, 1);
+  if (labels > 0) put(voxels.palette.data(), labels * sizeof(SegmentLabel));
+  for (const auto& plane : planes) put(plane.data(), count);
+  return static_cast<size_t>(at - content.data());
+}
+
+void ReadContent(const Content& content, SurfaceVoxels* voxels) {
+  VoxelBits mask;
+  std::memcpy(mask.data(), content.data(), kMaskBytes);
+  const size_t labels = content[kMaskBytes];
+  const uint8_t* at = content.data() + kMaskBytes + 1;
+  voxels->palette.resize(labels);
+  if (labels > 0) std::memcpy(voxels->palette.data(), at, labels * sizeof(SegmentLabel));
+  at += labels * sizeof(SegmentLabel);
+  size_t count = 0;
+  for (const uint64_t word : mask) count += static_cast<size_t>(std::popcount(word));
+  for (size_t i = 0; i < kBlockVoxels; ++i) {
+    std::array<uint8_t, kPlanes> bytes{};
+    if (mask[i / 64] >> (i % 64) & 1) {
+      for (size_t plane = 0; plane < kPlanes; ++plane) bytes[plane] = at[plane * count];
+      ++at;
+    }
+    SetBytes(bytes, i, voxels);
+  }
+}
+
+// zstd's working memory is a megabyte: one per thread is enough.
+struct FreeContext {
+  void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+ZSTD_CCtx* Compressor() {
+  thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
+  return context.get();
+}
+ZSTD_DCtx* Decompressor() {
+  thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
+  return context.get();
+}
+
+}  // namespace
+
+size_t SurfaceHolder::packed_bytes() const {
+  return packed_ == nullptr ? 0 : kSizeBytes + packed_[0] + (size_t{packed_[1]} << 8);
+}
+
+void SurfaceHolder::Pack() {
+  if (voxels_ == nullptr) return;
+  Content content;
+  const size_t size = Write(*voxels_, content);
+  std::array<uint8_t, ZSTD_COMPRESSBOUND(kMaxContent)> packed;
+  const size_t length =
+      ZSTD_compressCCtx(Compressor(), packed.data(), packed.size(), content.data(), size, kLevel);
+  Require(!ZSTD_isError(length) && length < 65536, "zstd packs what fits into its bound");
+  packed_.reset(new uint8_t[kSizeBytes + length]);
+  packed_[0] = static_cast<uint8_t>(length & 255);
+  packed_[1] = static_cast<uint8_t>(length >> 8);
+  std::memcpy(packed_.get() + kSizeBytes, packed.data(), length);
+  voxels_.reset();
+}
+
+void SurfaceHolder::CopyTo(SurfaceVoxels* voxels) const {
+  Require(packed_ != nullptr, "only packed voxels are copied out");
+  Content content;
+  const size_t size = ZSTD_decompressDCtx(Decompressor(), content.data(), content.size(),
+                                          packed_.get() + kSizeBytes, packed_bytes() - kSizeBytes);
+  Require(!ZSTD_isError(size), "zstd unpacks what it has packed");
+  ReadContent(content, voxels);
+}
+
+void SurfaceHolder::Unpack() {
+  if (packed_ == nullptr) return;
+  auto voxels = std::make_unique<SurfaceVoxels>();
+  CopyTo(voxels.get());
+  *this = std::move(voxels);
+}
+
+}  // namespace vismap

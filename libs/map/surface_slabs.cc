@@ -1,0 +1,65 @@
+#include <mutex>
+#include <new>
+#include <vector>
+
+#include "map/block.h"
+
+namespace vismap {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSlabs = false;  // they would hide the use of what was given back
+#else
+constexpr bool kSlabs = true;
+#endif
+
+constexpr size_t kPerSlab = 64;
+
+class Slabs {
+ public:
+  void* Take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) AddSlab();
+    void* voxels = free_.back();
+    free_.pop_back();
+    return voxels;
+  }
+  void Return(void* voxels) noexcept {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(voxels);  // has room for all, see AddSlab
+  }
+
+ private:
+  void AddSlab() {
+    ++slabs_;
+    free_.reserve(slabs_ * kPerSlab);
+    auto* slab = static_cast<std::byte*>(::operator new(kPerSlab * sizeof(SurfaceVoxels)));
+    for (size_t i = kPerSlab; i > 0; --i) free_.push_back(slab + (i - 1) * sizeof(SurfaceVoxels));
+  }
+
+  std::mutex mutex_;
+  std::vector<void*> free_;
+  size_t slabs_ = 0;
+};
+
+// Never destroyed: maps of static lifetime may go after everything else.
+Slabs& TheSlabs() {
+  static Slabs& slabs = *new Slabs;
+  return slabs;
+}
+
+}  // namespace
+
+void* SurfaceVoxels::operator new(size_t size) {
+  return kSlabs && size == sizeof(SurfaceVoxels) ? TheSlabs().Take() : ::operator new(size);
+}
+
+void SurfaceVoxels::operator delete(void* voxels) noexcept {
+  if (kSlabs) {
+    TheSlabs().Return(voxels);
+  } else {
+    ::operator delete(voxels);
+  }
+}
+
+}  // namespace vismap

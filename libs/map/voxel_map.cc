@@ -1,0 +1,95 @@
+#include "map/voxel_map.h"
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "map/surface_reader.h"
+
+namespace vismap {
+
+void VoxelMap::NoteUse(BlockIndex index, Block& block, uint32_t now) {
+  if (block.last_used == 0) unpacked_.push_back(index);
+  block.last_used = now;
+}
+
+void VoxelMap::PackUnused(uint32_t before, size_t most) {
+  constexpr size_t kLookedAt = 2048;  // at most, so that no frame has to wait for many
+  std::vector<Block*> to_pack;
+  for (size_t looked = 0; looked < kLookedAt && unpacked_.size() > most; ++looked) {
+    if (next_to_pack_ >= unpacked_.size()) next_to_pack_ = 0;
+    Block* block = FindMutable(unpacked_[next_to_pack_]);
+    if (block != nullptr && block->last_used >= before) {
+      ++next_to_pack_;
+      continue;
+    }
+    if (block != nullptr) {
+      block->last_used = 0;
+      to_pack.push_back(block);
+    }
+    unpacked_[next_to_pack_] = unpacked_.back();
+    unpacked_.pop_back();
+  }
+  ParallelFor(to_pack.size(), 8, [&](size_t i) { to_pack[i]->surface.Pack(); });
+}
+
+std::optional<VoxelReading> VoxelMap::Read(const Block& block, int offset) const {
+  const auto free_reading = [&](int observations) {
+    return VoxelReading{static_cast<float>(truncation()), static_cast<float>(observations),
+                        observations};
+  };
+  if (block.surface) {
+    SurfaceReader reader;
+    const SurfaceVoxels& voxels = *reader.Read(block);
+    const auto i = static_cast<size_t>(offset);
+    if (voxels.weight[i] == 0) return std::nullopt;
+    return VoxelReading{
+        static_cast<float>(voxels.distance[i]) * static_cast<float>(truncation()) / 32767.0F,
+        static_cast<float>(voxels.weight[i]) / kWeightScale, voxels.observations[i]};
+  }
+  if (block.all_free) return free_reading(2);
+  if (block.free && block.free->SeenTwice(offset)) return free_reading(2);
+  if (block.free && block.free->SeenOnce(offset)) return free_reading(1);
+  return std::nullopt;
+}
+
+std::optional<VoxelReading> VoxelMap::Read(VoxelIndex voxel) const {
+  const Block* block = Find(BlockOf(voxel));
+  if (block == nullptr) return std::nullopt;
+  return Read(*block, OffsetInBlock(voxel));
+}
+
+VoxelIndex VoxelMap::VoxelAt(const Eigen::Vector3d& p_W) const {
+  const Eigen::Vector3d cell = (p_W / options_.voxel_size).array().floor();
+  return {static_cast<int32_t>(cell.x()), static_cast<int32_t>(cell.y()),
+          static_cast<int32_t>(cell.z())};
+}
+
+VoxelMapMemory MeasureMemory(const VoxelMap& map) {
+  VoxelMapMemory memory;
+  memory.table_bytes = map.blocks().bytes();
+  map.blocks().ForEach([&](BlockIndex, const Block& block) {
+    if (block.surface) {
+      ++memory.surface_blocks;
+      if (block.surface.packed()) {
+        ++memory.packed_blocks;
+        memory.packed_bytes += block.surface.packed_bytes();
+        return;
+      }
+      const SurfaceVoxels& voxels = *block.surface;
+      memory.tsdf_bytes +=
+          sizeof(voxels.distance) + sizeof(voxels.weight) + sizeof(voxels.observations);
+      memory.color_bytes += sizeof(voxels.color);
+      memory.label_bytes += sizeof(voxels.slot_label) + sizeof(voxels.slot_votes) +
+                            sizeof(voxels.palette) +
+                            voxels.palette.capacity() * sizeof(SegmentLabel);
+    } else if (block.free) {
+      ++memory.free_blocks;
+      memory.free_bytes += sizeof(FreeVoxels);
+    } else {
+      ++memory.all_free_blocks;
+    }
+  });
+  return memory;
+}
+
+}  // namespace vismap

@@ -1,0 +1,123 @@
+#include "mapping/instance_split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace vismap {
+namespace {
+
+/// The labels of an instance in two parts.
+struct Sides {
+  std::vector<SegmentLabel> first, second;
+  std::vector<SegmentLabel> unbound;  // to either
+};
+
+float BondTo(const std::vector<SegmentLabel>& side, SegmentLabel label, const MaskBonds& bonds) {
+  float sum = 0;
+  for (const SegmentLabel other : side) sum += bonds.Between(label, other);
+  return sum;
+}
+
+// The most decided label first; ties to the first side and the lower label.
+Sides Divide(SegmentLabel a, SegmentLabel b, std::vector<SegmentLabel> others,
+             const MaskBonds& bonds) {
+  Sides sides{{a}, {b}, {}};
+  while (!others.empty()) {
+    auto next = others.begin();
+    float most = 0;
+    for (auto other = others.begin(); other != others.end(); ++other) {
+      const float lean = BondTo(sides.first, *other, bonds) - BondTo(sides.second, *other, bonds);
+      if (std::abs(lean) <= std::abs(most)) continue;
+      most = lean;
+      next = other;
+    }
+    if (most == 0) break;
+    (most > 0 ? sides.first : sides.second).push_back(*next);
+    others.erase(next);
+  }
+  sides.unbound = std::move(others);
+  return sides;
+}
+
+// How much of an instance there is in a label: its evidence times the label's mean size.
+double Amount(const LabelRecord& record, InstanceId instance) {
+  const auto found = record.instance_evidence.find(instance);
+  if (found == record.instance_evidence.end()) return 0;
+  return static_cast<double>(found->second) * static_cast<double>(record.pixels) /
+         std::max(record.frames, 1u);
+}
+
+double Amount(const std::vector<SegmentLabel>& side, InstanceId instance,
+              const LabelTable& labels) {
+  double sum = 0;
+  for (const SegmentLabel label : side) sum += Amount(labels.Record(label), instance);
+  return sum;
+}
+
+std::vector<SegmentLabel> LabelsOf(InstanceId instance, const LabelTable& labels) {
+  std::vector<SegmentLabel> found;
+  for (const SegmentLabel label : labels.Alive()) {
+    if (labels.Read(label).instance == instance) found.push_back(label);
+  }
+  return found;
+}
+
+// The instance with the most evidence on this side that is nobody's yet; ties to the lower one.
+InstanceId InstanceFor(const std::vector<SegmentLabel>& side, InstanceId from, LabelTable* labels) {
+  std::map<InstanceId, double> amounts;
+  for (const SegmentLabel label : side) {
+    for (const auto& [instance, evidence] : labels->Record(label).instance_evidence)
+      amounts[instance] += Amount(labels->Record(label), instance);
+  }
+  amounts.erase(from);
+  for (const SegmentLabel label : labels->Alive()) amounts.erase(labels->Read(label).instance);
+  InstanceId best = labels->next_instance();
+  double most = 0;
+  for (const auto& [instance, amount] : amounts) {
+    if (amount <= most) continue;
+    most = amount;
+    best = instance;
+  }
+  if (best == labels->next_instance())
+    labels->GrowInstances(static_cast<InstanceId>(Raw(best) + 1));
+  return best;
+}
+
+InstanceSplit Split(InstanceId instance, SegmentLabel a, SegmentLabel b, LabelTable* labels) {
+  std::vector<SegmentLabel> others = LabelsOf(instance, *labels);
+  std::erase_if(others, [&](SegmentLabel label) { return label == a || label == b; });
+  Sides sides = Divide(a, b, std::move(others), labels->bonds());
+  const bool first_leaves =
+      Amount(sides.first, instance, *labels) < Amount(sides.second, instance, *labels);
+  const std::vector<SegmentLabel>& leaving = first_leaves ? sides.first : sides.second;
+  const InstanceId to = InstanceFor(leaving, instance, labels);
+  for (const SegmentLabel label : leaving) {
+    auto& evidence = labels->MutableRecord(label).instance_evidence;
+    evidence[to] += evidence[instance];
+    evidence.erase(instance);
+  }
+  return {instance, to};
+}
+
+}  // namespace
+
+std::vector<InstanceSplit> SplitInstances(std::span<const MaskedLabel> seen, double split_frames,
+                                          LabelTable* labels) {
+  labels->MutableBonds().Note(seen);
+  std::vector<InstanceSplit> splits;
+  if (split_frames <= 0) return splits;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    for (size_t j = i + 1; j < seen.size(); ++j) {
+      if (seen[i].detection == seen[j].detection) continue;
+      const auto [a, b] = std::minmax(seen[i].label, seen[j].label);
+      if (labels->bonds().Between(a, b) > -split_frames) continue;
+      const InstanceId instance = labels->Read(a).instance;
+      if (instance == InstanceId::kNone || labels->Read(b).instance != instance) continue;
+      splits.push_back(Split(instance, a, b, labels));
+    }
+  }
+  return splits;
+}
+
+}  // namespace vismap

@@ -1,0 +1,136 @@
+#include "objects/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "objects/label_surfaces.h"
+#include "objects/structure.h"
+
+namespace vismap {
+namespace {
+
+// Flat things keep their rims, which are a good part of them: what stands rises higher [m].
+constexpr double kStands = 0.1;
+
+double DistanceTo(const SurfacePlane& plane, const MeshVertex& vertex) {
+  return std::abs((vertex.position_W.cast<double>() - plane.point_W).dot(plane.normal_W));
+}
+
+class Contacts {
+ public:
+  Contacts(double distance, const Mesh& mesh) : distance_(distance), mesh_(mesh) {
+    FindOwners();
+    FindStructure();
+    ForEachContact(
+        [&](uint32_t rim, SegmentLabel structure, double) { rises_[OwnerOf(rim)][structure] = 0; });
+    MeasureRises();
+  }
+
+  /// The structure that each vertex is given to; kNone = it stays.
+  std::vector<SegmentLabel> Structure() const {
+    // The distance first, then the label: the least of them is the same in whatever order.
+    using Contact = std::pair<double, SegmentLabel>;
+    std::vector<Contact> closest(mesh_.vertices.size(), {kNever, SegmentLabel::kNone});
+    ForEachContact([&](uint32_t rim, SegmentLabel structure, double away) {
+      if (rises_[OwnerOf(rim)].at(structure) < kStands) return;
+      closest[rim] = std::min(closest[rim], {away, structure});
+    });
+    std::vector<SegmentLabel> structure;
+    for (const Contact& contact : closest) structure.push_back(contact.second);
+    return structure;
+  }
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+
+  size_t OwnerOf(uint32_t vertex) const {
+    return owner_of_label_[Raw(mesh_.vertices[vertex].segment)];
+  }
+
+  // Calls visit(vertex, structure, distance) where one shares an edge with structure [m].
+  template <typename Visit>
+  void ForEachContact(const Visit& visit) const {
+    const auto touch = [&](uint32_t rim, uint32_t beside) {
+      const double away = Away(rim, beside);
+      if (away <= distance_) visit(rim, mesh_.vertices[beside].segment, away);
+    };
+    for (const auto& [a, b, c] : mesh_.triangles) {
+      for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+        touch(from, to);
+        touch(to, from);
+      }
+    }
+  }
+
+  // An owner is an instance, or a label outside of all instances.
+  void FindOwners() {
+    std::map<InstanceId, size_t> owner_of_instance;
+    for (const MeshVertex& vertex : mesh_.vertices) {
+      const size_t label = Raw(vertex.segment);
+      if (label >= owner_of_label_.size()) owner_of_label_.resize(label + 1, kNoOwner);
+      if (owner_of_label_[label] != kNoOwner) continue;
+      size_t owner = rises_.size();
+      if (vertex.instance != InstanceId::kNone)
+        owner = owner_of_instance.try_emplace(vertex.instance, owner).first->second;
+      if (owner == rises_.size()) rises_.emplace_back();
+      owner_of_label_[label] = owner;
+      if (vertex.instance != InstanceId::kNone) in_instances_.insert(vertex.segment);
+    }
+  }
+
+  void FindStructure() {
+    const size_t labels = owner_of_label_.size();
+    const LabelSurfaces surfaces = CollectSurfaces(mesh_, labels);
+    const StructureOptions options;
+    planes_.resize(labels);
+    ParallelFor(labels, 1, [&](size_t label) {
+      const auto segment = static_cast<SegmentLabel>(label);
+      if (segment == SegmentLabel::kNone || in_instances_.contains(segment) ||
+          surfaces[label].area < options.area)
+        return;
+      const SurfacePlane plane = FindPlane(surfaces[label].points_W, surfaces[label].area, options);
+      if (plane.area >= options.area && plane.share >= options.share) planes_[label] = plane;
+    });
+  }
+
+  // From one vertex to the plane of structure that the other one shows.
+  double Away(uint32_t rim, uint32_t beside) const {
+    const auto& plane = planes_[Raw(mesh_.vertices[beside].segment)];
+    if (!plane || planes_[Raw(mesh_.vertices[rim].segment)]) return kNever;
+    return DistanceTo(*plane, mesh_.vertices[rim]);
+  }
+
+  void MeasureRises() {
+    for (const MeshVertex& vertex : mesh_.vertices) {
+      for (auto& [segment, rise] : rises_[owner_of_label_[Raw(vertex.segment)]])
+        rise = std::max(rise, DistanceTo(*planes_[Raw(segment)], vertex));
+    }
+  }
+
+  static constexpr size_t kNoOwner = std::numeric_limits<size_t>::max();
+  double distance_;
+  const Mesh& mesh_;
+  std::vector<size_t> owner_of_label_;
+  std::set<SegmentLabel> in_instances_;
+  std::vector<std::optional<SurfacePlane>> planes_;  // of structure, by label
+  // By owner: how far it reaches from the structure that it touches [m].
+  std::vector<std::map<SegmentLabel, double>> rises_;
+};
+
+}  // namespace
+
+void AbsorbContacts(double distance, Mesh* mesh) {
+  const std::vector<SegmentLabel> structure = Contacts(distance, *mesh).Structure();
+  for (size_t i = 0; i < structure.size(); ++i) {
+    if (structure[i] != SegmentLabel::kNone) mesh->vertices[i].segment = structure[i];
+  }
+}
+
+}  // namespace vismap

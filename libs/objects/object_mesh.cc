@@ -1,0 +1,85 @@
+#include "objects/object_mesh.h"
+
+#include <limits>
+
+namespace vismap {
+namespace {
+
+constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
+
+// Object number per segment label.
+std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
+  std::vector<uint32_t> owner;
+  for (uint32_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].removed()) continue;
+    for (const SegmentLabel label : objects[i].segments) {
+      if (Raw(label) >= owner.size()) owner.resize(size_t{Raw(label)} + 1, kNobody);
+      owner[Raw(label)] = i;
+    }
+  }
+  return owner;
+}
+
+// Copies single triangles, with each vertex once.
+class Cutter {
+ public:
+  explicit Cutter(const Mesh& mesh) : mesh_(mesh), moved_(mesh.vertices.size(), kNobody) {}
+
+  Mesh Cut(const std::vector<uint32_t>& triangles) {
+    Mesh part;
+    for (const uint32_t i : triangles) {
+      const auto& [a, b, c] = mesh_.triangles[i];
+      part.triangles.push_back({Move(a, &part), Move(b, &part), Move(c, &part)});
+    }
+    for (const uint32_t used : used_) moved_[used] = kNobody;
+    used_.clear();
+    return part;
+  }
+
+ private:
+  uint32_t Move(uint32_t vertex, Mesh* part) {
+    if (moved_[vertex] == kNobody) {
+      moved_[vertex] = static_cast<uint32_t>(part->vertices.size());
+      part->vertices.push_back(mesh_.vertices[vertex]);
+      used_.push_back(vertex);
+    }
+    return moved_[vertex];
+  }
+
+  const Mesh& mesh_;
+  std::vector<uint32_t> moved_;
+  std::vector<uint32_t> used_;
+};
+
+}  // namespace
+
+std::vector<Mesh> CutObjects(const Mesh& mesh, std::span<const ObjectSummary> objects) {
+  const std::vector<uint32_t> owner_of_label = OwnerOfLabel(objects);
+  const auto owner = [&](uint32_t vertex) {
+    const size_t label = Raw(mesh.vertices[vertex].segment);
+    return label < owner_of_label.size() ? owner_of_label[label] : kNobody;
+  };
+  std::vector<std::vector<uint32_t>> triangles(objects.size());
+  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& [a, b, c] = mesh.triangles[i];
+    const uint32_t winner = owner(b) == owner(c) ? owner(b) : owner(a);
+    if (winner != kNobody) triangles[winner].push_back(i);
+  }
+  Cutter cutter(mesh);
+  std::vector<Mesh> parts;
+  for (const auto& own : triangles) parts.push_back(cutter.Cut(own));
+  return parts;
+}
+
+std::string ObjectFileName(const ObjectSummary& object, const std::string& class_name) {
+  if (object.discovered()) return "segment_" + std::to_string(Raw(object.segments.at(0)));
+  std::string name = "instance_" + std::to_string(Raw(object.instance));
+  if (!class_name.empty()) name += '_';
+  for (const char c : class_name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    name += plain || c == '-' ? c : '_';
+  }
+  return name;
+}
+
+}  // namespace vismap

@@ -1,0 +1,272 @@
+#include "objects/objects.h"
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+#include "meshing/mesh_parts.h"
+#include "objects/label_surfaces.h"
+#include "objects/map_mesh.h"
+#include "objects/read_out.h"
+
+namespace vismap {
+namespace {
+
+std::vector<Eigen::Vector3f> PointsOf(const ObjectSummary& object, const LabelSurfaces& surfaces) {
+  std::vector<Eigen::Vector3f> points;
+  for (const SegmentLabel label : object.segments) {
+    const auto& more = surfaces[Raw(label)].points_W;
+    points.insert(points.end(), more.begin(), more.end());
+  }
+  return points;
+}
+
+void AddHistory(const LabelRecord& record, ObjectSummary* object) {
+  const bool first = object->frames == 0;
+  object->first_utime =
+      first ? record.first_utime : std::min(object->first_utime, record.first_utime);
+  object->last_utime = std::max(object->last_utime, record.last_utime);
+  object->frames = std::max(object->frames, record.frames);
+}
+
+// How much of each label there is, or, with `former`, was before it was seen empty.
+std::vector<double> SizesOf(const LabelTable& table, const LabelSurfaces& surfaces, bool former) {
+  std::vector<double> sizes;
+  for (const LabelSurface& surface : surfaces)
+    sizes.push_back(static_cast<double>(surface.vertices));
+  for (size_t l = 1; former && l < sizes.size() && l <= table.records().size(); ++l)
+    sizes[l] += table.records()[l - 1].cleared_voxels;
+  return sizes;
+}
+
+double Score(const ObjectSummary& object, const LabelTable& table, const LabelReadOut& read_out,
+             const std::vector<double>& sizes) {
+  double confidence = 0, points = 0, confirmations = 0;
+  for (const SegmentLabel label : object.segments) {
+    const double size = sizes[Raw(label)];
+    confidence += size * static_cast<double>(read_out.labels[Raw(label)].confidence);
+    points += size;
+    const auto& evidence = table.Record(label).instance_evidence;
+    const auto found = evidence.find(object.instance);
+    if (found != evidence.end()) {
+      confirmations = std::max(confirmations, static_cast<double>(found->second));
+    }
+  }
+  const auto share = object.class_probability.find(object.class_id);
+  if (points == 0 || share == object.class_probability.end()) return 0;
+  return std::clamp(confidence / points * share->second * confirmations / (confirmations + 1), 0.0,
+                    1.0);
+}
+
+// How much of the surface of labels was seen empty since they were last seen, and when last.
+struct Clearing {
+  int64_t voxels = 0;
+  int64_t utime = 0;  // [us]
+};
+
+Clearing ClearingOf(const std::vector<SegmentLabel>& labels, const LabelTable& table) {
+  Clearing clearing;
+  for (const SegmentLabel label : labels) {
+    const LabelRecord& record = table.Record(label);
+    clearing.voxels += record.cleared_voxels;
+    clearing.utime = std::max(clearing.utime, record.cleared_utime);
+  }
+  return clearing;
+}
+
+void SetClass(const InstanceReading& reading, ObjectSummary* object) {
+  object->class_id = reading.class_id;
+  object->class_probability = reading.class_probability;
+}
+
+ObjectSummary FromInstance(InstanceId id, const InstanceReading& reading) {
+  ObjectSummary object;
+  object.instance = id;
+  object.segments = reading.labels;
+  SetClass(reading, &object);
+  return object;
+}
+
+ObjectSummary FromSegment(SegmentLabel label) {
+  ObjectSummary object;
+  object.segments = {label};
+  return object;
+}
+
+int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces& surfaces) {
+  int64_t count = 0;
+  for (const SegmentLabel label : labels) {
+    count += surfaces[Raw(label)].vertices;
+  }
+  return count;
+}
+
+// Whether an object stands, was removed (then it is marked so), or never was one.
+bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
+                   const ObjectOptions& options, ObjectSummary* object) {
+  const int64_t least =
+      object->discovered() ? options.min_discovered_points : options.min_instance_points;
+  const int64_t points = CountPoints(object->segments, surfaces);
+  const Clearing clearing = ClearingOf(object->segments, table);
+  if (clearing.voxels >= std::max(least, int64_t{1}) &&
+      static_cast<double>(points) <
+          options.removed_max_rest * static_cast<double>(clearing.voxels)) {
+    object->state = ObjectState::kRemoved;
+    object->removed_utime = clearing.utime;
+    return true;
+  }
+  return points >= least;
+}
+
+int64_t NewestUtime(const LabelTable& table) {
+  int64_t newest = 0;
+  for (const LabelRecord& record : table.records())
+    newest = std::max({newest, record.last_utime, record.cleared_utime});
+  return newest;
+}
+
+// Leaves of `removed` what was removed last. Things that were found gone in the same frame stay or
+// go together.
+void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
+               std::vector<ObjectSummary>* removed) {
+  const double max_age = options.removed_max_age * 1e6;  // [us]
+  std::vector<int64_t> times;
+  for (const ObjectSummary& object : *removed) times.push_back(object.removed_utime);
+  std::sort(times.begin(), times.end(), std::greater<>());
+  const auto most = static_cast<size_t>(options.removed_max_count);
+  std::erase_if(*removed, [&](const ObjectSummary& object) {
+    const int64_t age = newest_utime - object.removed_utime;
+    if (max_age > 0 && static_cast<double>(age) > max_age) return true;
+    return times.size() > most && object.removed_utime <= times[most];
+  });
+}
+
+// Which objects there are and were; nothing measured yet.
+std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
+                                       const LabelSurfaces& surfaces,
+                                       const ObjectOptions& options) {
+  std::vector<ObjectSummary> objects, removed;
+  const auto list = [&](ObjectSummary object) {
+    if (!StandsOrStood(table, surfaces, options, &object)) return;
+    (object.removed() ? removed : objects).push_back(std::move(object));
+  };
+  for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
+  for (const SegmentLabel label : table.Alive()) {
+    if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
+  }
+  if (removed.empty()) return objects;
+  ForgetOld(NewestUtime(table), options, &removed);
+  objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
+                 std::make_move_iterator(removed.end()));
+  return objects;
+}
+
+// Of a discovered segment.
+bool IsThing(const ObjectSummary& object, const ObjectOptions& options) {
+  if (object.frames < static_cast<uint32_t>(options.min_discovered_frames)) return false;
+  return object.removed() ||
+         (object.area >= options.min_discovered_area &&
+          object.area >= options.min_discovered_fill * SpannedArea(object.spread));
+}
+
+}  // namespace
+
+LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
+  LabelSurfaces surfaces(labels);
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const size_t label = Raw(vertex.segment);
+    if (label >= labels) continue;
+    surfaces[label].points_W.push_back(vertex.position_W);
+    ++surfaces[label].vertices;
+  }
+  // A triangle between labels belongs to each of them by a third per corner.
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const double third = TriangleArea(mesh, i) / 3;
+    for (const uint32_t corner : mesh.triangles[i]) {
+      const size_t label = Raw(mesh.vertices[corner].segment);
+      if (label < labels) surfaces[label].area += third;
+    }
+  }
+  return surfaces;
+}
+
+std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
+                                       const ObjectOptions& options) {
+  const std::vector<double> sizes = SizesOf(table, surfaces, false);
+  const std::vector<double> former_sizes = SizesOf(table, surfaces, true);
+  const LabelReadOut read_out = ReadLabels(table, sizes);
+  const LabelReadOut former = ReadLabels(table, former_sizes);
+  std::vector<ObjectSummary> objects = ListObjects(table, read_out, surfaces, options);
+  for (ObjectSummary& object : objects) {
+    for (const SegmentLabel label : object.segments) {
+      AddHistory(table.Record(label), &object);
+      object.area += surfaces[Raw(label)].area;
+    }
+    object.points = CountPoints(object.segments, surfaces);
+    if (object.discovered()) continue;
+    if (object.removed()) SetClass(former.instances.at(object.instance), &object);
+    object.score = Score(object, table, read_out, object.removed() ? former_sizes : sizes);
+  }
+  return objects;
+}
+
+void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
+                   ObjectSummary* object) {
+  if (object->removed()) return;
+  object->box = FitUprightBox(MainParts(points_W, options.part_gap, options.min_part_share),
+                              options.up_W, options.box_outliers);
+  if (!object->discovered()) return;
+  object->plane = FindPlane(points_W, object->area, options.structure);
+  object->spread = SpreadOf(points_W);
+}
+
+void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
+  std::vector<SurfacePlane> planes;
+  std::vector<SurfaceSpread> spreads;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const ObjectSummary& object : *objects) {
+    planes.push_back(object.plane);
+    spreads.push_back(object.spread);
+    if (object.removed()) continue;
+    const double bottom = object.box.center_W.dot(options.up_W) - object.box.size.z() / 2;
+    lowest = std::min(lowest, bottom);
+  }
+  JoinFlushAreas(spreads, options.structure, &planes);
+  auto kinds = NameStructure(planes, options.up_W, lowest, options.structure);
+  NameFlushPieces(planes, spreads, options.structure, &kinds);
+  for (size_t i = 0; i < kinds.size(); ++i) (*objects)[i].structure = kinds[i];
+}
+
+void LeaveOutScraps(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
+  std::erase_if(*objects, [&](const ObjectSummary& object) {
+    return object.discovered() && !object.is_structure() && !IsThing(object, options);
+  });
+}
+
+ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces) {
+  if (options.up_is_guess) options.up_W = LevelUp(options.up_W, surfaces, options.structure);
+  options.up_is_guess = false;
+  return options;
+}
+
+std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
+                                            const ObjectOptions& given) {
+  const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
+  const ObjectOptions options = WithLevelUp(given, surfaces);
+  std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
+  ParallelFor(objects.size(), 1, [&](size_t i) {
+    MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);
+  });
+  SetStructure(options, &objects);
+  LeaveOutScraps(options, &objects);
+  return objects;
+}
+
+std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const ObjectOptions& options) {
+  return SummarizeObjects(map, ExtractMesh(map), options);
+}
+
+}  // namespace vismap

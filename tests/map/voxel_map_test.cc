@@ -1,0 +1,42 @@
+#include "map/voxel_map.h"
+
+#include <gtest/gtest.h>
+
+namespace vismap {
+namespace {
+
+TEST(VoxelMap, VoxelsOfNegativeCoordinatesFallInTheRightBlock) {
+  const VoxelMap map({0.01, 4});
+  const VoxelIndex voxel = map.VoxelAt({-0.001, 0.005, -0.085});
+  EXPECT_EQ(voxel, (VoxelIndex{-1, 0, -9}));
+  EXPECT_EQ(BlockOf(voxel), (BlockIndex{-1, 0, -2}));
+  EXPECT_EQ(OffsetInBlock(voxel), LinearIndex(7, 0, 7));
+  EXPECT_NEAR((map.VoxelCenter(voxel) - Eigen::Vector3d(-0.005, 0.005, -0.085)).norm(), 0, 1e-12);
+}
+
+TEST(VoxelMap, TellsUnseenFromSeenEmpty) {
+  VoxelMap map({0.01, 4});
+  EXPECT_FALSE(map.Read(VoxelIndex{0, 0, 0}));
+  Block& block = map.FindOrCreate({0, 0, 0});
+  EXPECT_FALSE(map.Read(VoxelIndex{0, 0, 0}));
+  block.free = std::make_unique<FreeVoxels>();
+  block.free->once[0] = 1;
+  ASSERT_TRUE(map.Read(VoxelIndex{0, 0, 0}));
+  EXPECT_EQ(map.Read(VoxelIndex{0, 0, 0})->observations, 1);
+  EXPECT_FALSE(map.Read(VoxelIndex{1, 0, 0}));
+  block.free.reset();
+  block.all_free = true;
+  EXPECT_EQ(map.Read(VoxelIndex{1, 0, 0})->observations, 2);
+  EXPECT_FLOAT_EQ(map.Read(VoxelIndex{1, 0, 0})->distance, 0.04F);
+}
+
+TEST(VoxelMap, ListsBlocksInAscendingOrder) {
+  VoxelMap map({0.01, 4});
+  for (int i = 0; i < 200; ++i) map.FindOrCreate({(i * 37) % 11 - 5, (i * 17) % 13 - 6, i % 7 - 3});
+  const std::vector<BlockIndex> indices = map.SortedIndices();
+  EXPECT_EQ(indices.size(), map.size());
+  EXPECT_TRUE(std::is_sorted(indices.begin(), indices.end()));
+}
+
+}  // namespace
+}  // namespace vismap
