@@ -10,9 +10,12 @@
 namespace vismap {
 namespace {
 
-constexpr double kSteps = 32;       // of a voxel
-constexpr double kShareKept = 0.5;  // of the points, everywhere, so that no part counts for more
-// Vertices lie at least this far from voxel centres [voxels]; half of it stands for rounding.
+constexpr double kSteps = 32;  // resolution of the sampled vertices [steps per voxel]
+// The same share of the vertices is kept in every block, so that no part of an object has more
+// weight than another.
+constexpr double kShareKept = 0.5;
+// Marching cubes keeps vertices at least this far from voxel centres [voxels]. Half of it is the
+// tolerance for rounding when a vertex is assigned to a block.
 constexpr double kNearestVertex = 0.01;
 
 // The centre of a block's first voxel [m].
@@ -21,8 +24,8 @@ Eigen::Vector3d FirstCenter(const BlockIndex& block, double voxel_size) {
          0.5 * voxel_size;
 }
 
-// Where a vertex is, from there, in 1/32 of a voxel; nullopt of vertices that the mesh of the next
-// block has, too.
+// The offset of a vertex from the centre of the first voxel, in 1/32 of a voxel. None for a vertex
+// on the face to the next block, because the mesh of that block has it, too.
 std::optional<std::array<uint8_t, 3>> PlaceIn(const Eigen::Vector3d& from_first_m,
                                               double voxel_size) {
   const Eigen::Array3d voxels = from_first_m.array() / voxel_size + kNearestVertex / 2;
@@ -57,7 +60,7 @@ std::vector<BlockSurfaces::Piece> BlockSurfaces::PiecesOf(const BlockMesh& block
     ++piece.vertices;
     piece.points.push_back(*place);
   }
-  // A triangle between labels belongs to each of them by a third per corner.
+  // Each corner gives a third of the triangle's area to its label.
   for (size_t i = 0; i < block.mesh.triangles.size(); ++i) {
     const double third = TriangleArea(block.mesh, i) / 3;
     for (const uint32_t corner : block.mesh.triangles[i])
@@ -75,7 +78,8 @@ void BlockSurfaces::Count(const Piece& piece, int sign) {
   if (amounts_.size() <= Raw(piece.label)) amounts_.resize(Raw(piece.label) + 1);
   Amount& amount = amounts_[Raw(piece.label)];
   amount.vertices += sign * static_cast<int64_t>(piece.vertices);
-  // Steps that add up without rounding, so that nothing is left when everything is gone.
+  // Areas are multiples of 2^-40 m^2, which add up without rounding errors. So the sum is exactly 0
+  // again when all surface of the label has been removed.
   constexpr double kStep = 1.0 / (int64_t{1} << 40);
   amount.area += sign * std::round(piece.area / kStep) * kStep;
   ++amount.version;

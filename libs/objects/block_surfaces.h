@@ -11,34 +11,41 @@
 
 namespace vismap {
 
-/// How much surface of each label the last mesh of every block had, and where: of a growing map,
-/// kept up to date block by block with work and memory that are small beside those of the meshes.
+/// The surface of a growing map, counted per label: for every block, how much surface each label
+/// has in the block's last mesh, and a sample of its vertices. An update costs little time and
+/// memory compared to the meshing itself.
 class BlockSurfaces {
  public:
-  /// The surface of one label.
+  /// The surface of one label in all blocks together.
   struct Amount {
-    /// Each once, though blocks share them; some at the rim of what was seen are left out.
+    /// A vertex on the face between two blocks is in the meshes of both and counts once, in the
+    /// block with the larger coordinates. It is missing where that block has no mesh, at the border
+    /// of the observed space.
     int64_t vertices = 0;
     double area = 0;       ///< [m^2]
-    uint32_t version = 0;  ///< another one whenever a block's surface of it was made anew
+    uint32_t version = 0;  ///< changes whenever a block adds or removes surface of this label
   };
 
   void Clear();
-  /// Takes over a new mesh of a block, as MeshBlocks makes them; one without triangles forgets the
-  /// block. `voxel_size` [m]. Returns whether the block has a surface, or had one.
+  /// Replaces the surface of a block by that of its new mesh (from MeshBlocks). A mesh without
+  /// triangles removes the block. `voxel_size` [m]. Returns whether the block has a surface now or
+  /// had one before.
   bool Update(const BlockMesh& block, double voxel_size);
   bool Has(const BlockIndex& block) const { return blocks_.contains(block); }
-  /// Blocks that have a surface, in no order that means anything.
+  /// The blocks that have a surface, in no particular order.
   std::vector<BlockIndex> Blocks() const;
 
-  /// Nothing of labels that were never met.
+  /// Zero for labels that never had a surface.
   Amount Of(SegmentLabel label) const;
-  /// Appends an even pick of half the vertices of a label in a block, to 1/32 of a voxel.
+  /// Appends an even sample of half the vertices of a label in one block [m], rounded to 1/32 of a
+  /// voxel. Appends nothing when the block has no surface of the label. `voxel_size` [m].
   void AddPoints(SegmentLabel label, const BlockIndex& block, double voxel_size,
                  std::vector<Eigen::Vector3f>* points_W) const;
 
  private:
-  using Point = std::array<uint8_t, 3>;  // from the block's first voxel centre, in 1/32 of a voxel
+  // Offset from the centre of the block's first voxel, in 1/32 of a voxel.
+  using Point = std::array<uint8_t, 3>;
+  // The surface of one label in one block.
   struct Piece {
     SegmentLabel label = SegmentLabel::kNone;
     uint32_t vertices = 0;

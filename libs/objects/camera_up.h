@@ -7,9 +7,9 @@
 
 namespace vismap {
 
-/// Which way is up in W, from how the cameras were held: the axis of W nearest to the mean of their
-/// upward directions when one is within 35 degrees, else that mean. Unit length; +z when there are
-/// no poses.
+/// The upward direction of W, estimated from the camera poses: the axis of W that is nearest to the
+/// mean of the cameras' upward directions (-y of C), if it is within 35 degrees of that mean, else
+/// the mean itself. Unit length. +z when there are no poses or the directions cancel each other.
 Eigen::Vector3d UpOfCameras(const std::vector<CameraPose>& trajectory);
 
 }  // namespace vismap

@@ -16,7 +16,7 @@
 namespace vismap {
 namespace {
 
-// Flat things keep their rims, which are a good part of them: what stands rises higher [m].
+// An object that rises less than this above the plane keeps its vertices there [m].
 constexpr double kStands = 0.1;
 
 double DistanceTo(const SurfacePlane& plane, const MeshVertex& vertex) {
@@ -33,9 +33,9 @@ class Contacts {
     MeasureRises();
   }
 
-  /// The structure that each vertex is given to; kNone = it stays.
+  /// For each vertex, the label of the structure plane that it is assigned to; kNone = unchanged.
   std::vector<SegmentLabel> Structure() const {
-    // The distance first, then the label: the least of them is the same in whatever order.
+    // Pairs compare by distance, then by label, so the result does not depend on the edges' order.
     using Contact = std::pair<double, SegmentLabel>;
     std::vector<Contact> closest(mesh_.vertices.size(), {kNever, SegmentLabel::kNone});
     ForEachContact([&](uint32_t rim, SegmentLabel structure, double away) {
@@ -54,7 +54,8 @@ class Contacts {
     return owner_of_label_[Raw(mesh_.vertices[vertex].segment)];
   }
 
-  // Calls visit(vertex, structure, distance) where one shares an edge with structure [m].
+  // Calls visit(vertex, structure, distance) for every edge from a vertex to a structure plane
+  // whose distance from the vertex is at most distance_ [m].
   template <typename Visit>
   void ForEachContact(const Visit& visit) const {
     const auto touch = [&](uint32_t rim, uint32_t beside) {
@@ -69,7 +70,8 @@ class Contacts {
     }
   }
 
-  // An owner is an instance, or a label outside of all instances.
+  // Numbers the owners of the surface. An owner is an instance, or a label outside of all
+  // instances.
   void FindOwners() {
     std::map<InstanceId, size_t> owner_of_instance;
     for (const MeshVertex& vertex : mesh_.vertices) {
@@ -85,6 +87,7 @@ class Contacts {
     }
   }
 
+  // Fits a plane to every label that is large enough, and keeps those that are planar.
   void FindStructure() {
     const size_t labels = owner_of_label_.size();
     const LabelSurfaces surfaces = CollectSurfaces(mesh_, labels);
@@ -100,7 +103,8 @@ class Contacts {
     });
   }
 
-  // From one vertex to the plane of structure that the other one shows.
+  // Distance from the vertex `rim` to the structure plane of the vertex `beside` [m]; kNever if
+  // `beside` is not structure, or if both are.
   double Away(uint32_t rim, uint32_t beside) const {
     const auto& plane = planes_[Raw(mesh_.vertices[beside].segment)];
     if (!plane || planes_[Raw(mesh_.vertices[rim].segment)]) return kNever;
@@ -119,8 +123,8 @@ class Contacts {
   const Mesh& mesh_;
   std::vector<size_t> owner_of_label_;
   std::set<SegmentLabel> in_instances_;
-  std::vector<std::optional<SurfacePlane>> planes_;  // of structure, by label
-  // By owner: how far it reaches from the structure that it touches [m].
+  std::vector<std::optional<SurfacePlane>> planes_;  // by label; none = the label is not structure
+  // By owner, for each structure plane that it touches: its largest distance from the plane [m].
   std::vector<std::map<SegmentLabel, double>> rises_;
 };
 

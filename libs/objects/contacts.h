@@ -4,16 +4,16 @@
 
 namespace vismap {
 
-/// Gives the rim of what stands on structure, or against it, to the structure. Where a leg meets
-/// the floor the surface is one, and the votes of the two are a voxel or two apart: an object would
-/// take a ring of floor with it, and whoever drives there would find the object's name under its
-/// wheels.
+/// Assigns the vertices where an object touches a floor or a wall to that floor or wall. The
+/// surfaces of the two are connected there, and the border between their votes is off by a voxel or
+/// two. Without this step, an object includes a ring of the floor that it stands on.
 ///
-/// Structure is a segment outside of all instances that is as large and as flat as StructureOptions
-/// asks for. Every vertex of something else that shares an edge with it, and is no farther than
-/// `distance` from its plane [m], then has that segment; of several the closest, ties to the lower.
-/// But what rises less than 10 cm from that plane, a book or a rug, keeps its rim, which is a good
-/// part of it. Instances and classes must be read out again afterwards.
+/// A structure plane is a segment outside of all instances with the area and the planar share that
+/// StructureOptions asks for. A vertex of any other segment gets the label of the structure plane
+/// if it shares a mesh edge with a vertex of that plane and is within `distance` [m] of the plane.
+/// If several planes qualify, the nearest one wins, then the lower label. An object that rises less
+/// than 10 cm above the plane, such as a book or a rug, keeps its vertices, because its border is a
+/// large part of it. Only `segment` changes: read out instances and classes again afterwards.
 void AbsorbContacts(double distance, Mesh* mesh);
 
 }  // namespace vismap

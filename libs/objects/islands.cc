@@ -13,14 +13,15 @@
 namespace vismap {
 namespace {
 
-constexpr double kMainBorder = 0.75;
-// Edges across the rim of a disc of n vertices, over sqrt(n): of its 3.5 sqrt(n) outer vertices
-// each has two outwards, which the triangles on both sides count.
+constexpr double kMainBorder = 0.75;  // share of the border that one other owner must have
+// Number of edges across the rim of a disc of n vertices, divided by sqrt(n). The disc has
+// 3.5 sqrt(n) outer vertices with two outward edges each, and every edge is counted by two
+// triangles.
 constexpr double kRimOfDisc = 14;
-constexpr double kFlush = 0.7;  // mean normal of the island times that across its border
-constexpr double kLeastRim = 0.5;
+constexpr double kFlush = 0.7;  // least dot product of the mean normals on both sides of the border
+constexpr double kLeastRim = 0.5;  // least border length, as a share of the rim of such a disc
 
-/// What surface belongs to: an instance, or a segment outside of all instances; 0 = nothing.
+/// An instance (with bit 32 set), or a segment outside of all instances; 0 = no segment.
 using Owner = uint64_t;
 
 Owner OwnerOf(const MeshVertex& vertex) {
@@ -32,12 +33,13 @@ Owner OwnerOf(const MeshVertex& vertex) {
 struct Piece {
   Owner owner = 0;
   int64_t vertices = 0;
-  double area = 0;                                           // [m^2]
-  Eigen::Vector3d normals = Eigen::Vector3d::Zero();         // sum over the vertices
-  Eigen::Vector3d border_normals = Eigen::Vector3d::Zero();  // over edges to vertices of others
-  bool candidate = false;
-  bool has_body = true;  // its owner does: a piece that is no candidate
-  std::map<std::pair<Owner, SegmentLabel>, int64_t> border;  // edges to vertices of others
+  double area = 0;                                    // [m^2]
+  Eigen::Vector3d normals = Eigen::Vector3d::Zero();  // sum over its vertices
+  Eigen::Vector3d border_normals =
+      Eigen::Vector3d::Zero();  // sum over the far ends of border edges
+  bool candidate = false;       // small enough to be an island
+  bool has_body = true;         // whether its owner has a piece that is not a candidate
+  std::map<std::pair<Owner, SegmentLabel>, int64_t> border;  // number of edges to other pieces
 };
 
 template <typename Visit>
@@ -63,10 +65,10 @@ class Islands {
   uint32_t count() const { return static_cast<uint32_t>(pieces_.size()); }
   uint32_t PieceOf(size_t vertex) const { return piece_of_[vertex]; }
 
-  /// The segment that a piece lies in; kNone when it is no island.
+  /// The segment that surrounds a piece; kNone if the piece is not an island.
   SegmentLabel Around(uint32_t piece) const {
     const Piece& island = pieces_[piece];
-    if (!island.candidate) return SegmentLabel::kNone;
+    if (!island.candidate) return SegmentLabel::kNone;  // too large
     std::map<Owner, double> by_owner;
     double all = 0;
     for (const auto& [side, edges] : island.border) {
@@ -76,11 +78,13 @@ class Islands {
     const auto most =
         std::max_element(by_owner.begin(), by_owner.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
+    // No border at all, or most of it is with surface that has no segment.
     if (most == by_owner.end() || most->first == 0) return SegmentLabel::kNone;
     const auto vertices = static_cast<double>(island.vertices);
-    if (most->second < kMainBorder * all) return SegmentLabel::kNone;
+    if (most->second < kMainBorder * all) return SegmentLabel::kNone;  // between several owners
     const bool enclosed = most->second >= kLeastRim * kRimOfDisc * std::sqrt(vertices);
     const bool flush = island.normals.dot(island.border_normals) >= kFlush * vertices * all;
+    // It stands on the surface or ends at unobserved space.
     if (island.has_body && !(enclosed && flush)) return SegmentLabel::kNone;
     return MainSegment(island, most->first);
   }
@@ -113,6 +117,7 @@ class Islands {
     for (Piece& piece : pieces_) piece.has_body = with_body.contains(piece.owner);
   }
 
+  // Counts the edges from candidates to other pieces, and adds up the normals beyond the border.
   void FollowBorders(const Mesh& mesh) {
     const auto add = [&](uint32_t from, uint32_t to) {
       Piece& piece = pieces_[piece_of_[from]];
@@ -127,6 +132,7 @@ class Islands {
     });
   }
 
+  // The segment of `owner` that most edges across the border lead to; ties to the lower label.
   static SegmentLabel MainSegment(const Piece& piece, Owner owner) {
     SegmentLabel main = SegmentLabel::kNone;
     int64_t most = 0;

@@ -7,8 +7,8 @@
 
 namespace vismap {
 
-/// Keeps about this share [0, 1] of some elements, the first one always: spread evenly, but not at
-/// a period that rows of points could have, too.
+/// Keeps about this share [0, 1] of the elements, evenly spread and always with the first one. The
+/// choice follows the golden ratio, so it has no period that could match the rows of a point grid.
 template <typename T>
 void KeepShare(double share, std::vector<T>* elements) {
   constexpr uint32_t kGoldenRatio = 0x9E3779B9;  // its fraction, in steps of 2^-32

@@ -9,44 +9,46 @@
 
 namespace vismap {
 
-/// The surface where a label reads out.
+/// The surface of one label in a mesh.
 struct LabelSurface {
-  std::vector<Eigen::Vector3f> points_W;  ///< vertices [m]; none where nobody asks for boxes
-  int64_t vertices = 0;                   ///< how many there are
+  std::vector<Eigen::Vector3f> points_W;  ///< vertices or a sample of them [m]; empty = not needed
+  int64_t vertices = 0;                   ///< number of all vertices, also if points_W is empty
   double area = 0;                        ///< [m^2]
 };
 /// Indexed by label.
 using LabelSurfaces = std::vector<LabelSurface>;
 
-/// The surface of the labels below `labels` in a mesh.
+/// The surfaces of the labels in [0, labels) in a mesh. Each corner of a triangle gives a third of
+/// the triangle's area to its label.
 LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels);
 
-/// A better guess of the upward direction: the normal of the largest plane within 30 degrees of
-/// `up_W`, if that is more than 3 degrees off; a camera that is held at a slant, or a world whose
-/// axes are not level, would else tilt every box, and leave no floor.
+/// Corrects an estimate of the upward direction: returns the normal of the largest structure plane
+/// whose normal is within 30 degrees of `up_W`, or `up_W` itself if there is no such plane or its
+/// normal is within 3 degrees. Both have unit length. Without this correction, a camera that was
+/// held at an angle or a world frame that is not level would tilt every box, and no plane would
+/// count as floor.
 Eigen::Vector3d LevelUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
                         const StructureOptions& options);
 
-/// Which objects there are, with all that the labels and the amounts of surface tell. Box,
-/// plane and structure are not set.
+/// The objects of a map with all values that follow from the label table and from the amount of
+/// surface of each label. Box, plane, spread and structure are not set.
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options);
 
-/// The same options with the upward direction that the surface suggests, when it is but a guess.
+/// The same options, with up_W corrected by LevelUp if `up_is_guess` is set.
 ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces);
 
-/// Sets box, plane and spread of an object from points of its surface [m], all or an even pick of
-/// them; of one that was removed none.
+/// Sets the box of an object, and plane and spread of a discovered segment, from the points of its
+/// surface [m] or an even sample of them. Does nothing for removed objects.
 void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
                    ObjectSummary* object);
 
-/// Sets the structure of all objects, which are measured.
+/// Sets `structure` of all objects. They must have been measured (MeasureObject).
 void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
-/// Takes out discovered segments that are neither structure nor things, see
-/// `min_discovered_frames`,
-/// `_area` and `_fill`. The objects are measured and have their structure. Of what was removed no
-/// surface is left to judge, only its frames count.
+/// Erases the discovered segments that are not structure and too insignificant to be objects, see
+/// min_discovered_frames, min_discovered_area and min_discovered_fill. Structure must have been set
+/// (SetStructure). A removed object has no surface left, so only its number of frames is checked.
 void LeaveOutScraps(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 }  // namespace vismap

@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
 
-// Object number per segment label.
+// The index in `objects` of the object that owns each segment label; indexed by label.
 std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
   std::vector<uint32_t> owner;
   for (uint32_t i = 0; i < objects.size(); ++i) {
@@ -20,7 +20,7 @@ std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
   return owner;
 }
 
-// Copies single triangles, with each vertex once.
+// Copies single triangles of a mesh, and each vertex that they use once.
 class Cutter {
  public:
   explicit Cutter(const Mesh& mesh) : mesh_(mesh), moved_(mesh.vertices.size(), kNobody) {}

@@ -29,7 +29,7 @@ Result<void> SetPart(std::string_view part, ObjectQuery* query) {
               "'; known are id=N, class=NAME and region=x0,y0,z0,x1,y1,z1, with ; between");
 }
 
-/// The smallest box along the axes of W around an oriented one.
+/// The smallest box along the axes of W that contains an oriented box.
 Eigen::AlignedBox3d BoundsOf(const OrientedBox& box) {
   const Eigen::Vector3d half = box.R_W_B.toRotationMatrix().cwiseAbs() * (0.5 * box.size);
   return {box.center_W - half, box.center_W + half};

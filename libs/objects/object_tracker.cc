@@ -11,12 +11,12 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxPoints = 2000;  // that an object is measured from
-constexpr size_t kMaxBlocks = 600;   // looked at per label
-constexpr int64_t kLargePoints = 10000;
-constexpr double kGrowth = 0.1;
+constexpr size_t kMaxPoints = 2000;      // about so many points at most are used per object
+constexpr size_t kMaxBlocks = 600;       // points of so many blocks at most are used per label
+constexpr int64_t kLargePoints = 10000;  // objects with more vertices are large
+constexpr double kGrowth = 0.1;          // relative change after which a measurement is repeated
 
-// How much there is of every label, without points.
+// The amount of surface of every label, without points.
 LabelSurfaces AmountsOf(const SemanticMap& map, const BlockSurfaces& surfaces) {
   LabelSurfaces amounts(Raw(map.labels.next_label()));
   for (size_t i = 0; i < amounts.size(); ++i) {
@@ -27,13 +27,15 @@ LabelSurfaces AmountsOf(const SemanticMap& map, const BlockSurfaces& surfaces) {
   return amounts;
 }
 
-// Of large labels an even pick of blocks stands for all.
+// A sample of the surface points of some labels [m]. Of labels in many blocks, only evenly chosen
+// blocks are used.
 std::vector<Eigen::Vector3f> PointsOf(std::span<const SegmentLabel> labels, const SemanticMap& map,
                                       const BlockSurfaces& surfaces,
                                       const ObjectTracker::Places& places) {
   std::vector<Eigen::Vector3f> points_W;
   for (const SegmentLabel label : labels) {
-    // Surface where a label votes may be of cells that begin in the block below.
+    // A cell belongs to the block of its lowest corner, so surface of the label may also be in the
+    // blocks below those with its votes.
     const std::vector<BlockIndex> blocks = BlockSet(places(label)).Grown(1, 0).Blocks();
     const size_t stride = std::max<size_t>(1, (blocks.size() + kMaxBlocks - 1) / kMaxBlocks);
     for (size_t i = 0; i < blocks.size(); i += stride)
@@ -50,7 +52,8 @@ bool IsLargeAndAsBefore(int64_t points, int64_t before) {
 
 }  // namespace
 
-// Which way is up may be told better by another tenth of surface; all boxes depend on it.
+// Estimates the upward direction again when the area of all surface has changed by a tenth. All
+// boxes depend on this direction, so they are all measured again if it changes.
 void ObjectTracker::LevelWhenGrown(const SemanticMap& map, const BlockSurfaces& surfaces,
                                    const Places& places, const ObjectOptions& options,
                                    LabelSurfaces amounts) {

@@ -12,39 +12,42 @@
 
 namespace vismap {
 
-/// The objects of a growing map, with work that depends on what has changed and not on the size of
-/// the map: they are read from the surfaces of blocks that were meshed anyway, and only what has
-/// changed is measured anew; what is large, floors and walls, only when it is another tenth larger
-/// or smaller. So boxes of large objects may lag a little behind SummarizeObjects; everything else
-/// differs by small pieces of surface that that leaves out, and by a few vertices at rims.
+/// Keeps the list of objects of a growing map up to date. The cost depends on what has changed and
+/// not on the size of the map: the surface comes from the block meshes that exist anyway, and an
+/// object is measured again only when its surface has changed. A large object, such as a floor or a
+/// wall, is measured again only when its number of vertices has changed by a tenth. So the result
+/// differs a little from that of SummarizeObjects: the boxes of large objects may be older; small
+/// components, islands and contacts are as the block meshes have them; and a few vertices at the
+/// border of the observed space are missing.
 class ObjectTracker {
  public:
-  /// Blocks where a label, or one merged into it, has votes.
+  /// Returns the blocks in which a label, or a label that was merged into it, has votes.
   using Places = std::function<std::span<const BlockIndex>(SegmentLabel)>;
 
   /// Forgets everything.
   void Clear() { *this = {}; }
-  /// The objects now. `surfaces` = of the map as it is.
+  /// The current objects. `surfaces` and `places` must be up to date with `map`.
   std::vector<ObjectSummary> Summarize(const SemanticMap& map, const BlockSurfaces& surfaces,
                                        const Places& places, const ObjectOptions& options);
 
  private:
-  /// What an object was measured from, and what came out.
+  /// What an object was last measured from, and the result.
   struct Measured {
     std::vector<std::pair<SegmentLabel, uint32_t>> from;  // labels and versions of their surfaces
-    int64_t points = 0;
+    int64_t points = 0;                                   // number of vertices of the object
     OrientedBox box;
     SurfacePlane plane;
     SurfaceSpread spread;
   };
-  using Key = std::pair<InstanceId, SegmentLabel>;  // the latter of discovered segments
+  // An object is known by its instance, or, if it is discovered, by its segment.
+  using Key = std::pair<InstanceId, SegmentLabel>;
 
   void LevelWhenGrown(const SemanticMap& map, const BlockSurfaces& surfaces, const Places& places,
                       const ObjectOptions& options, LabelSurfaces amounts);
 
   std::map<Key, Measured> measured_;
-  Eigen::Vector3d up_W_ = Eigen::Vector3d::UnitZ();  // that they were measured with
-  double leveled_area_ = 0;                          // from which that was found [m^2]
+  Eigen::Vector3d up_W_ = Eigen::Vector3d::UnitZ();  // upward direction of all boxes
+  double leveled_area_ = 0;  // area of all surface when up_W_ was estimated [m^2]
 };
 
 }  // namespace vismap

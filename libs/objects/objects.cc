@@ -32,7 +32,8 @@ void AddHistory(const LabelRecord& record, ObjectSummary* object) {
   object->frames = std::max(object->frames, record.frames);
 }
 
-// How much of each label there is, or, with `former`, was before it was seen empty.
+// Number of vertices of each label. With `former`, plus the voxels that were seen empty since it
+// was last observed: about what it had before it was removed.
 std::vector<double> SizesOf(const LabelTable& table, const LabelSurfaces& surfaces, bool former) {
   std::vector<double> sizes;
   for (const LabelSurface& surface : surfaces)
@@ -61,7 +62,8 @@ double Score(const ObjectSummary& object, const LabelTable& table, const LabelRe
                     1.0);
 }
 
-// How much of the surface of labels was seen empty since they were last seen, and when last.
+// How many surface voxels of some labels were seen empty since the labels were last observed, and
+// the time of the last such frame.
 struct Clearing {
   int64_t voxels = 0;
   int64_t utime = 0;  // [us]
@@ -104,7 +106,8 @@ int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces
   return count;
 }
 
-// Whether an object stands, was removed (then it is marked so), or never was one.
+// Whether an object is to be listed: it has enough surface, or it was removed, which is then set in
+// `object`.
 bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
                    const ObjectOptions& options, ObjectSummary* object) {
   const int64_t least =
@@ -128,8 +131,8 @@ int64_t NewestUtime(const LabelTable& table) {
   return newest;
 }
 
-// Leaves of `removed` what was removed last. Things that were found gone in the same frame stay or
-// go together.
+// Erases the removed objects that are too old or too many. Objects that were removed in the same
+// frame are kept or erased together.
 void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
                std::vector<ObjectSummary>* removed) {
   const double max_age = options.removed_max_age * 1e6;  // [us]
@@ -144,7 +147,7 @@ void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
   });
 }
 
-// Which objects there are and were; nothing measured yet.
+// The objects to list, present ones first, with their ids, classes and states only.
 std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
                                        const LabelSurfaces& surfaces,
                                        const ObjectOptions& options) {
@@ -164,7 +167,7 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
   return objects;
 }
 
-// Of a discovered segment.
+// Whether a discovered segment that is not structure is significant enough to be listed.
 bool IsThing(const ObjectSummary& object, const ObjectOptions& options) {
   if (object.frames < static_cast<uint32_t>(options.min_discovered_frames)) return false;
   return object.removed() ||
@@ -182,7 +185,7 @@ LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
     surfaces[label].points_W.push_back(vertex.position_W);
     ++surfaces[label].vertices;
   }
-  // A triangle between labels belongs to each of them by a third per corner.
+  // Each corner gives a third of the triangle's area to its label.
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const double third = TriangleArea(mesh, i) / 3;
     for (const uint32_t corner : mesh.triangles[i]) {
@@ -206,7 +209,7 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
       object.area += surfaces[Raw(label)].area;
     }
     object.points = CountPoints(object.segments, surfaces);
-    if (object.discovered()) continue;
+    if (object.discovered()) continue;  // it has neither class nor score
     if (object.removed()) SetClass(former.instances.at(object.instance), &object);
     object.score = Score(object, table, read_out, object.removed() ? former_sizes : sizes);
   }

@@ -15,7 +15,7 @@ struct Interval {
   double length() const { return high - low; }
 };
 
-// The range of the values without the given share of them, half at either end.
+// The range of the values without the share `outliers` of them, half of it at each end.
 Interval TrimmedRange(std::vector<double>* values, double outliers) {
   const size_t n = values->size();
   const auto cut =
@@ -37,14 +37,14 @@ Interval RangeAlong(std::span<const Eigen::Vector3f> points, const Eigen::Vector
 }
 
 struct Base {
-  Eigen::Vector3d x, y;  // axes of the box across up
+  Eigen::Vector3d x, y;  // horizontal axes of the box
 };
 
 Base Turned(const Eigen::Vector3d& u, const Eigen::Vector3d& v, double yaw) {
   return {u * std::cos(yaw) + v * std::sin(yaw), v * std::cos(yaw) - u * std::sin(yaw)};
 }
 
-// Finds the yaw with the smallest base: every 3 degrees, then finer around the best.
+// The yaw [rad] with the smallest base area, searched in steps of 3, then 0.5, then 0.1 degrees.
 double BestYaw(std::span<const Eigen::Vector3f> points, const Eigen::Vector3d& u,
                const Eigen::Vector3d& v, double outliers) {
   constexpr double kDegree = std::numbers::pi / 180;
@@ -68,7 +68,7 @@ double BestYaw(std::span<const Eigen::Vector3f> points, const Eigen::Vector3d& u
   return best;
 }
 
-// At most `limit` of the points, evenly picked.
+// At most `limit` of the points, evenly chosen.
 std::vector<Eigen::Vector3f> Thinned(std::span<const Eigen::Vector3f> points, size_t limit) {
   const size_t stride = (points.size() + limit - 1) / limit;
   std::vector<Eigen::Vector3f> picked;
@@ -88,7 +88,8 @@ size_t Root(std::vector<size_t>& parent, size_t i) {
   return i;
 }
 
-// Joins cells that touch, also at corners.
+// Finds the connected groups of cells that touch, also at edges and corners. Returns for each cell
+// the index of the first cell of its group. `cells` are sorted.
 std::vector<size_t> ConnectCells(const std::vector<Cell>& cells) {
   std::vector<size_t> parent(cells.size());
   std::iota(parent.begin(), parent.end(), size_t{0});
@@ -147,7 +148,7 @@ OrientedBox FitUprightBox(std::span<const Eigen::Vector3f> points_W, const Eigen
                           double outliers) {
   if (points_W.empty()) return {};
   const auto [u, v] = HorizontalAxes(up_W);
-  // The yaw needs fewer points than the extents do.
+  // A sample of the points is enough to find the yaw, but not to find the extents.
   double yaw = BestYaw(Thinned(points_W, 1500), u, v, outliers);
   Base base = Turned(u, v, yaw);
   if (RangeAlong(points_W, base.x, outliers).length() <

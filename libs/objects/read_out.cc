@@ -10,10 +10,10 @@ double SizeOf(SegmentLabel label, std::span<const double> sizes) {
   return Raw(label) < sizes.size() ? sizes[Raw(label)] : 0;
 }
 
-// Whether a label shows more than that one detection took it for the instance. A frame gives at
-// most 1 (score times overlap), so more than that is of several. What is not, must make up a
-// quarter of the frames that a detector looked at: it saw little of the thing so far, but took it
-// for that.
+// Whether a label confirms an instance. One frame gives at most 1 (score times overlap), so
+// evidence above 1 comes from several frames. Less evidence is enough if it is at least a quarter
+// of the frames with a detector that observed the label, as for a label that has been observed only
+// a few times.
 bool Confirms(const LabelRecord& record, InstanceId instance) {
   constexpr float kOfOneFrame = 1, kLeastShare = 0.25F;
   const auto found = record.instance_evidence.find(instance);
@@ -22,7 +22,7 @@ bool Confirms(const LabelRecord& record, InstanceId instance) {
          found->second >= kLeastShare * static_cast<float>(record.frames_with_detector);
 }
 
-// Takes out instances that no label confirms.
+// Erases the instances that none of their labels confirms.
 void LeaveOutHearsay(const LabelTable& table, LabelReadOut* read_out) {
   std::erase_if(read_out->instances, [&](const auto& entry) {
     const auto& [id, instance] = entry;
@@ -33,7 +33,7 @@ void LeaveOutHearsay(const LabelTable& table, LabelReadOut* read_out) {
   });
 }
 
-// Turns sums of evidence into shares, and picks the class.
+// Turns the sums of evidence into shares, and sets the class with the largest one.
 void Normalise(InstanceReading* reading) {
   std::erase_if(reading->class_probability, [](const auto& entry) { return !(entry.second > 0); });
   double sum = 0, most = 0;

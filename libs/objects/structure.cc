@@ -46,7 +46,8 @@ StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, dou
   return height >= options.ceiling_low ? StructureKind::kCeiling : StructureKind::kSloped;
 }
 
-// Bits of floor between things are floor, too, however small.
+// Whether a flat, level piece is at the height of a floor: small pieces of floor between objects
+// are floor, too.
 bool IsBitOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
                   std::span<const StructureKind> kinds, const Eigen::Vector3d& up_W,
                   const StructureOptions& options) {
@@ -58,15 +59,17 @@ bool IsBitOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
   return false;
 }
 
+// Mean square distance of the points of a piece from a plane [m^2].
 double MeanSquareFrom(const SurfacePlane& plane, const SurfaceSpread& piece) {
   const double off = (piece.mean_W - plane.point_W).dot(plane.normal_W);
   return plane.normal_W.dot(piece.covariance_W * plane.normal_W) + off * off;
 }
 
-// How far a piece is from a plane, in units of how far it may be; above 1 = not flush with it.
+// The distance of a piece from a plane, divided by the largest distance of a flush piece.
 double FlushDistance(const SurfacePlane& plane, const SurfaceSpread& piece,
                      const StructureOptions& options) {
-  // No plane is known better than this part of its tolerance: exact depth has no noise at all.
+  // The roughness counts as at least this share of the flatness. Exact depth has no noise at all,
+  // and without this limit, no piece would be flush with such a plane.
   constexpr double kLeast = 0.1;
   const double roughness = std::max(plane.roughness, kLeast * options.flatness);
   return std::sqrt(MeanSquareFrom(plane, piece)) / (options.flush_roughness * roughness);
@@ -78,7 +81,7 @@ bool IsFlush(const SurfacePlane& plane, const SurfaceSpread& own, const SurfaceS
          own.bounds_W.exteriorDistance(piece.bounds_W) <= options.flush_gap;
 }
 
-// On table tops lie flat things.
+// Flat objects lie on table tops, so nothing is joined to those.
 bool TakesFlushPieces(StructureKind kind) {
   return kind != StructureKind::kNone && kind != StructureKind::kTableTop;
 }
@@ -155,7 +158,7 @@ double SpannedArea(const SurfaceSpread& spread) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread.covariance_W,
                                                               Eigen::EigenvaluesOnly);
   const Eigen::Vector3d variances = solver.eigenvalues().cwiseMax(0);  // ascending
-  // Points spread evenly over a side a have the variance a^2 / 12.
+  // Points that are evenly spread over a length a have the variance a^2 / 12.
   return 12 * std::sqrt(variances[1] * variances[2]);
 }
 

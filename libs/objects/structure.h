@@ -7,85 +7,92 @@
 
 namespace vismap {
 
-/// What a large plane is that no detector has named.
+/// The kind of a large plane that is not part of an instance. Heights are above the floor.
 enum class StructureKind : uint8_t {
-  kNone,      ///< no structure: a thing
-  kFloor,     ///< level, at about the height of the lowest such plane; and all bits of it
-  kTableTop,  ///< level, where people put things
-  kCeiling,   ///< level, above their heads
-  kWall,      ///< upright
-  kSloped,    ///< neither level nor upright, or level at an unusual height
+  kNone,      ///< not structure
+  kFloor,     ///< level, lower than table_low; small flat pieces at the height of a floor, too
+  kTableTop,  ///< level, from table_low to table_high
+  kCeiling,   ///< level, from ceiling_low on
+  kWall,      ///< vertical
+  kSloped,    ///< neither level nor vertical, or level between table_high and ceiling_low
 };
 
-/// "floor", "table_top", ...; "none".
+/// The name of a kind in files: "none", "floor", "table_top", "ceiling", "wall", "sloped".
 const char* NameOf(StructureKind kind);
 
-/// Lengths in m, areas in m^2.
+/// What counts as structure. Lengths in m, areas in m^2.
 struct StructureOptions {
-  double flatness =
-      0.03;  ///< most points lie within this distance of a plane (far walls are noisy) ...
-  double share = 0.8;  ///< ... and this is most ...
-  double area = 1.0;   ///< ... with at least this surface
-  /// Level planes from `table_low` to `table_high` above the floor need less: tops have rims.
+  /// A point lies in a plane if it is within this distance of it; far walls are noisy.
+  double flatness = 0.03;
+  double share = 0.8;  ///< least share of a surface that lies in its plane
+  double area = 1.0;   ///< least area that lies in the plane
+  /// The same for table tops, which are smaller and have edges that are not in the plane.
   double table_share = 0.6;
   double table_area = 0.3;
-  double table_low = 0.3;
-  double table_high = 1.6;
-  double ceiling_low = 1.8;  ///< level planes from here on above the floor are ceiling
-  double max_tilt_deg = 12;  ///< of level and upright planes
-  /// A piece that is no farther from a plane of structure than this times the plane's own roughness
-  /// (root mean square) is flush with it and belongs to it, unless that is a table top, on which
-  /// flat things lie; 0 = never ...
+  double table_low = 0.3;    ///< least height of a table top
+  double table_high = 1.6;   ///< largest height of a table top
+  double ceiling_low = 1.8;  ///< least height of a ceiling
+  double max_tilt_deg = 12;  ///< largest angle from level or vertical [deg]
+  /// A piece is flush with a structure plane, and part of it, if its root mean square distance from
+  /// the plane is less than this multiple of the plane's roughness, and if the gap between their
+  /// bounds is at most flush_gap. Table tops are excluded, because flat objects lie on them. 0 = no
+  /// piece is flush.
   double flush_roughness = 2.0;
-  double flush_gap = 0.5;  ///< ... if no more than this lies between the two
+  double flush_gap = 0.5;  ///< largest gap between the bounds, see flush_roughness
 };
 
 /// The plane that fits a surface best.
 struct SurfacePlane {
   Eigen::Vector3d point_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< unit, either side
-  double share = 0;                                     ///< of the surface that lies in it, [0, 1]
-  double area = 0;                                      ///< of that
-  /// Root mean square distance from it of what is within twice the flatness: noise, mostly [m].
+  Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< unit length, of either sign
+  double share = 0;  ///< share of the points within `flatness` of it, [0, 1]
+  double area = 0;   ///< area of that share [m^2]
+  /// Root mean square distance of the points within 2 * `flatness` [m]: mostly the sensor's noise.
   double roughness = 0;
-  double joint_area = 0;  ///< with that of other flat pieces in it, see JoinFlushAreas; 0 = alone
+  double joint_area = 0;  ///< area of all flat pieces in it [m^2], see JoinFlushAreas; 0 = not set
 };
 
-/// Where a surface lies, to the second order.
+/// Mean, covariance and bounds of the points of a surface.
 struct SurfaceSpread {
-  Eigen::Vector3d mean_W = Eigen::Vector3d::Zero();        ///< of its points [m]
-  Eigen::Matrix3d covariance_W = Eigen::Matrix3d::Zero();  ///< of its points [m^2]
-  Eigen::AlignedBox3d bounds_W;                            ///< empty = no points [m]
+  Eigen::Vector3d mean_W = Eigen::Vector3d::Zero();        ///< [m]
+  Eigen::Matrix3d covariance_W = Eigen::Matrix3d::Zero();  ///< [m^2]
+  Eigen::AlignedBox3d bounds_W;                            ///< [m]; empty = no points
 };
 
-/// The spread of points of W [m]; any even pick of a surface gives about the same.
+/// The spread of points of W [m]. An even sample of the points gives about the same result.
 SurfaceSpread SpreadOf(std::span<const Eigen::Vector3f> points_W);
 
-/// The area of the flat rectangle that spreads as far along the surface's two main axes [m^2]: what
-/// a plate shows, less than what a body shows, and far more than shreds do.
+/// The area of a flat rectangle with the same spread along its two axes as the surface has along
+/// its two main axes: 12 * sqrt(l1 * l2) [m^2], where l1 and l2 are the two largest eigenvalues of
+/// the covariance. It is about the area of a flat plate, less than that of a solid body, and much
+/// more than that of scattered specks.
 double SpannedArea(const SurfaceSpread& spread);
 
+/// The plane through at most 4000 of the points [m], evenly chosen (see FitPlane). `area` is the
+/// area of the whole surface [m^2]. The default if there are no points.
 SurfacePlane FindPlane(std::span<const Eigen::Vector3f> points_W, double area,
                        const StructureOptions& options);
 
-/// Sets the joint area of planes from the flat pieces of surface that are flush with each other
-/// (the smaller one with the plane of the larger one): furniture cuts a wall into pieces none of
-/// which may be large enough for one. Table tops are told by what is in one piece: flat things of
-/// one height may lie side by side. `spreads` = of the same surfaces.
+/// Sets the joint area of flat pieces: the area of the piece and of all other flat pieces that are
+/// flush with it (the smaller piece with the plane of the larger one). Furniture divides a wall
+/// into pieces, each of which may be too small for a wall. Table tops do not use the joint area,
+/// because several flat objects of the same height may lie side by side. `spreads` are of the same
+/// surfaces.
 void JoinFlushAreas(std::span<const SurfaceSpread> spreads, const StructureOptions& options,
                     std::vector<SurfacePlane>* planes);
 
-/// Names each plane; those without area are none. The floor is the lowest level plane of at least
-/// `area`, or where there is none, `lowest` [m along up_W].
+/// The kind of each plane; kNone for planes without area. The height of the floor is that of the
+/// lowest level plane that is large enough, or `lowest` [m along up_W] if there is none.
 std::vector<StructureKind> NameStructure(std::span<const SurfacePlane> planes,
                                          const Eigen::Vector3d& up_W, double lowest,
                                          const StructureOptions& options);
 
-/// Gives what has no kind, but is flush with a plane that has one (see `flush_roughness`), the kind
-/// of that plane: of a wall that furniture or a mask's rim cuts into pieces, the small ones are
-/// wall, too. The plane is the one it is closest to, ties to the first. How rough a plane is tells
-/// how noisy the sensor is at that distance, so that what stands out of it stays a thing. Pieces
-/// with an empty spread stay as they are.
+/// Gives each piece without a kind that is flush with a structure plane (see flush_roughness) the
+/// kind of that plane. So the small pieces of a wall that furniture or the border of a mask has
+/// divided are wall, too. If there are several planes, the one with the smallest distance relative
+/// to its roughness counts, ties to the first. The roughness of a plane shows the noise of the
+/// sensor at that distance, so an object that stands out from the plane by more than noise is not
+/// changed. Pieces with an empty spread do not change.
 void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const SurfaceSpread> spreads,
                      const StructureOptions& options, std::vector<StructureKind>* kinds);
 
