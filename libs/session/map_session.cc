@@ -9,7 +9,7 @@ namespace vismap {
 MapSession::MapSession(const MapSessionOptions& options, MapMetadata metadata)
     : options_(options), map_(options.grid), metadata_(std::move(metadata)) {
   for (const CameraPose& pose : metadata_.trajectory)
-    taken_.insert({Raw(pose.camera_id), pose.utime});
+    integrated_.insert({Raw(pose.camera_id), pose.utime});
 }
 
 Result<MapSession> MapSession::Continue(const MapSessionOptions& options, LoadedMap loaded) {
@@ -32,7 +32,7 @@ FrameAssociation MapSession::Associate(const SegmentedFrame& frame) const {
 
 MapDelta MapSession::Integrate(const SegmentedFrame& frame, const FrameAssociation& association) {
   const FrameHeader& header = frame.frame.header;
-  const bool is_new = taken_.insert({Raw(header.camera_id), header.utime}).second;
+  const bool is_new = integrated_.insert({Raw(header.camera_id), header.utime}).second;
   Require(is_new, "a frame is integrated once");
   metadata_.trajectory.push_back({header.utime, header.camera_id, header.T_W_C});
   return IntegrateFrame(frame, association, options_.integration, &map_);

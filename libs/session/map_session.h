@@ -10,9 +10,9 @@
 
 namespace vismap {
 
-// What lives in this room: a map together with what it was made of and by (its identity, trajectory
-// and options), and the files that people get from it. The map server and the offline mapper are
-// both thin around it, so that they agree.
+// What lives in this room: a map together with its identity, trajectory and options (MapSession),
+// and the way of a frame into it (map_frame.h). The map server and the offline mapper both use
+// them, so that they make the same map.
 
 struct MapSessionOptions {
   VoxelGridOptions grid;
@@ -31,12 +31,12 @@ class MapSession {
 
   /// Whether this camera's frame of this time is in the map already.
   bool Contains(CameraId camera, int64_t utime) const {
-    return taken_.contains({Raw(camera), utime});
+    return integrated_.contains({Raw(camera), utime});
   }
 
-  /// First half of taking a frame; changes nothing.
+  /// Finds the segments and instances of the map that the frame shows. Changes nothing.
   FrameAssociation Associate(const SegmentedFrame& frame) const;
-  /// Second half. Throws when the frame is in the map already.
+  /// Fuses a frame and adds its pose to the trajectory. Throws when the map contains the frame.
   MapDelta Integrate(const SegmentedFrame& frame, const FrameAssociation& association);
 
   const SemanticMap& map() const { return map_; }
@@ -47,7 +47,7 @@ class MapSession {
   MapSessionOptions options_;
   SemanticMap map_;
   MapMetadata metadata_;
-  std::set<std::pair<int32_t, int64_t>> taken_;  // (camera, utime)
+  std::set<std::pair<int32_t, int64_t>> integrated_;  // (camera, utime) of each frame
 };
 
 /// 32 hexadecimal digits over what a frame did: the ids it was given and the new distances and

@@ -7,6 +7,7 @@
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/version.h"
+#include "session/map_frame.h"
 #include "settings/settings.h"
 #include "wire/object_list.h"
 #include "wire/segmented_frame.h"
@@ -121,16 +122,10 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
     commit.revision = map().revision;
     return commit;
   }
-  FrameAssociation association;
-  {
-    const StageTimer timer(status_, "association");
-    association = session_->Associate(frame);
-  }
-  MapDelta delta;
-  {
-    const StageTimer timer(status_, "integration");
-    delta = session_->Integrate(frame, association);
-  }
+  const Stopwatch watch{MonotonicSeconds, [this](const char* stage, double milliseconds) {
+                          status_->AddTiming(stage, milliseconds);
+                        }};
+  const auto [association, delta] = MapFrame(frame, session_.get(), watch);
   status_->Count("frames_integrated");
   status_->Count("votes_evicted", delta.votes_evicted);
   if (frame.had_detections) status_->Count("frames_with_detections");

@@ -5,6 +5,7 @@
 
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
+#include "session/map_frame.h"
 
 namespace vismap {
 namespace {
@@ -32,31 +33,18 @@ Result<ReadyFrame> ReadFrame(const OfflineInput& input, size_t i) {
   return ready;
 }
 
-/// Lets the network look at a frame.
-Result<void> LookAt(const OfflineInput& input, ReadyFrame* frame, StageTimes* times) {
-  if (input.network == nullptr || frame->frame.color.empty()) return {};
-  const double start = MonotonicSeconds();
-  Result<DetectionSet> seen = input.network->Detect(frame->frame.color, frame->frame.header);
-  if (!seen) return tl::unexpected(seen.error());
-  times->Add("detection", (MonotonicSeconds() - start) * 1e3);
-  frame->detections = std::move(*seen);
-  return {};
+Stopwatch WatchInto(StageTimes* times) {
+  return {MonotonicSeconds, [times](const char* stage, double ms) { times->Add(stage, ms); }};
 }
 
-void TakeFrame(ReadyFrame ready, const SegmentationStageOptions& options, MapSession& session,
-               StageTimes& times) {
-  const double start = MonotonicSeconds();
-  const SegmentedFrame frame = SegmentFrame(
-      std::move(ready.frame), ready.detections ? &*ready.detections : nullptr, options);
-  const double segmented = MonotonicSeconds();
-  const FrameAssociation association = session.Associate(frame);
-  const double associated = MonotonicSeconds();
-  session.Integrate(frame, association);
-  const double integrated = MonotonicSeconds();
-  times.Add("segmentation", (segmented - start) * 1e3);
-  times.Add("association", (associated - segmented) * 1e3);
-  times.Add("integration", (integrated - associated) * 1e3);
-  times.Add("total", (integrated - start) * 1e3);
+/// Runs the network, if there is one, on the frame's colour image.
+Result<void> DetectObjects(const OfflineInput& input, const Stopwatch& watch, ReadyFrame* frame) {
+  if (input.network == nullptr || frame->frame.color.empty()) return {};
+  Result<DetectionSet> found = watch.Measure(
+      "detection", [&] { return input.network->Detect(frame->frame.color, frame->frame.header); });
+  if (!found) return tl::unexpected(found.error());
+  frame->detections = std::move(*found);
+  return {};
 }
 
 }  // namespace
@@ -64,21 +52,17 @@ void TakeFrame(ReadyFrame ready, const SegmentationStageOptions& options, MapSes
 Result<void> MapSequence(const OfflineInput& input, const SegmentationStageOptions& options,
                          const std::function<bool(size_t done)>& proceed, MapSession* session,
                          StageTimes* times) {
-  const auto read = [&](size_t i) {
-    const double start = MonotonicSeconds();
-    Result<ReadyFrame> frame = ReadFrame(input, i);
-    return std::make_pair(std::move(frame), (MonotonicSeconds() - start) * 1e3);
-  };
+  const Stopwatch watch = WatchInto(times);
   for (size_t i = 0; i < input.dataset.size() && proceed(i); ++i) {
-    auto [frame, read_ms] = read(i);
+    Result<ReadyFrame> frame = watch.Measure("reading", [&] { return ReadFrame(input, i); });
     if (!frame) return tl::unexpected(frame.error());
-    times->Add("reading", read_ms);
     const FrameHeader& header = frame->frame.header;
-    if (session->Contains(header.camera_id, header.utime))
-      continue;  // a continued map has it already
-    if (const auto looked = LookAt(input, &*frame, times); !looked)
-      return tl::unexpected(looked.error());
-    TakeFrame(std::move(*frame), options, *session, *times);
+    if (session->Contains(header.camera_id, header.utime)) continue;  // of a map that is continued
+    if (const auto detected = DetectObjects(input, watch, &*frame); !detected)
+      return tl::unexpected(detected.error());
+    const DetectionSet* detections = frame->detections ? &*frame->detections : nullptr;
+    watch.Measure("total",
+                  [&] { MapFrame(std::move(frame->frame), detections, options, session, watch); });
   }
   return {};
 }

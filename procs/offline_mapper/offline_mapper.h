@@ -13,17 +13,17 @@
 
 namespace vismap {
 
-/// A sequence and who knows what is seen in it: somebody who remembers, or a network that looks.
-/// Neither = geometry alone.
+/// A sequence, and where its detections come from: recorded ones, or a network that runs on every
+/// frame. Without either, only geometry is mapped.
 struct OfflineInput {
   const Dataset& dataset;
   const DetectionSource* detections = nullptr;
-  DnnDetector* network = nullptr;  ///< goes before `detections`; frames without colour have none
+  DnnDetector* network = nullptr;  ///< used instead of `detections`; needs frames with colour
 };
 
-/// Takes every frame of the sequence through segmentation, association and integration, in order:
-/// what the processes do over LCM, in one process. `proceed(done)` is asked before each frame;
-/// false ends early. Fails on the first frame that cannot be read.
+/// Maps every frame of the sequence in order (see MapFrame), as the processes do over LCM.
+/// `proceed(done)` is called before each frame; when it returns false, mapping ends early. Fails on
+/// the first frame that cannot be read.
 Result<void> MapSequence(const OfflineInput& input, const SegmentationStageOptions& options,
                          const std::function<bool(size_t done)>& proceed, MapSession* session,
                          StageTimes* times);
