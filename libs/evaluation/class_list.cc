@@ -9,6 +9,7 @@
 namespace vismap {
 namespace {
 
+// The classes of the objects in the ground truth, ascending by id.
 std::vector<EvaluatedClass> SceneClasses(const GroundTruth& truth) {
   std::set<ClassId> ids;
   for (const TrueObject& object : truth.objects) {

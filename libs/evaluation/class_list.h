@@ -12,21 +12,24 @@ namespace vismap {
 
 /// A class that is scored by itself.
 struct EvaluatedClass {
-  std::string name;  ///< column of tables
+  std::string name;  ///< title of its column in tables
   ClassId class_id = ClassId::kUnknown;
-  /// Classes that the ranked AP counts as this one, too (see ranked_ap.h).
+  /// Other classes that the ranked AP counts as this one (see ranked_ap.h).
   std::vector<ClassId> aliases{};
 };
 
-/// The nine of Table I (ALGORITHM 7.3), in its order; bag is COCO's backpack.
+/// The nine classes of Table I of the paper (Grinvald 2019, Sec. IV), in its order. "bag" is COCO's
+/// backpack; see libs/METHOD.md, Evaluation.
 std::vector<EvaluatedClass> PaperClasses();
 
-/// Which of the nine a name of a SceneNN annotation means ("fridge", "refrigerator", "tv" ...).
+/// The class of the nine that a name in a SceneNN annotation means ("fridge", "refrigerator",
+/// "tv", ...). None for other names.
 std::optional<ClassId> PaperClassFromName(std::string_view name);
 
-/// "paper": the nine; "scene": all classes that the ground truth has, ascending by id; else COCO
-/// names or names of the nine, with commas between. Empty = paper, but scene for computed scenes.
-/// Fails naming a word that is no class.
+/// Parses a list of classes: "paper" = the nine classes above; "scene" = all classes of the ground
+/// truth, ascending by id; otherwise COCO names or names of the nine, separated by commas. An empty
+/// text means "scene" for computed scenes, else "paper". Fails, naming the word, if it is not a
+/// class.
 Result<std::vector<EvaluatedClass>> ParseClassList(const std::string& text,
                                                    const GroundTruth& truth);
 

@@ -5,6 +5,7 @@
 namespace vismap {
 namespace {
 
+// The IoU of a true object with the group that overlaps it most.
 double BestIou(const InstanceMatches& groups, size_t truth) {
   double best = 0;
   for (const auto& entry : groups.common[truth])
@@ -12,6 +13,7 @@ double BestIou(const InstanceMatches& groups, size_t truth) {
   return best;
 }
 
+// Number of groups that hold more than a tenth of a true object.
 int Fragments(const InstanceMatches& groups, size_t truth) {
   int fragments = 0;
   for (const auto& entry : groups.common[truth]) {
@@ -42,7 +44,7 @@ DiscoveryScore Summarise(const std::vector<double>& ious) {
   return score;
 }
 
-// Points of an object or of structure, and those of them that the map gives a class.
+// Number of points of an object or of all structure, and of those with a class in the map.
 struct NamedShare {
   int64_t points = 0, named = 0;
   double share() const { return static_cast<double>(named) / static_cast<double>(points); }

@@ -5,7 +5,7 @@
 namespace vismap {
 namespace {
 
-// Mean of those values that are there.
+// The mean of the values that are set.
 class Mean {
  public:
   void Add(const std::optional<double>& value) {

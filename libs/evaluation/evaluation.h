@@ -16,62 +16,63 @@
 
 namespace vismap {
 
+/// How a map is evaluated.
 struct EvaluationOptions {
-  double radius = 0.05;    ///< of the transfer to the truth's points, and of "within" [m]
+  double radius = 0.05;    ///< of the label transfer and of DistanceSummary::within_radius [m]
   ScanNetOptions scannet;  ///< its confidence is set by Evaluate
   RankedApOptions ranked;  ///< its scores are set by Evaluate
   DiscoveryOptions discovery;
   int64_t panoptic_min_vertices = 60;  ///< objects and predictions with fewer points are left out
 };
 
-/// A map as its users see it.
+/// The map to evaluate, as users see it.
 struct EvaluatedMap {
   Mesh mesh;
-  /// Of the instances, [0, 1]; none = not told, which leaves AP with real confidence out.
+  /// Scores of the instances, [0, 1]. If not set, AP with real confidences is left out.
   std::optional<std::map<InstanceId, double>> scores;
 };
 
-/// All of one class.
+/// All scores of one class.
 struct ClassEvaluation {
   EvaluatedClass known;
-  ScanNetEvidence at50;                 ///< constant confidence, IoU > 0.5: counts
-  ScanNetAp constant;                   ///< ScanNet's AP without ranking: the paper's Table I
-  std::optional<ScanNetAp> with_score;  ///< the same, ranked by the map's scores
+  ScanNetEvidence at50;                 ///< matches with constant confidence at IoU > 0.5
+  ScanNetAp constant;                   ///< ScanNet's AP with constant confidence, as in Table I
+  std::optional<ScanNetAp> with_score;  ///< ScanNet's AP with the map's scores as confidences
   RankedAp ranked;
   PanopticScore panoptic;
 };
 
-/// Means over the classes that the scene has; none = it has none.
+/// Means over the classes that the scene has; not set if it has none of the classes.
 struct MeanPanoptic {
-  std::optional<double> pq, sq, rq;  ///< sq over the classes with matches
+  std::optional<double> pq, sq, rq;  ///< sq is the mean over the classes with matches
 };
 
-/// What a map keeps for planners, in cells of one size.
+/// How correct the free and occupied cells of a map are, for one size of cells.
 struct FreeSpaceEvaluation {
   double cell_size = 0;  ///< [m]
-  CellShares truth;      ///< at the truth's points
+  CellShares truth;      ///< states of the cells at the points of the ground truth
   InventedCells invented;
-  std::optional<RayScore> rays;            ///< where depth images are at hand
-  std::optional<FreeSpaceScore> analytic;  ///< where the true distance is known
+  std::optional<RayScore> rays;            ///< only with the depth images
+  std::optional<FreeSpaceScore> analytic;  ///< only of computed scenes
 };
 
-/// How good a map is.
+/// All scores of a map.
 struct Evaluation {
   std::string truth_name, truth_format;
   size_t truth_points = 0, truth_objects = 0, map_vertices = 0;
-  int pred_instances = 0;  ///< instances with a class on at least ten points of the truth
-  std::vector<ClassEvaluation> classes;  ///< as listed
+  int pred_instances = 0;  ///< instances with a class and at least 10 points of the ground truth
+  std::vector<ClassEvaluation> classes;  ///< in the given order
   ScanNetAp constant_mean;
   std::optional<ScanNetAp> score_mean;
   RankedAp ranked_mean;
   MeanPanoptic panoptic;
-  PanopticScore any_class_panoptic;  ///< all objects, any class, groups as MatchGroups has them
+  PanopticScore any_class_panoptic;  ///< all objects of any class against MatchGroups
   AnyClassScore any_class;
   SurfaceError surface;
-  std::vector<FreeSpaceEvaluation> free_space;  ///< the caller's, since only saved maps have it
+  std::vector<FreeSpaceEvaluation> free_space;  ///< set by the caller; needs the voxels of the map
 };
 
-/// Everything but free space.
+/// Computes all scores except those of free space.
 Evaluation Evaluate(const GroundTruth& truth, const EvaluatedMap& map,
                     const std::vector<EvaluatedClass>& classes, EvaluationOptions options = {});
 

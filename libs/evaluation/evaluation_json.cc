@@ -10,7 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Correctly rounded, halves to even, as Python's round(): readers compare these figures.
+// Rounds decimals like Python's round(), halves to even, so that figures of Python scorers are
+// equal.
 double Rounded(double value, int digits) {
   char text[64];
   std::snprintf(text, sizeof(text), "%.*f", digits, value);
@@ -32,7 +33,8 @@ Json Length(const std::optional<DistanceSummary>& summary, double DistanceSummar
   return (*summary).*member;
 }
 
-// The figures of the ranked AP, of finding things and of the surface, under their short names.
+// The figures of the surface, of the ranked AP and of discovery, under short names at the top
+// level.
 void AddCommonFigures(const Evaluation& e, Json* json) {
   (*json)["accuracy_m"] = Length(e.surface.accuracy, &DistanceSummary::mean);
   (*json)["accuracy_p95_m"] = Length(e.surface.accuracy, &DistanceSummary::p95);
@@ -116,7 +118,7 @@ Json Part(int64_t part, int64_t all) {
   return Rounded(static_cast<double>(part) / static_cast<double>(all), 6);
 }
 
-// {NAME_samples, NAME_as_free, NAME_as_occupied, NAME_as_unknown}
+// Adds NAME_samples, NAME_as_free, NAME_as_occupied and NAME_as_unknown.
 void AddCells(const std::string& name, const CellShares& cells, Json* json) {
   (*json)[name + "_samples"] = cells.samples;
   (*json)[name + "_as_free"] = Part(cells.free, cells.samples);

@@ -21,7 +21,7 @@ std::string Percent(const std::optional<double>& share) {
   return share ? Format("%.1f", 100 * *share) : kNothing;
 }
 
-// Columns: the classes, then the mean.
+// A table with a column per class, and a last column for the mean.
 class ClassTable {
  public:
   explicit ClassTable(const Evaluation& evaluation) : evaluation_(evaluation) {

@@ -5,7 +5,7 @@
 namespace vismap {
 namespace {
 
-// One depth image.
+// Adds the samples along the rays of one depth image.
 void AddFrame(const OccupancyMap& map, const SensorFrame& frame, const RayOptions& options,
               RayScore* score) {
   const PinholeCamera& camera = frame.header.camera;
@@ -15,7 +15,7 @@ void AddFrame(const OccupancyMap& map, const SensorFrame& frame, const RayOption
       const double z = frame.depth(v, u) * frame.depth_unit_m;
       if (z < options.min_depth || z > options.max_depth) continue;
       const Eigen::Vector3d ray_C((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
-      const double stretch = ray_C.norm();  // distance from the camera per depth
+      const double stretch = ray_C.norm();  // distance from the camera divided by depth
       for (double r = options.first; r < z * stretch - options.margin; r += options.step)
         score->free.Add(map.At(frame.header.T_W_C * (ray_C * (r / stretch))));
       score->surface.Add(map.At(frame.header.T_W_C * (ray_C * z)));

@@ -7,15 +7,16 @@
 namespace vismap {
 namespace {
 
-using Group = std::pair<int, uint32_t>;  // (0, instance) or (1, segment)
-constexpr Group kNobodys{1, 0};
+// A group of points: (0, instance), or (1, segment) of points without an instance.
+using Group = std::pair<int, uint32_t>;
+constexpr Group kNobodys{1, 0};  // points without instance and segment
 
 Group GroupAt(const TransferredLabels& labels, size_t point, bool with_segments) {
   if (labels.instance[point] != InstanceId::kNone) return {0, Raw(labels.instance[point])};
   return {1, with_segments ? Raw(labels.segment[point]) : 0};
 }
 
-// One prediction per group, in order.
+// Adds one prediction per group, in ascending order. Returns the index of each group's prediction.
 std::map<Group, size_t> AddGroups(const std::vector<Group>& groups, InstanceMatches* matches) {
   std::map<Group, size_t> index_of;
   for (const Group& group : groups) {
@@ -29,7 +30,8 @@ std::map<Group, size_t> AddGroups(const std::vector<Group>& groups, InstanceMatc
   return index_of;
 }
 
-// One truth per object that has points and that `wanted` takes; its index by that of the object.
+// Adds one truth per object that has points and that `wanted` accepts. Returns the index of the
+// truth for the index of each such object.
 std::map<int, size_t> AddObjects(const GroundTruth& truth, const std::vector<int>& object_of_points,
                                  const std::function<bool(const TrueObject&)>& wanted,
                                  InstanceMatches* matches) {
@@ -44,7 +46,7 @@ std::map<int, size_t> AddObjects(const GroundTruth& truth, const std::vector<int
   return index_of;
 }
 
-// The points of the groups, and of all objects that `wanted` takes.
+// Counts the points of the groups and of the objects that `wanted` accepts, and those they share.
 InstanceMatches Count(const GroundTruth& truth, const std::vector<Group>& groups,
                       const std::function<bool(const TrueObject&)>& wanted) {
   const std::vector<int> objects = truth.ObjectOfPoints();

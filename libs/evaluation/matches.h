@@ -21,11 +21,12 @@ struct TruthInstance {
 struct PredictedInstance {
   ClassId class_id = ClassId::kUnknown;
   int64_t vertices = 0;
-  int64_t on_void = 0;  ///< of them, those on no TruthInstance
+  int64_t on_void = 0;  ///< its points on no TruthInstance
   InstanceId instance = InstanceId::kNone;
 };
 
-/// How the objects of a truth and of a map overlap: all that metrics of objects need.
+/// The overlaps between the objects of a ground truth and of a map. All metrics of objects are
+/// computed from them.
 struct InstanceMatches {
   std::vector<TruthInstance> truths;              ///< with at least one point
   std::vector<PredictedInstance> predictions;     ///< ascending by instance
@@ -43,14 +44,14 @@ struct InstanceMatches {
   }
 };
 
-/// Objects of the given classes against the map's instances. All else is void: unlabelled surface,
-/// structure, objects of other classes. A prediction's class is the most frequent one of its points
-/// (the lower one of two).
+/// Compares the true objects of the given classes with the instances of the map. All other points
+/// are void: unlabelled surface, structure, objects of other classes. The class of a prediction is
+/// the most frequent one of its points, ties to the lower id.
 InstanceMatches MatchInstances(const GroundTruth& truth, const TransferredLabels& labels,
                                std::span<const EvaluatedClass> classes);
 
-/// All objects that are no structure, of any class, against the map's groups: its instances, then
-/// the segments of what is in no instance. All classes are kUnknown here.
+/// Compares all true objects except structure, of any class, with the groups of the map: its
+/// instances, then the segments of points without an instance. All classes are set to kUnknown.
 InstanceMatches MatchGroups(const GroundTruth& truth, const TransferredLabels& labels);
 
 }  // namespace vismap

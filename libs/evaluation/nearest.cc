@@ -17,8 +17,9 @@ struct Cloud {
   }
 };
 
-// Collects what a search finds, by distance and index. The library takes only what is strictly
-// nearer than worstDist(), which would leave ties to the order of its tree: hence one step more.
+// Collects the neighbours that a search finds, ordered by distance and then by index. The library
+// only offers points that are strictly nearer than worstDist(). So that ties do not depend on the
+// order of its tree, worstDist() is the next larger number than the distance of the last neighbour.
 class TiedResults {
  public:
   using DistanceType = double;

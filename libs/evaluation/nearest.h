@@ -7,13 +7,14 @@
 
 namespace vismap {
 
-/// A point of an index, and how far it is [m].
+/// The index of a point, and its distance [m].
 struct Neighbour {
   size_t index = 0;
   double distance = 0;
 };
 
-/// Nearest points by kd-tree. Ties go to the lower index. Safe to ask from several threads.
+/// Finds nearest points with a kd-tree. Ties go to the lower index. Several threads may search at
+/// once.
 class NearestPoints {
  public:
   explicit NearestPoints(std::vector<Eigen::Vector3d> points);
@@ -21,9 +22,9 @@ class NearestPoints {
   NearestPoints(const NearestPoints&) = delete;
   NearestPoints& operator=(const NearestPoints&) = delete;
 
-  /// The nearest `count` points, near ones first; fewer when there are fewer.
+  /// The nearest `count` points, nearest first; fewer if there are fewer points.
   std::vector<Neighbour> Nearest(const Eigen::Vector3d& p, size_t count) const;
-  /// The nearest point; none when there are no points.
+  /// The nearest point; none if there are no points.
   std::optional<Neighbour> Nearest(const Eigen::Vector3d& p) const;
 
  private:

@@ -23,6 +23,7 @@ std::optional<double> PanopticScore::pq() const {
 
 PanopticScore ScorePanoptic(const InstanceMatches& matches, ClassId class_id,
                             int64_t min_vertices) {
+  // Points of each prediction on void or on objects that are too small.
   std::vector<int64_t> on_void;
   for (const PredictedInstance& prediction : matches.predictions)
     on_void.push_back(prediction.on_void);
@@ -42,7 +43,7 @@ PanopticScore ScorePanoptic(const InstanceMatches& matches, ClassId class_id,
       const double iou =
           static_cast<double>(common) /
           static_cast<double>(truth.vertices + prediction.vertices - on_void[p] - common);
-      if (iou <= 0.5) continue;  // above it the match is unique
+      if (iou <= 0.5) continue;  // an object has at most one prediction above 0.5
       matched[p] = true;
       score.sum_iou += iou;
       ++score.true_positives;

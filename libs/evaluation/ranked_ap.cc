@@ -6,6 +6,7 @@
 namespace vismap {
 namespace {
 
+// The predictions of a class and its aliases that are large enough, highest score first.
 std::vector<size_t> RankedPredictions(const InstanceMatches& matches, const EvaluatedClass& known,
                                       const RankedApOptions& options) {
   std::vector<size_t> ranked;
@@ -26,7 +27,8 @@ std::vector<size_t> RankedPredictions(const InstanceMatches& matches, const Eval
   return ranked;
 }
 
-// The area under the precision-recall curve of hits in order of rank.
+// The area under the interpolated precision-recall curve. hits[i] = the prediction of rank i
+// matches.
 double Integrate(const std::vector<bool>& hits, size_t objects) {
   std::vector<double> precision, recall;
   int found = 0;

@@ -9,22 +9,25 @@
 
 namespace vismap {
 
-/// The other common average precision: predictions ranked by score, each to the free object that it
-/// overlaps most, interpolated (enveloped) precision over all points. Stricter than ScanNet's: what
-/// lies on void is a false positive, too.
+/// The usual average precision: predictions are ranked by score, each is matched
+/// with the unmatched object that it overlaps most, and the precision is interpolated
+/// (non-increasing envelope over all points). It is stricter than ScanNet's, because a prediction
+/// on void is a false positive, too.
 struct RankedApOptions {
   int64_t min_object_vertices = 60;      ///< smaller objects are left out
   int64_t min_prediction_vertices = 10;  ///< smaller predictions are left out
-  /// Instances without a score are ranked by their points, before all those with one.
+  /// Scores of the instances. An instance without a score is ranked by its number of points, hence
+  /// before all instances with a score in [0, 1].
   std::map<InstanceId, double> scores;
 };
 
-/// Of one class and its aliases, at IoU > `overlap`; [0, 1]. None = it has no object here.
+/// The AP [0, 1] of one class and its aliases at IoU > `overlap`. None if the class has no object.
 std::optional<double> ScoreRanked(const InstanceMatches& matches, const EvaluatedClass& known,
                                   double overlap, const RankedApOptions& options);
 
+/// The AP at IoU > 0.5, and its mean over the thresholds 0.5, 0.55, ..., 0.95.
 struct RankedAp {
-  std::optional<double> ap50, ap;  ///< `ap` = mean over 0.5, 0.55 ... 0.95
+  std::optional<double> ap50, ap;
 };
 RankedAp ScoreRanked(const InstanceMatches& matches, const EvaluatedClass& known,
                      const RankedApOptions& options);

@@ -6,14 +6,14 @@
 
 namespace vismap {
 
-/// All figures as a JSON object; null = there is nothing to measure. AP, mAP, PQ, SQ, RQ, recall
-/// and discovery are percentages, all other shares lie in [0, 1], keys in _m are metres. At the top
-/// stand the figures that a mesh alone can be scored by: those of the ranked AP (classes, mAP50,
-/// mAP50_95), of finding things, and of the surface. Then one object per metric: scannet_ap,
-/// panoptic, surface; and free_space, an entry per size of cells.
+/// All scores as a JSON object; null = nothing to measure. AP, mAP, PQ, SQ, RQ, recall and
+/// discovery are percentages; other shares are in [0, 1]; keys that end in _m are metres. The top
+/// level has the surface errors, the ranked AP (classes, mAP50, mAP50_95) and the discovery scores.
+/// Then follows one object per metric: scannet_ap, panoptic, surface, and free_space with an entry
+/// per cell size.
 std::string EvaluationJson(const Evaluation& evaluation);
 
-/// The same for people: a table in the layout of the paper's Table I, and a few lines.
+/// The scores as text: a table in the layout of the paper's Table I, and a few lines.
 std::string EvaluationTable(const Evaluation& evaluation);
 
 }  // namespace vismap

@@ -6,7 +6,8 @@
 namespace vismap {
 namespace {
 
-// One class at one overlap; the names of the script's variables are given where they help.
+// Matches the objects and predictions of one class at one IoU threshold, as ScanNet's script does.
+// Comments give the names of the script's variables.
 class Matcher {
  public:
   Matcher(const InstanceMatches& matches, ClassId class_id, double overlap,
@@ -42,8 +43,9 @@ class Matcher {
     return found == options_.confidence->end() ? 0 : found->second;
   }
 
-  // The first prediction that overlaps enough is the match, and is used up. Of every further one
-  // the lower of the two confidences becomes a false positive; as in the script, it is not used up.
+  // The first unused prediction that overlaps enough is the match, and is marked as used. For every
+  // further one, the lower one of the two confidences becomes a false positive. As in the script, a
+  // further prediction is not marked as used.
   void MatchTruth(size_t truth) {
     ++evidence_.truths;
     std::optional<double> score;
@@ -66,8 +68,8 @@ class Matcher {
     }
   }
 
-  // A prediction that overlaps no object of its class enough (not even a small or a used one) is a
-  // false positive, unless too much of it is void (void_intersection) or on small objects.
+  // A prediction that overlaps no object of its class enough, including small and matched objects,
+  // is a false positive, unless too much of it is on void (void_intersection) or on small objects.
   void CheckUnmatched(size_t prediction) {
     int64_t ignored = matches_.predictions[prediction].on_void;
     for (const size_t truth : truths_) {
@@ -83,7 +85,7 @@ class Matcher {
   const InstanceMatches& matches_;
   const double overlap_;
   const ScanNetOptions& options_;
-  std::vector<size_t> truths_, predictions_;  // of the class, ascending
+  std::vector<size_t> truths_, predictions_;  // indices of those of the class, ascending
   std::set<size_t> used_;                     // pred_visited
   ScanNetEvidence evidence_;
 };
@@ -103,8 +105,7 @@ ScanNetEvidence CollectScanNetEvidence(const InstanceMatches& matches, ClassId c
 std::optional<double> IntegrateScanNet(const ScanNetEvidence& evidence) {
   if (evidence.truths == 0) return std::nullopt;
   if (evidence.predictions == 0) return 0;
-  // Precision and recall of all entries with at least a confidence, for each distinct confidence,
-  // lowest first.
+  // For each distinct confidence, lowest first: the number of entries with that confidence.
   struct Count {
     int true_positives = 0, all = 0;
   };
@@ -114,7 +115,7 @@ std::optional<double> IntegrateScanNet(const ScanNetEvidence& evidence) {
     counts[entry.confidence].true_positives += entry.is_true;
   }
   const int objects = evidence.true_positives() + evidence.hard_false_negatives;
-  std::vector<double> precision{1}, recall{0};  // the appended point; then highest first
+  std::vector<double> precision{1}, recall{0};  // the appended point; then by descending confidence
   Count sum;
   for (auto count = counts.rbegin(); count != counts.rend(); ++count) {
     sum.true_positives += count->second.true_positives;
@@ -122,8 +123,8 @@ std::optional<double> IntegrateScanNet(const ScanNetEvidence& evidence) {
     precision.push_back(static_cast<double>(sum.true_positives) / sum.all);
     recall.push_back(static_cast<double>(sum.true_positives) / objects);
   }
-  // Each precision counts for half the way from the recall before it to the one after; beyond both
-  // ends the recall stays what it is there (0 at the appended point).
+  // Each precision has the weight (recall after it - recall before it) / 2. At the two ends, the
+  // missing recall is that of the end itself (0 at the appended point).
   double area = 0;
   for (size_t i = 0; i < precision.size(); ++i) {
     const double before = i == 0 ? 0 : recall[i - 1];

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using ClassNames = std::map<std::string, std::string>;  // raw category -> nyu40class
+using ClassNames = std::map<std::string, std::string>;  // raw_category -> nyu40class
 
 const std::string kMeshEnding = "_vh_clean_2.ply";
 
@@ -41,7 +41,8 @@ Result<std::vector<int64_t>> ReadSegments(const fs::path& path, size_t vertices)
   return segments;
 }
 
-// The table of the benchmark: tabs between columns, a header line. Empty when there is none.
+// Reads the table of the benchmark, which has tabs between the columns and a header line. Empty if
+// there is no such file.
 ClassNames ReadClassTable(const fs::path& folder) {
   ClassNames names;
   for (const fs::path& place : {folder, folder.parent_path(), folder.parent_path().parent_path()}) {
@@ -65,7 +66,7 @@ ClassNames ReadClassTable(const fs::path& folder) {
   return names;
 }
 
-// The raw categories that the table maps to one of the nine most often.
+// The class for frequent raw categories, for folders without the table.
 std::string BuiltInClass(const std::string& raw) {
   static const ClassNames kNames{
       {"office chair", "chair"}, {"armchair", "chair"},     {"stack of chairs", "chair"},

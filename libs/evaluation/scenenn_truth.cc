@@ -18,7 +18,7 @@ std::string Value(const Attributes& attributes, const char* key) {
   return found == attributes.end() ? "" : found->second;
 }
 
-// Class names of SceneNN's annotation; those of our own exports stand in `kind`.
+// The name of a label's class: `kind`, which our exports write, or SceneNN's `nyu_class`.
 std::string KindOf(const Attributes& attributes) {
   const std::string kind = Value(attributes, "kind");
   return kind.empty() ? Value(attributes, "nyu_class") : kind;

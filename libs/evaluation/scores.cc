@@ -10,13 +10,14 @@
 namespace vismap {
 namespace {
 
-// Instance when there is one, else segment: (0, instance) or (1, segment).
+// The group of a vertex: (0, instance), or (1, segment) if it has no instance.
 std::pair<int, uint32_t> GroupOf(const MeshVertex& vertex) {
   if (vertex.instance != InstanceId::kNone) return {0, Raw(vertex.instance)};
   return {1, Raw(vertex.segment)};
 }
 
-// Whether a whole block lies in true free space: so do most, which spares asking for each cell.
+// Whether a whole block is in true free space. Then its cells, as those of most blocks, need not be
+// checked one by one.
 bool IsFarFromSurface(const OccupancyMap& map, BlockIndex index, const TrueDistance& truth) {
   const double side = kBlockSide * map.cell_size();
   const Eigen::Vector3d center = (Eigen::Vector3d(index.x, index.y, index.z).array() + 0.5) * side;
@@ -59,7 +60,7 @@ std::map<uint16_t, ObjectScore> ScoreObjects(const Mesh& mesh,
     ObjectScore& score = scores[object];
     for (const auto& entry : groups) score.vertices += entry.second;
     for (const auto& [group, common] : groups) {
-      if (group == Group{1, 0}) continue;  // nobody's surface
+      if (group == Group{1, 0}) continue;  // surface without a segment
       if (common * 10 > score.vertices) ++score.fragments;
       const double iou = static_cast<double>(common) /
                          static_cast<double>(score.vertices + group_sizes[group] - common);

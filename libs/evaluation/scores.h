@@ -11,40 +11,41 @@
 
 namespace vismap {
 
-// What lives in this room: how good a map is. Here against truth given as functions, for tests on
-// analytic scenes; against a scanned or tessellated truth, with the metrics of benchmarks, in
-// evaluation.h. The protocols are the paper's (Grinvald 2019, Sec. IV) as far as it tells them, and
-// ScanNet's. No files are written here.
+// The room `evaluation` measures how good a map is. This file compares a map with a truth that is
+// given as functions, for tests on analytic scenes. evaluation.h compares it with a scanned or
+// tessellated truth and has the metrics of benchmarks: those of the paper (Grinvald 2019, Sec. IV),
+// as far as it describes them, and those of ScanNet. The room writes no files.
 
 /// Signed distance of a point of W to the true surface [m]; positive in free space.
 using TrueDistance = std::function<double(const Eigen::Vector3d&)>;
 
-/// How far a mesh is from the true surface [m].
+/// Distances of a mesh from the true surface [m].
 struct GeometryScore {
-  double mean = 0;  ///< of the unsigned distances of its vertices
-  double p95 = 0;
+  double mean = 0;  ///< mean unsigned distance of the vertices
+  double p95 = 0;   ///< 95th percentile of the unsigned distances
   int64_t vertices = 0;
 };
 GeometryScore ScoreGeometry(const Mesh& mesh, const TrueDistance& truth);
 
-/// One true object, by the vertices of the mesh that lie on it.
+/// How well the mesh shows one true object, counted in the vertices that lie on it.
 struct ObjectScore {
-  double iou = 0;  ///< of the best group of vertices with one instance (else one segment)
+  double iou = 0;  ///< of the group (instance, or segment without one) that overlaps it most
   InstanceId instance = InstanceId::kNone;  ///< of that group; kNone = a discovered segment
   ClassId class_id = ClassId::kUnknown;     ///< of that group
-  int fragments = 0;                        ///< groups that hold more than a tenth of it
-  int64_t vertices = 0;                     ///< that lie on it
+  int fragments = 0;                        ///< number of groups that hold more than a tenth of it
+  int64_t vertices = 0;                     ///< number of vertices that lie on it
 };
-/// `truth_of` = id of the true object that each vertex lies on; 0 = none. Ties go to the lower id.
+/// The score of each true object, by its id. `truth_of` has the id of the true object that each
+/// vertex lies on; 0 = none. Ties go to instances before segments, then to the lower id.
 std::map<uint16_t, ObjectScore> ScoreObjects(const Mesh& mesh,
                                              const std::vector<uint16_t>& truth_of);
 
-/// Errors of free and occupied space, over the cells of an occupancy map whose centre is farther
-/// than `margin` [m] from the true surface.
+/// Errors of free and occupied cells. A cell is wrong if its centre is on the wrong side of the
+/// true surface and farther than `margin` [m] from it.
 struct FreeSpaceScore {
   int64_t free_cells = 0, free_but_solid = 0;
   int64_t occupied_cells = 0, occupied_but_free = 0;
-  double deepest_free = 0;  ///< how deep the centre of a free cell lies in a solid [m]
+  double deepest_free = 0;  ///< largest depth of a free cell's centre inside a solid [m]
 };
 FreeSpaceScore ScoreFreeSpace(const OccupancyMap& map, const TrueDistance& truth, double margin);
 

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr size_t kSamples = 50000;
-constexpr size_t kCandidates = 12;
-constexpr double kLargestGap = 0.2;  // [m]
-constexpr double kTiny = 1e-18;      // keeps triangles without area from dividing by zero
+constexpr size_t kSamples = 50000;   // at least so many vertices are sampled, if there are so many
+constexpr size_t kCandidates = 12;   // triangles that are checked per point
+constexpr double kLargestGap = 0.2;  // largest distance in the mean completeness [m]
+constexpr double kTiny = 1e-18;      // avoids division by zero for triangles without area
 
 double DistanceToEdge(const Vector3d& p, const Vector3d& from, const Vector3d& edge) {
   const Vector3d q = p - from;
@@ -37,7 +37,7 @@ double DistanceToTriangle(const Vector3d& p, const Vector3d& a, const Vector3d& 
       {distance, DistanceToEdge(p, a, e0), DistanceToEdge(p, a, e1), DistanceToEdge(p, b, c - b)});
 }
 
-// Distances to the surface of a ground truth.
+// Computes distances to the surface of a ground truth.
 class TruthSurface {
  public:
   explicit TruthSurface(const GroundTruth& truth) : truth_(truth), tree_(Sites(truth)) {}
@@ -70,7 +70,7 @@ class TruthSurface {
   NearestPoints tree_;
 };
 
-// Every n-th finite vertex, so that about kSamples remain.
+// Every n-th finite vertex: between kSamples and 2 * kSamples of them, or all if there are fewer.
 std::vector<Vector3d> SampleVertices(const Mesh& mesh) {
   std::vector<Vector3d> finite, samples;
   for (const MeshVertex& vertex : mesh.vertices) {
@@ -86,7 +86,7 @@ double Percentile(const std::vector<double>& ascending, double share) {
   const auto below = static_cast<size_t>(at);
   if (below + 1 >= ascending.size()) return ascending.back();
   const double part = at - std::floor(at);
-  if (part == 0) return ascending[below];  // what follows may be infinite
+  if (part == 0) return ascending[below];  // the next one may be infinite
   return ascending[below] + part * (ascending[below + 1] - ascending[below]);
 }
 

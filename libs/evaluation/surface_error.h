@@ -13,24 +13,28 @@ struct DistanceSummary {
   size_t samples = 0;
   double mean = 0;
   double median = 0, p95 = 0;  ///< percentiles, linear between samples
-  double within_radius = 0;    ///< share below the radius
+  double within_radius = 0;    ///< share of the distances below the radius
 };
 
-/// How well two surfaces agree; none where there is nothing to measure.
+/// How well the surface of a map agrees with the true one. Not set if there is nothing to measure.
 struct SurfaceError {
-  /// From the map to the truth: how wrong is what was mapped. Up to 100 000 vertices, evenly taken.
+  /// Distances from vertices of the map to the true surface: how wrong the mapped surface is. At
+  /// most 100 000 vertices are used, evenly chosen.
   std::optional<DistanceSummary> accuracy;
-  /// From the truth's points to the map's nearest vertex: how much is missing.
+  /// Distances from the points of the truth to the nearest vertex of the map: how much is missing.
   std::optional<DistanceSummary> completeness;
 };
 
-/// `distances` may be infinite. `cap` bounds each distance [m] for the mean; 0 = not.
+/// Statistics of distances [m], which may be infinite; none if there are no distances. For the
+/// mean, each distance is limited to `cap` [m]; 0 = no limit. `radius` [m] is that of
+/// within_radius.
 std::optional<DistanceSummary> SummarizeDistances(std::vector<double> distances, double radius,
                                                   double cap = 0);
 
-/// Distances are to the nearest of the 12 triangles with the nearest centroids, and to points where
-/// the truth has no triangles. The mean completeness counts distances above 20 cm as 20 cm, since
-/// what was never mapped has no meaningful distance.
+/// Compares two surfaces. The distance to the true surface is that to the nearest of the 12
+/// triangles with the nearest centroids, or to the nearest point if the truth has no triangles. In
+/// the mean completeness, distances above 20 cm count as 20 cm, because the distance of surface
+/// that was never mapped has no meaning.
 SurfaceError ScoreSurface(const GroundTruth& truth, const Mesh& mesh,
                           const TransferredLabels& labels, double radius);
 

@@ -7,18 +7,18 @@
 
 namespace vismap {
 
-/// What a map says at each point of a ground truth: the ids of the nearest vertex within a radius,
-/// else none. All metrics of objects are counted on these points, so that maps of any resolution
-/// are measured alike.
+/// The labels of a map at each point of a ground truth: those of the nearest vertex within a
+/// radius, or none. All metrics of objects are counted on these points, so that they do not depend
+/// on the resolution of the map.
 struct TransferredLabels {
-  std::vector<double> distance;  ///< to the nearest vertex [m]; infinite without any
+  std::vector<double> distance;  ///< to the nearest vertex [m]; infinite if the map is empty
   std::vector<SegmentLabel> segment;
   std::vector<InstanceId> instance;
   std::vector<ClassId> class_id;
 };
 
-/// Vertices that are not finite are left out; vertices equally near: the lower index.
-/// `radius` [m]: 5 cm in the published evaluation of SceneNN (ALGORITHM 7.6).
+/// Transfers the labels. Vertices that are not finite are left out; ties go to the lower index. The
+/// published evaluation of SceneNN uses a `radius` of 5 cm [m]; see libs/METHOD.md, Evaluation.
 TransferredLabels TransferLabels(const GroundTruth& truth, const Mesh& mesh, double radius);
 
 }  // namespace vismap

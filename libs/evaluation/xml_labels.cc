@@ -28,7 +28,8 @@ void SkipBlanks(std::string_view* text) {
   text->remove_prefix(std::min(text->find_first_not_of(kBlank), text->size()));
 }
 
-// Takes NAME="VALUE" off the front; false = that is not what stands there.
+// Reads NAME="VALUE" at the front of the text and removes it. Returns false if the text does not
+// begin with an attribute.
 bool TakeAttribute(std::string_view* text, std::map<std::string, std::string>* attributes) {
   const size_t equals = text->find('=');
   if (equals == std::string_view::npos) return false;
@@ -45,7 +46,7 @@ bool TakeAttribute(std::string_view* text, std::map<std::string, std::string>* a
   return true;
 }
 
-// Length of a comment at the front; 0 = none.
+// The length of the comment at the front of the text; 0 if there is none.
 size_t CommentSize(std::string_view text) {
   if (!text.starts_with("<!--")) return 0;
   const size_t end = text.find("-->");

@@ -8,18 +8,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Adding 0 turns -0 into 0.
+// Rounded to 1e-6. Adding 0 turns -0 into 0.
 double Rounded(double value) { return std::round(value * 1e6) / 1e6 + 0.0; }
 
 Json ToJson(const Eigen::Vector3d& v) { return {Rounded(v.x()), Rounded(v.y()), Rounded(v.z())}; }
 
-// One of the two quaternions of a rotation: the one with positive w.
+// A rotation has two quaternions; this writes the one with w >= 0.
 Json ToJson(const Eigen::Quaterniond& q) {
   const double sign = q.w() < 0 ? -1 : 1;
   return {Rounded(sign * q.x()), Rounded(sign * q.y()), Rounded(sign * q.z()),
           Rounded(sign * q.w())};
 }
 
+// {"class id": probability, ...}
 Json Probabilities(const ObjectSummary& object) {
   Json shares = Json::object();
   for (const auto& [class_id, share] : object.class_probability) {
@@ -57,8 +58,9 @@ Json ToJson(const ObjectSummary& object, const ClassNamer& class_name) {
   return json;
 }
 
-// nlohmann would either put everything on one line or every number on its own. Names from the
-// outside may not be UTF-8: replaced rather than thrown at.
+// A JSON array with one element per line. The JSON library can only write everything on one line or
+// every number on a line of its own. Bytes of names that are not UTF-8 are replaced, because the
+// library would throw an exception for them.
 std::string Lines(const std::vector<Json>& list) {
   std::string text = "[";
   for (size_t i = 0; i < list.size(); ++i) {

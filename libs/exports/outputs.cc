@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Removes what an earlier run left, so that the folder shows this map's objects and no others.
+// Removes the meshes of an earlier run, so that the folder has only the objects of this map.
 Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::string>& current) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
@@ -32,6 +32,7 @@ Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::strin
   return {};
 }
 
+// The id of the map and the names of the classes in the mesh.
 PlyInfo InfoFor(const MapMetadata& metadata, const Mesh& mesh) {
   PlyInfo info;
   info.map_id = metadata.map_id;

@@ -12,52 +12,58 @@
 
 namespace vismap {
 
+/// How the outputs of a map are made.
 struct OutputOptions {
   MeshingOptions meshing;
-  ObjectOptions objects;  ///< its up_W is taken from the trajectory unless `up_W` is set
+  ObjectOptions objects;  ///< its up_W and up_is_guess are replaced, see ObjectOptionsFor
+  /// Upward direction in W, unit length; not set = estimated from the trajectory.
   std::optional<Eigen::Vector3d> up_W;
   OccupancyOptions occupancy;
-  double octree_resolution = 0;  ///< [m]; 0 = see OctreeOptions
-  double octree_free_fraction = 1.0;
+  double octree_resolution = 0;       ///< edge of a cell [m]; 0 = default, see OctreeOptions
+  double octree_free_fraction = 1.0;  ///< see OctreeOptions
 };
 
-/// What people look at: derived from a map, nothing new in it.
+/// The mesh and the objects of a map. Both are computed from the map alone.
 struct MapProducts {
   Mesh mesh;
   std::vector<ObjectSummary> objects;
 };
 
-/// Mesh and objects of a map.
+/// Computes the mesh and the objects of a map.
 MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
                          const OutputOptions& options);
 
-/// The options of the objects with up_W filled in.
+/// options.objects with the upward direction: options.up_W, or an estimate from the trajectory
+/// (UpOfCameras) if that is not set.
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options);
 
-/// The octree of a map, unknown space left out or, within the bounds, written occupied.
+/// The octree of a map. `unknown` says whether unknown space is left out or, within the bounds of
+/// the map, written as occupied. Fails on what BuildOctree fails on.
 Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
                                UnknownPolicy unknown);
 
-/// objects.json of the products.
+/// The text of objects.json.
 std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products);
 
-/// Writes one PLY per object and discovered segment (structure left out) into `folder`/, replacing
-/// those of an earlier run.
+/// Writes one PLY file per object that has a surface and is not structure into `folder`, which is
+/// created. Removes the object files of an earlier run. Returns the number of files. Fails with the
+/// name of a file or folder that cannot be written.
 Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
                               const std::filesystem::path& folder);
 
-/// Mesh and points of the objects of the products that have a surface, as NAME.ply (see ply.h) and
-/// NAME.xyz (a line "x y z r g b" per vertex, metres in W) in `folder`, which is created. Other
-/// files there stay. Returns the files.
+/// Writes every object that has a surface into `folder`, which is created: its mesh as NAME.ply
+/// (see ply.h) and its vertices as NAME.xyz (one line "x y z r g b" per vertex, metres in W). Other
+/// files in the folder stay. Returns the paths of the files written.
 Result<std::vector<std::filesystem::path>> WriteSelectedObjects(
     const MapMetadata& metadata, const MapProducts& products, const std::filesystem::path& folder);
 
-/// mesh.ply of the products.
+/// Writes the mesh of the products as PLY to `path`.
 Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
                        const std::filesystem::path& path);
 
-/// Everything into `folder`, which is created: mesh.ply, objects.json, objects/*.ply, map.vismap,
-/// octree.bt, octree.closed.bt, map.png. Returns the saved map's facts.
+/// Writes all outputs of a map into `folder`, which is created: map.vismap, mesh.ply, objects.json,
+/// objects/*.ply, octree.bt, octree.closed.bt (unknown space is occupied) and map.png. Returns what
+/// SaveMap returns. Fails with the name of a file that cannot be written.
 Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
                               const MapProducts& products, const OutputOptions& options,
                               const std::filesystem::path& folder);

@@ -11,7 +11,7 @@
 
 namespace vismap {
 
-/// What a PLY file says in its comments: `comment map_id ...`, `comment class 62 chair`.
+/// What the comments of a PLY file tell: `comment map_id ...`, `comment class 62 chair`.
 struct PlyInfo {
   std::string map_id;
   std::map<ClassId, std::string> class_names;
@@ -23,21 +23,23 @@ struct PlyFile {
   PlyInfo info;
 };
 
-/// Binary little-endian PLY. Vertex: float x y z nx ny nz, uchar red green blue, uint segment,
-/// uint instance, ushort class; face: list uchar int vertex_indices. Line breaks in the info become
-/// spaces.
+/// The mesh as binary little-endian PLY. Vertex: float x y z [m, in W] nx ny nz, uchar red green
+/// blue, uint segment, uint instance, ushort class. Face: list uchar int vertex_indices. Line
+/// breaks in `info` become spaces.
 std::vector<uint8_t> EncodePly(const Mesh& mesh, const PlyInfo& info);
 
-/// The mesh of a binary little-endian PLY: any order and number types, unknown elements and
-/// properties skipped, missing ones left at their defaults (x y z are needed), polygons cut into
-/// fans; `label` is read as segment where there is no `segment`, `vertex_index` as
-/// `vertex_indices`. Fails on anything cut short, on indices out of range and on ids that do not
-/// fit; `name` opens the error sentence.
+/// Reads a binary little-endian PLY. Properties may have any order and any number type. Unknown
+/// elements and properties are skipped; missing properties keep their defaults, but x, y and z are
+/// required. Polygons become fans of triangles. `label` is read as segment if there is no
+/// `segment`, and `vertex_index` like `vertex_indices`. Fails if the file is truncated, if an index
+/// is out of range, or if an id is not a whole number of its type. `name` is the file's name in
+/// errors.
 Result<PlyFile> DecodePly(std::span<const uint8_t> bytes, const std::string& name);
 
-/// EncodePly to a file, in one piece or not at all (see WriteFileAtomically).
+/// Writes EncodePly to a file (see WriteFileAtomically).
 Result<void> WritePly(const std::filesystem::path& path, const Mesh& mesh, const PlyInfo& info);
 
+/// Reads a PLY file (see DecodePly). Fails with the name of the file.
 Result<PlyFile> ReadPly(const std::filesystem::path& path);
 
 }  // namespace vismap

@@ -6,9 +6,9 @@
 
 namespace vismap {
 
-/// Facts of a map as a JSON object: map_id, hash, revision, voxel_size_m, truncation_m, frames,
-/// blocks (by kind), bytes (by layer, and in all), segments (alive and ever), instances. Keys in a
-/// fixed order.
+/// Statistics of a map as a JSON object on one line: map_id, hash, revision, voxel_size_m,
+/// truncation_m, frames, last_utime, blocks (in total and by kind), bytes (in total and by layer),
+/// segments and instances (current, and ever created). The keys have a fixed order.
 std::string StatisticsJson(const SemanticMap& map, const MapMetadata& metadata);
 
 }  // namespace vismap

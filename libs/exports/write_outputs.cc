@@ -4,7 +4,8 @@
 #include "render/overview.h"
 #include "render/png.h"
 
-// Alone in its file: programs that write no pictures need not load the libraries that do.
+// WriteOutputs has a file of its own, so that programs that do not call it need not load the
+// libraries for pictures.
 
 namespace vismap {
 

@@ -11,30 +11,32 @@
 
 namespace vismap {
 
+/// How an overview is drawn.
 struct OverviewOptions {
-  int width = 1600;
-  int height = 900;
+  int width = 1600;  ///< [px]; >= 320
+  int height = 900;  ///< [px]; >= 240
   Coloring coloring = Coloring::kInstance;
-  /// Up direction, unit; nullopt = estimated from the surfaces (see EstimateUp).
+  /// Upward direction in W, unit length; not set = estimated from the surface (EstimateUp).
   std::optional<Eigen::Vector3d> up_W = std::nullopt;
-  bool name_objects = true;  ///< class names beside the objects in the perspective view
+  bool name_objects = true;  ///< write the class names at the objects in the perspective view
 };
 
-/// One picture of a map for people: in perspective on the left, from above on the right, and below
-/// them what the colours mean (a swatch, the class name and the number of objects per class).
-/// `title` stands at the top. `mesh` and `objects` may be empty.
+/// One picture of a map: a perspective view on the left, a view from above on the right, and below
+/// them a legend with the colours, the name and the number of objects of each class. `title` is at
+/// the top. `mesh` and `objects` may be empty.
 Image<Rgb8> RenderMapOverview(const Mesh& mesh, std::span<const ObjectSummary> objects,
                               const ClassNamer& class_name, const std::string& title,
                               const OverviewOptions& options = {});
 
-/// A line of a legend: up to a few swatches, then the text.
+/// A line of a legend: a few swatches, then the text.
 struct LegendEntry {
   std::vector<Rgb8> swatches;
   std::string text;
 };
 
-/// What the colours of a picture mean: one entry per class in ascending order, with the number of
-/// its objects (and, coloured by instance, their colours); then unknown objects and the rest.
+/// The legend of a picture: one entry per class in ascending order, with the number of its objects
+/// and the first few of their colours; then instances without a class, discovered objects,
+/// structure, and unsegmented surface. There are no swatches for Coloring::kRgb.
 std::vector<LegendEntry> MakeLegend(std::span<const ObjectSummary> objects, Coloring coloring,
                                     const ClassNamer& class_name);
 

@@ -18,14 +18,15 @@ Rgb8 FromHsv(double hue, double saturation, double value) {
 
 double Fraction(double value) { return value - std::floor(value); }
 
-// Successive multiples of the golden ratio spread evenly over the circle, however many are taken.
+// Multiples of the golden ratio are evenly spread over the colour circle for any number of ids.
 double Hue(uint32_t id) { return Fraction(0.08 + id * 0.61803398874989485); }
 
 }  // namespace
 
 Rgb8 StrongColor(uint32_t id) {
   if (id == 0) return kNobodyColor;
-  // Two more levels of brightness and saturation tell hues apart that come close after some time.
+  // After some ids, hues are close to earlier ones. Two levels of brightness and of saturation keep
+  // such colours different.
   const double value = 0.95 - 0.22 * (id / 5 % 2);
   const double saturation = 0.85 - 0.25 * (id / 10 % 2);
   return FromHsv(Hue(id), saturation, value);

@@ -6,22 +6,23 @@
 
 namespace vismap {
 
-/// What the colours of a picture mean.
+/// What the colours of a picture show.
 enum class Coloring {
-  kInstance,  ///< strong colours: one per instance; pale: one per segment without an instance
-  kClass,     ///< strong colours: one per class; pale: one per segment without a class
-  kSegment,   ///< strong colours: one per segment
-  kRgb,       ///< as the camera saw it
+  kInstance,  ///< a strong colour per instance; a pale colour per segment without an instance
+  kClass,     ///< a strong colour per class; a pale colour per segment without a class
+  kSegment,   ///< a strong colour per segment
+  kRgb,       ///< the colours that the camera saw
 };
 
-/// Colours are fixed for ever: the same id has the same colour in every picture. Neighbouring ids
-/// differ by the golden ratio in hue. Id 0 is grey.
+/// The colour of an id. An id has the same colour in every picture. The hues of successive ids
+/// differ by the golden ratio. Id 0 is grey (kNobodyColor).
 Rgb8 StrongColor(uint32_t id);
 Rgb8 PaleColor(uint32_t id);
 
+/// The colour of a vertex in a picture with this colouring.
 Rgb8 VertexColor(const MeshVertex& vertex, Coloring coloring);
 
-/// Colour of surface that belongs to no segment.
+/// The colour of surface without a segment.
 inline constexpr Rgb8 kNobodyColor{150, 150, 150};
 
 }  // namespace vismap

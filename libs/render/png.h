@@ -8,10 +8,10 @@
 
 namespace vismap {
 
-/// PNG of an image with at least one pixel.
+/// The image as a PNG file. It must have at least one pixel.
 std::vector<uint8_t> EncodePng(const Image<Rgb8>& image);
 
-/// EncodePng to a file, in one piece or not at all (see WriteFileAtomically).
+/// Writes EncodePng to a file (see WriteFileAtomically).
 Result<void> WritePng(const std::filesystem::path& path, const Image<Rgb8>& image);
 
 }  // namespace vismap

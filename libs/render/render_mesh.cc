@@ -10,18 +10,19 @@
 namespace vismap {
 namespace {
 
-constexpr double kNear = 0.05;  // [m] in front of the eye
-constexpr int kBandRows = 32;
-constexpr int kSmooth = 2;  // samples per pixel and axis
+constexpr double kNear = 0.05;  // smallest depth of a visible vertex [m]
+constexpr int kBandRows = 32;   // rows that one thread draws at a time
+constexpr int kSmooth = 2;      // samples per pixel and axis
 
 struct ScreenVertex {
   float u = 0, v = 0;
-  float closeness = 0;  // larger = nearer to the eye, linear over the screen
+  float closeness = 0;  // larger = nearer to the viewer; linear in screen coordinates
   bool visible = false;
   Eigen::Vector3f rgb = Eigen::Vector3f::Zero();
 };
 
-// Headlight, with a little light from above that tells horizontal from upright.
+// Brightness [0, 1]: a light at the viewer, and a weak one from above that makes horizontal and
+// vertical surfaces look different.
 float Shade(const Eigen::Vector3d& normal_V, const Eigen::Vector3d& toward_eye_V) {
   const double head = std::abs(normal_V.dot(toward_eye_V));
   const double above = std::max(0.0, -normal_V.y());
@@ -36,7 +37,7 @@ ScreenVertex ToScreen(const MeshVertex& vertex, const View& view, Coloring color
   const double scale = view.orthographic ? view.scale : view.scale / p.z();
   screen.u = static_cast<float>(p.x() * scale + view.center.x());
   screen.v = static_cast<float>(p.y() * scale + view.center.y());
-  // Also keeps what is not a number away from the loops over pixels.
+  // This also excludes NaN from the loops over pixels.
   screen.visible = std::abs(screen.u) < 1e6F && std::abs(screen.v) < 1e6F;
   if (!screen.visible) return screen;
   screen.closeness = static_cast<float>(view.orthographic ? -p.z() : 1 / p.z());
@@ -61,14 +62,15 @@ float Cross(const ScreenVertex& a, const ScreenVertex& b, float u, float v) {
 
 uint8_t ToByte(float value) { return static_cast<uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F)); }
 
-// Rows [begin, end) of the picture and the closeness of what is drawn there.
+// The rows [begin, end) of a picture, with its depth buffer.
 struct Canvas {
   Image<Rgb8>* image;
   Image<float>* closeness;
   int begin, end;
 };
 
-// The first and last pixel centre in an interval, cut to [low, high).
+// The first and the last pixel centre between the least and the largest of three coordinates,
+// limited to [low, high).
 std::pair<int, int> PixelRange(float a, float b, float c, int low, int high) {
   const float from = std::max(std::ceil(std::min({a, b, c})), static_cast<float>(low));
   const float to = std::min(std::floor(std::max({a, b, c})), static_cast<float>(high - 1));
@@ -78,7 +80,8 @@ std::pair<int, int> PixelRange(float a, float b, float c, int low, int high) {
 void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                   const Canvas& canvas) {
   if (!a.visible || !b.visible || !c.visible) return;
-  // Counter-clockwise seen from the front is clockwise on a screen whose v points down.
+  // Front faces are counter-clockwise. In the picture, whose v points down, they are clockwise and
+  // have a negative area. Back faces are not drawn.
   const float area = Cross(a, b, c.u, c.v);
   if (!(area < 0)) return;
   const auto [v_begin, v_end] = PixelRange(a.v, b.v, c.v, canvas.begin, canvas.end);
@@ -99,7 +102,8 @@ void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVert
   }
 }
 
-// Bands of rows are drawn in parallel; within a band, triangles keep their order.
+// Bands of rows are drawn in parallel. Within a band, triangles are drawn in their order, so the
+// result does not depend on the number of threads.
 Image<Rgb8> Rasterize(const Mesh& mesh, const View& view, Coloring coloring) {
   const std::vector<ScreenVertex> screen = ProjectAll(mesh, view, coloring);
   Image<Rgb8> image(view.width, view.height, kBackground);
@@ -118,6 +122,7 @@ Image<Rgb8> Rasterize(const Mesh& mesh, const View& view, Coloring coloring) {
   return image;
 }
 
+// Averages squares of `factor` x `factor` pixels.
 Image<Rgb8> Shrink(const Image<Rgb8>& large, int factor) {
   Image<Rgb8> small(large.width() / factor, large.height() / factor);
   const int samples = factor * factor;
@@ -146,7 +151,7 @@ Image<Rgb8> RenderMesh(const Mesh& mesh, const View& view, Coloring coloring) {
   fine.width *= kSmooth;
   fine.height *= kSmooth;
   fine.scale *= kSmooth;
-  // The middle of a pixel lies between its samples.
+  // The centre of a pixel is between its samples.
   fine.center = (view.center.array() + 0.5) * kSmooth - 0.5;
   return Shrink(Rasterize(mesh, fine, coloring), kSmooth);
 }

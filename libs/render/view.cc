@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Twice the area of a triangle along its normal.
+// The normal of triangle i, with twice its area as length.
 Vector3d FaceVector(const Mesh& mesh, size_t i) {
   const auto at = [&](size_t corner) -> Vector3d {
     return mesh.vertices[mesh.triangles[i][corner]].position_W.cast<double>();
@@ -23,7 +23,7 @@ Vector3d FaceVector(const Mesh& mesh, size_t i) {
   return (at(1) - at(0)).cross(at(2) - at(0));
 }
 
-// About `limit` triangles, evenly picked: enough to judge a view by.
+// The face vectors of at most `limit` triangles, evenly chosen.
 std::vector<Vector3d> SampleFaces(const Mesh& mesh, size_t limit) {
   const size_t stride = mesh.triangles.size() / limit + 1;
   std::vector<Vector3d> faces;
@@ -31,7 +31,7 @@ std::vector<Vector3d> SampleFaces(const Mesh& mesh, size_t limit) {
   return faces;
 }
 
-// A view from `eye` along `forward` with the picture's top towards `up`.
+// T_V_W of a viewer at `eye` who looks along `forward`, with the top of the picture towards `up`.
 Pose LookFrom(const Vector3d& eye, const Vector3d& forward, const Vector3d& up) {
   const Vector3d z = forward.normalized();
   const Vector3d x = z.cross(up).normalized();
@@ -51,13 +51,13 @@ std::array<Vector3d, 8> Corners(const SceneBox& scene) {
   return corners;
 }
 
-// Direction from the scene to the viewer.
+// Unit direction from the scene to the viewer, in W. Angles [rad] are relative to the scene's box.
 Vector3d Toward(const SceneBox& scene, double azimuth, double elevation) {
   return scene.R_W_B * Vector3d(std::cos(azimuth) * std::cos(elevation),
                                 std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
 }
 
-// How far back the eye must be for all corners to be in the picture.
+// The distance from the scene's centre [m] at which all corners of its box are in the picture.
 double FittingDistance(const SceneBox& scene, const View& view, const Vector3d& toward) {
   const Eigen::Matrix3d R_V_W = LookFrom(toward, -toward, scene.up_W).linear();
   const double margin = 0.94;
@@ -73,14 +73,14 @@ double FittingDistance(const SceneBox& scene, const View& view, const Vector3d& 
 
 Eigen::Vector2d MiddleOf(int width, int height) { return {0.5 * (width - 1), 0.5 * (height - 1)}; }
 
-// The range of the values without the few outermost.
+// The range of the values without the smallest and the largest 0.1 %.
 std::pair<double, double> UsualRange(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const size_t cut = values.size() / 1000;
   return {values[cut], values[values.size() - 1 - cut]};
 }
 
-// Zooms and shifts the picture so that what faces the viewer fills it.
+// Zooms and shifts the view so that the surface that faces the viewer fills the picture.
 void CropToContent(const Mesh& mesh, View* view) {
   const size_t stride = mesh.triangles.size() / 20000 + 1;
   std::vector<double> us, vs;
@@ -100,7 +100,8 @@ void CropToContent(const Mesh& mesh, View* view) {
                  view->scale / 2 * Eigen::Vector2d(u_low + u_high, v_low + v_high);
 }
 
-// The sum of the faces within 25 degrees of a direction, twice over: a local mean.
+// Moves a direction to the local mean of the face normals: the normalised sum of the face vectors
+// within 25 degrees of it, then twice of those within 12 degrees. `area` = length of the last sum.
 Vector3d Settle(const std::vector<Vector3d>& faces, Vector3d direction, double* area) {
   for (int round = 0; round < 3; ++round) {
     const double cosine = std::cos((round == 0 ? 25 : 12) * kDegree);
@@ -115,7 +116,7 @@ Vector3d Settle(const std::vector<Vector3d>& faces, Vector3d direction, double* 
   return direction;
 }
 
-// Directions spread evenly over the sphere.
+// Unit vectors that are evenly spread over the sphere.
 std::vector<Vector3d> Directions(int count) {
   std::vector<Vector3d> directions;
   for (int i = 0; i < count; ++i) {
@@ -127,6 +128,7 @@ std::vector<Vector3d> Directions(int count) {
   return directions;
 }
 
+// A direction that much of the surface faces.
 struct Peak {
   Vector3d direction;
   double area = 0;
@@ -180,7 +182,7 @@ View TopDownView(const SceneBox& scene, int width, int height) {
   view.orthographic = true;
   view.width = width;
   view.height = height;
-  // The longer side of the box is its x axis; lay it along the longer side of the picture.
+  // The box is longer along x. Its x axis goes along the longer side of the picture.
   const bool upright = height > width;
   const double across = upright ? scene.size.y() : scene.size.x();
   const double along = upright ? scene.size.x() : scene.size.y();

@@ -8,44 +8,48 @@
 
 namespace vismap {
 
-/// Where a picture is taken from. View frame V: x right, y down, z forward, as a camera's.
+/// The camera of a picture. Its frame V is that of a camera: x right, y down, z forward.
 struct View {
   Pose T_V_W = Pose::Identity();
   bool orthographic = false;
   double scale = 500;  ///< focal length [px], or pixels per metre when orthographic
-  Eigen::Vector2d center{399.5, 299.5};  ///< pixel (u, v) that the optical axis passes
-  int width = 800;
-  int height = 600;
+  Eigen::Vector2d center{399.5, 299.5};  ///< pixel (u, v) on the optical axis
+  int width = 800;                       ///< [px]
+  int height = 600;                      ///< [px]
 };
 
-/// What of the world a picture should show, and how the world stands.
+/// The part of the world that a picture shows: an upright box around nearly all of the surface.
 struct SceneBox {
-  Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();      ///< unit
-  Eigen::Vector3d center_W = Eigen::Vector3d::Zero();   ///< of the box below [m]
-  Eigen::Matrix3d R_W_B = Eigen::Matrix3d::Identity();  ///< upright box around nearly everything
-  Eigen::Vector3d size = Eigen::Vector3d::Ones();       ///< its edges [m]
+  Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();      ///< unit length
+  Eigen::Vector3d center_W = Eigen::Vector3d::Zero();   ///< [m]
+  Eigen::Matrix3d R_W_B = Eigen::Matrix3d::Identity();  ///< axes of the box; the third is up_W
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();       ///< edge lengths [m]
 };
 
-/// The upright box around the mesh without its outermost 1 %; `up_W` is unit.
+/// The upright box around a mesh. Along each axis, 1 % of the vertices are left outside. `up_W` has
+/// unit length.
 SceneBox FrameScene(const Mesh& mesh, const Eigen::Vector3d& up_W);
 
-/// Perspective view at the scene from the direction `azimuth`, `elevation` [rad] of its box, from
-/// where all of the box is in the picture.
+/// A perspective view from the direction `azimuth`, `elevation` [rad], relative to the scene's box.
+/// It is as close as possible with the whole box in the picture. `width`, `height` [px].
 View PerspectiveView(const SceneBox& scene, double azimuth, double elevation, int width,
                      int height);
 
-/// Straight down on the scene, its longer side across the picture.
+/// An orthographic view from straight above, with the longer side of the scene along the longer
+/// side of the picture.
 View TopDownView(const SceneBox& scene, int width, int height);
 
-/// The perspective view, among sixteen from obliquely above, towards which most surface faces: a
-/// room is seen from outside through the backs of its near walls, a scan of one side from where it
-/// was taken. Cut so that nearly all of what is visible fills the picture.
+/// The perspective view that most of the surface faces, of sixteen views from obliquely above. A
+/// room is seen from outside through its near walls, whose back faces are not drawn. A scan from
+/// one side is seen from that side. The view is zoomed so that the visible surface fills the
+/// picture.
 View BestPerspectiveView(const Mesh& mesh, const SceneBox& scene, int width, int height);
 
-/// The up direction that the horizontal surfaces say: the direction that most area faces, within 40
-/// degrees of `hint_W` (such as the mean of the cameras' -y axes). Without a hint: +z if a fair
-/// share of the surface faces there, otherwise the direction that most of the surface faces. The
-/// hint itself, or +z, where nothing faces that way.
+/// Estimates the upward direction from the surface, in W, unit length: the direction that most of
+/// the area faces, within 40 degrees of `hint_W` (such as the mean of the cameras' -y axes).
+/// Without a hint: that direction within 15 degrees of +z if it has at least 0.3 times the area of
+/// the strongest direction of all, else the strongest direction. If no surface faces that way, the
+/// hint or +z.
 Eigen::Vector3d EstimateUp(const Mesh& mesh,
                            const std::optional<Eigen::Vector3d>& hint_W = std::nullopt);
 

@@ -7,7 +7,8 @@
 
 namespace vismap {
 
-/// Heading around z as (cosine, sine): exact numbers where a libm's would vary.
+/// A heading around z as (cosine, sine). The constants below are exact, while the results of
+/// std::cos and std::sin differ between math libraries.
 struct Heading {
   double c = 1;
   double s = 0;
@@ -15,12 +16,12 @@ struct Heading {
 inline constexpr Heading kAhead{1, 0}, kLittle{0.96, 0.28}, kLittleRight{0.96, -0.28},
     kMuch{0.8, 0.6}, kLeft{0, 1}, kRight{0, -1}, kBack{-1, 0};
 
-/// Where something stands, or what frame it is described in: x along the heading, z up.
+/// The position and heading of an object in W: a frame with x along the heading and z up. [m]
 struct Place {
   Eigen::Vector3d origin_W = Eigen::Vector3d::Zero();
   Heading heading;
 
-  /// A place described in this one.
+  /// The place whose position and heading relative to this one are `point` [m] and `turn`.
   Place At(const Eigen::Vector3d& point, const Heading& turn = kAhead) const {
     const auto& [c, s] = heading;
     return {origin_W + Eigen::Vector3d(c * point.x() - s * point.y(), s * point.x() + c * point.y(),
@@ -29,7 +30,8 @@ struct Place {
   }
 };
 
-/// Puts shapes together in the frame B of an object that stands at `place`. Lengths in m.
+/// Builds an object of shapes that are given in its frame B, whose pose in W is `place`. Lengths in
+/// m.
 class Builder {
  public:
   Builder(SceneObject object, const Place& place) : object_(std::move(object)) {
@@ -49,7 +51,7 @@ class Builder {
   Builder& Cylinder(const Eigen::Vector3d& center_B, double radius, double half_height) {
     return Add(Shape::Kind::kCylinder, center_B, {radius, radius, half_height});
   }
-  operator SceneObject() const { return object_; }  // NOLINT: a builder stands for what it built
+  operator SceneObject() const { return object_; }  // NOLINT: a builder converts to its object
 
  private:
   Builder& Add(Shape::Kind kind, const Eigen::Vector3d& center_B, const Eigen::Vector3d& half) {
@@ -63,7 +65,7 @@ class Builder {
   Pose T_W_B_ = Pose::Identity();
 };
 
-/// Gives objects their running ids, from 1, and collects them.
+/// Numbers the objects of a scene from 1 and collects them.
 class Furniture {
  public:
   explicit Furniture(std::vector<SceneObject>* objects) : objects_(objects) {}
@@ -71,7 +73,7 @@ class Furniture {
   SceneObject Structure(const char* name, Rgb8 color) const {
     return {NextId(), name, ClassId::kUnknown, ObjectKind::kStructure, color, {}};
   }
-  /// `name` is COCO's name of the class `coco_id`.
+  /// An object of a COCO class; `name` is the COCO name of `coco_id`.
   SceneObject Known(const char* name, int coco_id, Rgb8 color) const {
     return {NextId(), name, static_cast<ClassId>(coco_id), ObjectKind::kKnown, color, {}};
   }

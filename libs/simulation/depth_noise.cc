@@ -13,8 +13,9 @@ namespace {
 
 constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 
-/// Depth of the nearest disparity that the sensor can tell, after an error of deviation 1 times
-/// `error`; both together have the axial `deviation`. NaN beyond the last step.
+/// The depth that the sensor measures [m]: `z` plus a normal error, rounded to the nearest
+/// disparity step. `error` is a normal number of deviation 1; it is scaled so that the error and
+/// the rounding together have the axial `deviation` [m]. NaN if the disparity is below one step.
 double Measure(double z, double error, double focal_baseline, double step, double deviation) {
   const double depth_step = z * z * step / focal_baseline;
   const double rest = deviation * deviation - depth_step * depth_step / 12;
@@ -24,7 +25,8 @@ double Measure(double z, double error, double focal_baseline, double step, doubl
   return steps > 0 ? focal_baseline / (steps * step) : double{kNoReturn};
 }
 
-/// Depth steps from a pixel to its neighbours along a row or column [m]; NaN beyond the image.
+/// Differences of depth between a pixel and its two neighbours along a row or a column [m]; NaN if
+/// a neighbour has no depth, 0 if it is outside of the image.
 struct Steps {
   double before, after;
 
@@ -40,14 +42,15 @@ Steps StepsAt(const Image<float>& depth, int v, int u, int dv, int du) {
   return {step(-1), step(1)};
 }
 
-/// Whether a pixel lies on the border of something nearer or farther, or of nothing.
+/// Whether a pixel is beside a depth discontinuity or beside a pixel without depth.
 bool BesideStep(const Steps& across, const Steps& down, double z) {
   const double limit = std::max(0.05, 0.03 * z);
   return !(std::max(across.LargestMagnitude(), down.LargestMagnitude()) <= limit) ||
          std::isnan(across.Slope()) || std::isnan(down.Slope());
 }
 
-/// |cos| of the angle between view ray and normal of the depth image's surface.
+/// |cos| of the angle between the view ray and the surface normal. `zu`, `zv`: derivatives of depth
+/// [m/px].
 double ViewCosine(const PinholeCamera& camera, int v, int u, double z, double zu, double zv) {
   const double x = u - camera.cx, y = v - camera.cy;
   const Eigen::Vector3d normal(camera.fx * zu, camera.fy * zv, -(z + x * zu + y * zv));

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMeshSpacing = 0.03;
+constexpr double kMeshSpacing = 0.03;  // edge length of the triangles [m]
 
 template <typename... Values>
 std::string Format(const char* format, Values... values) {
@@ -36,7 +36,7 @@ std::vector<uint8_t> PngColor(const Image<Rgb8>& image) {
   return bytes;
 }
 
-/// The names that SceneNN's annotations use for what COCO calls differently.
+/// The name that SceneNN's annotations use for an object.
 std::string KindOf(const std::string& name) {
   static const std::map<std::string, std::string> kKinds{
       {"couch", "sofa"},         {"dining table", "table"}, {"book", "books"},
@@ -70,7 +70,8 @@ void AppendBytes(T value, std::string* bytes) {
   bytes->append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-/// Little-endian, as every machine this runs on.
+/// The mesh as binary little-endian PLY. Numbers are copied, so the machine must be little-endian,
+/// too.
 std::string PlyBytes(const Scene& scene, const LabelledMesh& mesh) {
   std::string bytes = Format(
       "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\n"
@@ -90,7 +91,7 @@ std::string PlyBytes(const Scene& scene, const LabelledMesh& mesh) {
   return bytes;
 }
 
-/// Images, trajectory, times and detections; returns what the cameras saw.
+/// Writes images, trajectory, times and detections. Returns the surface that the cameras saw.
 SeenSurface WriteFrames(const SyntheticOptions& options, const Scene& scene,
                         SceneNnWriter* writer) {
   const auto dataset = MakeSyntheticDataset(options, {});

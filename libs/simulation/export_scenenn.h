@@ -8,13 +8,13 @@
 
 namespace vismap {
 
-/// Writes a computed sequence with its truth as SceneNN does, for tools that read files: below
-/// `root` intrinsic/asus.ini, and below root/ID image/ depth/ (16-bit, mm) mask/ (16-bit, object
+/// Writes a computed sequence and its ground truth as files in SceneNN's layout. Writes
+/// root/intrinsic/asus.ini and, in root/ID: image/, depth/ (16-bit, mm), mask/ (16-bit, object
 /// ids), timestamp.txt, trajectory.log, detections.json (COCO results), ID.ply (the surface that
-/// some frame saw, 3 cm triangles with a label per vertex), ID.xml (what each label is). Read back,
-/// the frames and detections are those of the computed sequence, bit for bit; frames that no
-/// detector looked at have none, since COCO results cannot say so. Fails naming the file that
-/// cannot be written.
+/// some frame saw, in triangles of 3 cm with a label per vertex) and ID.xml (a description of each
+/// label). Frames and detections read back are equal bit for bit, with one exception: frames on
+/// which the detector did not run have an empty set of detections, because COCO results cannot
+/// express the difference. Fails with the name of the file that cannot be written.
 Result<void> ExportSceneNn(const SyntheticOptions& options, const std::filesystem::path& root,
                            const std::string& id);
 

@@ -11,15 +11,15 @@
 namespace vismap {
 namespace {
 
-constexpr double kMaxWavers = 3;       // the rim strays by at most so many deviations
-constexpr double kHoleDeviations = 2;  // holes are where a normal number exceeds this: 2.3 %
+constexpr double kMaxWavers = 3;       // largest displacement of the border, in deviations
+constexpr double kHoleDeviations = 2;  // a hole is where a normal number exceeds this: 2.3 %
 
-/// One of -limit..limit.
+/// A random integer in [-limit, limit].
 int UpTo(int limit, uint64_t bits) {
   return static_cast<int>(Uniform(bits) * (2 * limit + 1)) - limit;
 }
 
-/// An empty mask for a box with room for `margin` around it, as far as the image goes.
+/// An empty mask for a box and a margin around it, limited to the image.
 Mask Around(const Eigen::AlignedBox2i& box, int margin, int width, int height) {
   const int u0 = std::max(box.min().x() - margin, 0);
   const int v0 = std::max(box.min().y() - margin, 0);
@@ -32,7 +32,7 @@ Mask Around(const Eigen::AlignedBox2i& box, int margin, int width, int height) {
           .inside = Image<uint8_t>(u1 - u0, v1 - v0)};
 }
 
-/// Where a mask's pixels come from: moved as a whole and, in smooth waves, apart.
+/// The displacement of a mask's pixels: a common shift, and a smooth field that deforms the border.
 class Displacement {
  public:
   Displacement(const MaskNoise& noise, int width, int height, uint64_t key)
@@ -66,7 +66,8 @@ void CutExactly(const Image<uint16_t>& ids, uint16_t id, Mask* mask) {
   }
 }
 
-/// Beyond the image lies what its border shows.
+/// Sets the mask where the displaced pixel shows the object. Outside of the image, ids are those of
+/// the nearest pixel.
 void CutDisplaced(const Image<uint16_t>& ids, uint16_t id, const Displacement& from, Mask* mask) {
   for (int v = 0; v < mask->inside.height(); ++v) {
     for (int u = 0; u < mask->inside.width(); ++u) {
@@ -77,7 +78,8 @@ void CutDisplaced(const Image<uint16_t>& ids, uint16_t id, const Displacement& f
   }
 }
 
-/// Every pixel takes `value` when one within `radius` along its row has it; transposed.
+/// Sets every pixel to `value` if a pixel within `radius` in its row has that value. The result is
+/// transposed.
 Image<uint8_t> SpreadAlongRows(const Image<uint8_t>& image, uint8_t value, int radius) {
   Image<uint8_t> spread(image.height(), image.width());
   for (int v = 0; v < image.height(); ++v) {
@@ -91,13 +93,13 @@ Image<uint8_t> SpreadAlongRows(const Image<uint8_t>& image, uint8_t value, int r
   return spread;
 }
 
-/// Every pixel takes `value` when one within `radius` (a square around it) has it.
+/// Sets every pixel to `value` if a pixel in the square within `radius` has that value.
 Image<uint8_t> Spread(const Image<uint8_t>& image, uint8_t value, int radius) {
   if (radius == 0) return image;
   return SpreadAlongRows(SpreadAlongRows(image, value, radius), value, radius);
 }
 
-/// The same box as MaskFromImage gives: tight.
+/// The mask with the smallest box around its pixels.
 Mask Tight(const Mask& mask) {
   Mask tight = MaskFromImage(mask.inside);
   tight.image_width = mask.image_width;

@@ -8,17 +8,18 @@
 
 namespace vismap {
 
-/// Errors of a detector's masks.
+/// Errors of a detector's masks. All are >= 0.
 struct MaskNoise {
-  int max_growth = 2;  ///< grown or shrunk by up to so many pixels; >= 0
-  int max_shift = 0;   ///< moved by up to so many pixels each way; >= 0
-  /// Deviation of the rim [px]: it bites into the object here and bleeds onto the background there,
-  /// over stretches of four times this. A fortieth of the mask is holes of that size. >= 0
+  int max_growth = 2;  ///< grown or shrunk by up to so many pixels
+  int max_shift = 0;   ///< moved by up to so many pixels along u and v
+  /// Standard deviation of the border's displacement [px], inwards or outwards. It varies over
+  /// lengths of four times this value. 2.3 % of the mask become holes of that size.
   double waver = 0;
 };
 
-/// The pixels of object `id`, all of which lie in `box`, as a detector's mask: tight; empty when
-/// nothing is left of it. `key` decides on the errors.
+/// The mask of object `id` with errors, in the smallest box around its pixels; empty if no pixel is
+/// left. `ids` is the HxW image of object ids, and `box` contains all pixels of the object. The
+/// errors are a function of `key`.
 Mask NoisyMask(const Image<uint16_t>& ids, uint16_t id, const Eigen::AlignedBox2i& box,
                const MaskNoise& noise, uint64_t key);
 

@@ -2,7 +2,8 @@
 
 #include "simulation/builder.h"
 
-// Things of rooms and offices. All stand at z = 0 of their place, centred on it. Sizes in m.
+// Furniture and objects of rooms and offices. Each stands at z = 0 of its place, centred on it.
+// Sizes in m. "Faces x" means that its front is towards +x of the place.
 
 namespace vismap {
 
@@ -19,15 +20,15 @@ SceneObject Bottle(const SceneObject& object, const Place& place);
 SceneObject Bowl(const SceneObject& object, const Place& place);
 SceneObject Vase(const SceneObject& object, const Place& place);
 
-/// One block with edges `size`: boxes, cabinets, machines, panels, boards.
+/// A block with edge lengths `size`, for boxes, cabinets, machines, panels and boards.
 SceneObject Block(const SceneObject& object, const Place& place, const Eigen::Vector3d& size);
-/// One upright cylinder: bins, stools.
+/// An upright cylinder, for bins and stools.
 SceneObject Drum(const SceneObject& object, const Place& place, double radius, double height);
 
 SceneObject Desk(const SceneObject& object, const Place& place);         ///< 1.6 x 0.8, 0.74 high
 SceneObject OfficeChair(const SceneObject& object, const Place& place);  ///< faces x
-SceneObject Monitor(const SceneObject& object, const Place& place);      ///< shows to -y
-SceneObject Laptop(const SceneObject& object, const Place& place);       ///< shows to -y
+SceneObject Monitor(const SceneObject& object, const Place& place);      ///< screen towards -y
+SceneObject Laptop(const SceneObject& object, const Place& place);       ///< screen towards -y
 SceneObject DeskLamp(const SceneObject& object, const Place& place);
 
 }  // namespace vismap

@@ -7,7 +7,8 @@
 
 namespace vismap {
 
-/// Normal numbers on a grid of `spacing` pixels, interpolated between, with deviation 1 everywhere.
+/// A smooth field of normal numbers with deviation 1 at every pixel: independent numbers on a grid
+/// of `spacing` pixels, interpolated bilinearly and scaled back to deviation 1.
 class NoiseField {
  public:
   NoiseField(int width, int height, int spacing, uint64_t key)

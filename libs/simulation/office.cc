@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 using namespace office;
 
-/// Floor, ceiling and outer walls: slabs outside of the free space.
+/// Adds floor, ceiling and outer walls as slabs outside of the free space.
 void AddShell(Furniture* office) {
   constexpr double t = 0.1, kMiddle = 0.5 * kHeight;
   const auto add = [&](const char* name, Rgb8 color, const Vector3d& center, const Vector3d& half) {
@@ -24,7 +24,7 @@ void AddShell(Furniture* office) {
   add("wall", {205, 195, 205}, {0, kHalfY + t, kMiddle}, {kHalfX, t, kMiddle});
 }
 
-/// A wall is one object: the pieces between its openings and the lintels above them.
+/// Adds a wall as one object: the pieces between its openings, and the lintels above the openings.
 void AddWall(const OfficeWall& wall, Furniture* office) {
   constexpr double kLintel = 2.1;
   Builder builder(office->Structure("wall", {205, 205, 198}), {});

@@ -11,15 +11,15 @@ using namespace office;
 
 constexpr double kDoor = 1.0, kPassage = 2.4;
 
-/// The side of the corridor that a row of outer rooms lies on.
+/// A side of the corridor with a row of outer rooms.
 struct Side {
-  Heading heading;  // along the corridor's wall with the rooms ahead of y
-  bool along_x;
-  double wall;  // the wall's coordinate
-  double depth;
+  Heading heading;  // x of the rooms' frames: along the corridor's wall, with y into the rooms
+  bool along_x;     // whether the wall is along x of W
+  double wall;      // y of the wall in W, or x if it is along y [m]
+  double depth;     // of the rooms [m]
 };
 
-/// One room of a row: between two partitions, with the door somewhere between, in W.
+/// A room of a row: the coordinates of its two side walls and of its door along the wall, in W [m].
 struct Cell {
   double low, high, door;
   OfficeRoomKind kind = OfficeRoomKind::kOffice;
@@ -48,7 +48,8 @@ constexpr std::array<Cell, 3> kWestCells{{{-8, -1.3, -3.5}, {-1.3, 3.35, 1.02}, 
 
 double WidthOf(OfficeRoomKind kind) { return kind == OfficeRoomKind::kOffice ? kDoor : kPassage; }
 
-/// The outer walls stand outside of the floor, all others have their middle on the line.
+/// The coordinate of a wall's surface. The outer walls stand outside of their line, all others are
+/// centred on it.
 double FaceOf(double line, double toward) {
   return std::abs(line) == kHalfX ? line : line + toward * kWall;
 }
@@ -58,7 +59,8 @@ OfficeRoom RoomOf(const Side& side, const Cell& cell) {
                                 : Eigen::Vector3d(side.wall, cell.door, 0),
                    side.heading};
   const double low = FaceOf(cell.low, 1) - cell.door, high = FaceOf(cell.high, -1) - cell.door;
-  const bool forward = side.heading.c + side.heading.s > 0;  // x of the room grows with x, y of W
+  const bool forward = side.heading.c + side.heading.s >
+                       0;  // whether x of the room has the direction of x or y of W
   return {cell.kind, door.At({0, kWall, 0}), forward ? low : -high, forward ? high : -low,
           side.depth};
 }
@@ -76,7 +78,7 @@ void AddDoors(const Side& side, const Cells& cells, std::vector<Opening>* openin
   }
 }
 
-/// Walls between the rooms of a row, from the corridor's wall to the outer one.
+/// Adds the walls between the rooms of a row, from the corridor's wall to the outer wall.
 template <typename Cells>
 void AddPartitions(const Side& side, const Cells& cells, std::vector<OfficeWall>* walls) {
   const double sign = side.wall > 0 ? 1 : -1;

@@ -6,9 +6,10 @@
 namespace vismap {
 namespace {
 
-constexpr double kGap = 0.01;  // between furniture and wall
+constexpr double kGap = 0.01;  // between furniture and wall [m]
 
-/// What stands at one of the two side walls of an office, `reach` from the door.
+/// Furnishes one side of an office. `side` is -1 or 1 (sign of x), `reach` is the distance of the
+/// side wall from the door [m].
 void FurnishOfficeSide(const OfficeRoom& room, double side, double reach, OfficeStock* stock) {
   const auto at = [&](double x, double y, const Heading& heading) {
     return room.place.At({side * x, y, 0}, heading);
@@ -114,6 +115,7 @@ void FurnishKitchen(const OfficeRoom& room, OfficeStock* stock) {
   }
 }
 
+/// Whether no opening of the wall is near the position `along` it.
 bool IsClear(const OfficeWall& wall, double along, double half_width) {
   constexpr double kMargin = 0.3;
   for (const Opening& opening : OpeningsIn(wall)) {
@@ -123,7 +125,7 @@ bool IsClear(const OfficeWall& wall, double along, double half_width) {
   return true;
 }
 
-/// One thing at the wall behind y = 0.
+/// Puts one random object in front of the wall at y = 0 of the place.
 void PutAtCorridorWall(const Place& place, OfficeStock* stock) {
   switch (stock->dice().Of(9)) {
     case 0:

@@ -5,11 +5,12 @@
 
 namespace vismap {
 
-/// Furnishes a room; two metres behind its door stay free.
+/// Furnishes a room. The two metres behind its door stay free.
 void FurnishRoom(const OfficeRoom& room, OfficeStock* stock);
 
-/// Things along a wall of the corridor, away from its openings. The corridor is on the side of the
-/// wall that `toward` points to: 1 = greater coordinates, -1 = smaller.
+/// Puts objects along a wall of the corridor between `from` and `to` [m], away from the wall's
+/// openings. The corridor is on the side of larger coordinates if `toward` is 1, of smaller ones if
+/// it is -1.
 void FurnishCorridor(const OfficeWall& wall, double toward, double from, double to,
                      OfficeStock* stock);
 

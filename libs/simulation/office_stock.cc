@@ -7,10 +7,11 @@
 namespace vismap {
 namespace {
 
-constexpr double kDesk = 0.74, kTable = 0.76;  // heights of their tops
+constexpr double kDesk = 0.74, kTable = 0.76;  // heights of the tops [m]
 
 }  // namespace
 
+// The colour, darkened a little at random.
 Rgb8 OfficeStock::Tint(Rgb8 color) {
   const auto shift = [this](uint8_t x) {
     return static_cast<uint8_t>(x * dice_.Between(0.75, 1) + 0.5);

@@ -7,19 +7,20 @@
 
 namespace vismap {
 
-/// Puts the things of an office where it is told to, in colours and variants that the dice decide.
-/// Places are on the floor or on what the thing stands on; see models.h for fronts and sizes.
+/// Adds the objects of an office at given places, in random colours and variants. Each method adds
+/// one object, or a group of objects, at `place`, which is on the floor or on the surface below the
+/// object. See models.h for the fronts and sizes [m].
 class OfficeStock {
  public:
   OfficeStock(Furniture* office, Dice dice) : office_(office), dice_(dice) {}
 
   Dice& dice() { return dice_; }
 
-  /// A desk with its chair and what lies on and under it. Whoever works there looks along y.
+  /// A desk with a chair and with objects on and under it. The chair faces +y.
   void Workplace(const Place& place);
-  /// Two pairs of workplaces face to face along x, 3.2 x 3.3 with the chairs.
+  /// Two pairs of workplaces, face to face, in a row along x: 3.2 x 3.3 m with the chairs.
   void WorkplacesForFour(const Place& place);
-  /// A table, 1.2 x 0.8, with a chair at both ends.
+  /// A table of 1.2 x 0.8 m with a chair at both ends.
   void TableForTwo(const Place& place);
 
   void OfficeChair(const Place& place);
@@ -35,13 +36,13 @@ class OfficeStock {
   void Backpack(const Place& place);
   void Bin(const Place& place);
   void Boxes(const Place& place);
-  /// Against the wall at y = 0 of the place, thin.
+  /// The next three are thin and hang on the wall at y = 0 of the place.
   void Whiteboard(const Place& place);
   void Picture(const Place& place);
   void Clock(const Place& place);
-  /// `size` without what may stand on it: books, a printer, a plant, a vase.
+  /// A cabinet of this size. A low one may have books, a printer or a vase on it.
   void Cabinet(const Place& place, const Eigen::Vector3d& size);
-  /// Any block with a class or without.
+  /// A block with the name, class and colour of `object`.
   void Block(SceneObject object, const Place& place, const Eigen::Vector3d& size);
   Furniture& office() { return *office_; }
 

@@ -12,13 +12,15 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Where the walk leads and where one looks there, both horizontal, in W or along a corridor.
+/// A point of the walk [m] and the viewing direction there, both horizontal, in W or in a Leg's
+/// frame.
 struct Waypoint {
   Vector2d point;
   Vector2d look;
 };
 
-/// One straight piece of corridor: x from the corner in the direction `ahead`, y to the left.
+/// A straight piece of the corridor. Its frame has x from `corner` along `ahead`, and y to the
+/// left.
 struct Leg {
   Vector2d corner, ahead;
   double length;
@@ -30,13 +32,14 @@ struct Leg {
   }
 };
 
+/// A room that the walk enters.
 struct Visit {
-  double along;  ///< from the corner to the door [m]
-  double side;   ///< of the door: 1 = left, -1 = right
+  double along;  ///< distance of the door from the corner [m]
+  double side;   ///< side of the door: 1 = left, -1 = right
 };
 
-// Into a room, one turn in it, and out again; x along the corridor from the door, y from the
-// wall toward the room.
+// The way into a room, around in it, and out again. x is along the corridor, from the door; y is
+// from the wall into the room.
 const std::array<Waypoint, 9> kVisit{{{{-1.3, -1.0}, {1, 0.15}},
                                       {{-0.25, -0.55}, {0.6, 0.8}},
                                       {{0.0, 0.35}, {0.1, 1}},
@@ -47,7 +50,7 @@ const std::array<Waypoint, 9> kVisit{{{{-1.3, -1.0}, {1, 0.15}},
                                       {{0.3, -0.6}, {0.6, -0.8}},
                                       {{1.3, -1.0}, {1, 0}}}};
 
-constexpr double kCorner = 1.5;  // turning begins and ends so far from a corner [m]
+constexpr double kCorner = 1.5;  // the walk turns within this distance of a corner [m]
 
 void WalkStraight(const Leg& leg, double from, double to, std::vector<Waypoint>* walk) {
   constexpr double kStep = 2.2;
@@ -58,7 +61,8 @@ void WalkStraight(const Leg& leg, double from, double to, std::vector<Waypoint>*
   }
 }
 
-/// From before the corner, around it to the left, to before the next one.
+/// Adds the waypoints of one leg: around its first corner to the left, into its rooms, and to the
+/// point before the next corner.
 void WalkLeg(const Leg& leg, const std::vector<Visit>& visits, std::vector<Waypoint>* walk) {
   double from = kCorner;
   walk->push_back(leg.InWorld({{0, kCorner}, {0, -1}}));
@@ -85,7 +89,7 @@ std::vector<Waypoint> OfficeWaypoints() {
   return walk;
 }
 
-/// The walk as curves of the eye and of what it looks toward, over a parameter.
+/// The walk as two closed curves over a parameter: the camera's position and its viewing direction.
 class Walk {
  public:
   explicit Walk(const std::vector<Waypoint>& waypoints) {
@@ -98,7 +102,7 @@ class Walk {
 
   double length() const { return static_cast<double>(eyes_.size()); }
   Pose At(double s) const {
-    constexpr double kDown = 0.25;  // metres down per metre ahead
+    constexpr double kDown = 0.25;  // the view goes down by this per metre ahead
     const Vector3d eye = CurveAt(eyes_, s);
     return LookAt(eye, eye + CurveAt(looks_, s).normalized() - kDown * Vector3d::UnitZ());
   }
@@ -107,7 +111,7 @@ class Walk {
   std::vector<Vector3d> eyes_, looks_;
 };
 
-/// What differs between two views: 1 = about 0.35 m or 13 degrees.
+/// The difference between two poses; 1 = 0.35 m or about 13 degrees.
 double Effort(const Pose& a, const Pose& b) {
   const double way = (b.translation() - a.translation()).norm() / 0.35;
   const double turn = (b.linear().col(2) - a.linear().col(2)).norm() / 0.23;
@@ -118,10 +122,10 @@ double Effort(const Pose& a, const Pose& b) {
 
 std::vector<Pose> MakeOfficeWalk(int count) {
   Require(count >= 1, "a walk has at least one pose");
-  constexpr int kPieces = 32;  // between two waypoints
+  constexpr int kPieces = 32;  // pieces of the curve between two waypoints
   const Walk walk(OfficeWaypoints());
   const auto pieces = static_cast<size_t>(kPieces * walk.length());
-  std::vector<double> effort{0};  // to the end of each piece
+  std::vector<double> effort{0};  // sum from the start to the end of each piece
   for (size_t i = 0; i < pieces; ++i) {
     const double next = i + 1 == pieces ? 0 : static_cast<double>(i + 1) / kPieces;
     const double s = static_cast<double>(i) / kPieces;

@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-/// Independent normal numbers of deviation 1.
+/// Three independent normal numbers of deviation 1.
 Eigen::Vector3d NormalVector(uint64_t key) {
   return {Normal(Mix(key, 1)), Normal(Mix(key, 2)), Normal(Mix(key, 3))};
 }

@@ -12,16 +12,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kTile = 16;  // [px]; one depth bound serves a whole tile
-constexpr int32_t kNothing = -1;
+constexpr int kTile = 16;         // edge of a tile [px]; all its pixels share one depth bound
+constexpr int32_t kNothing = -1;  // no view
 
-/// What one pixel shows: depth along optical z and the index of the view, or kNothing.
+/// What one pixel shows: the depth along optical z [m] and the index of the view, or kNothing.
 struct PixelHit {
   double depth = kNoHit;
   int32_t view = kNothing;
 };
 
-/// A view that a tile may show, and the depth before which no pixel of the tile does.
+/// A view that may be visible in a tile, and a lower bound of its depth there [m].
 struct Candidate {
   double nearest = 0;
   int32_t view = kNothing;
@@ -29,9 +29,9 @@ struct Candidate {
   friend auto operator<=>(const Candidate&, const Candidate&) = default;
 };
 
-/// A small rectangle of pixels. What its rays hit first is the same as if each were cast against
-/// all views in the order of the scene, where of equal depths the first counts; but near views come
-/// first, and those behind all that was hit are never looked at.
+/// A small rectangle of pixels. The result is the same as if every ray were cast against all views
+/// in the order of the scene, with the first view winning at equal depth. But the nearest views are
+/// checked first, so that views behind all hits can be skipped.
 class Tile {
  public:
   Tile(const PinholeCamera& camera, const PixelRect& rect) : camera_(camera), rect_(rect) {
@@ -52,7 +52,7 @@ class Tile {
     std::sort(candidates.begin(), candidates.end());
     double deepest = kNoHit;
     for (const Candidate& candidate : candidates) {
-      if (candidate.nearest > deepest) break;
+      if (candidate.nearest > deepest) break;  // this and all later views are hidden
       Cast(views[static_cast<size_t>(candidate.view)], candidate);
       deepest = DeepestHit();
     }
@@ -90,11 +90,12 @@ class Tile {
 
   const PinholeCamera& camera_;
   PixelRect rect_;
-  std::array<Vector3d, kTile * kTile> directions_C_;  // with z = 1: the ray parameter is the depth
+  std::array<Vector3d, kTile * kTile>
+      directions_C_;  // with z = 1, so that the ray parameter is the depth
   std::array<PixelHit, kTile * kTile> hits_;
 };
 
-/// Calls use(v, u, hit, direction_C) for every pixel, tiles in parallel.
+/// Calls use(v, u, hit, direction_C) for every pixel. Tiles run in parallel.
 template <typename Use>
 void CastImage(const std::vector<ShapeView>& views, const PinholeCamera& camera, const Use& use) {
   const int columns = (camera.width + kTile - 1) / kTile;
@@ -117,8 +118,8 @@ Rgb8 Scaled(Rgb8 color, double factor) {
   return {scale(color.r), scale(color.g), scale(color.b)};
 }
 
-/// Checks of 15 cm in the shape's frame, off its symmetry planes so that no face lies on their
-/// border.
+/// The brightness factor of a checker pattern of 15 cm in the shape's frame. The pattern is
+/// shifted, so that no face of the shape is on a border of it.
 double Checker(const Vector3d& p_O) {
   int cells = 0;
   for (int i = 0; i < 3; ++i) cells += static_cast<int>(std::floor((p_O[i] + 0.0371) / 0.15));

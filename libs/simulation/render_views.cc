@@ -19,8 +19,8 @@ std::array<Vector3d, 8> CornersInCamera(const Shape& shape, const Pose& T_C_W) {
   return corners;
 }
 
-/// Bounds the pixels of a shape by its box, cut off in front of the camera, so that most rays skip
-/// most shapes; empty when it is out of sight.
+/// The pixels that a shape can cover, from the corners of its box in C, clipped at the near plane.
+/// Rays of other pixels need not be tested. Empty if the shape is not in view.
 PixelRect BoundPixels(const std::array<Vector3d, 8>& corners, const PinholeCamera& camera) {
   constexpr double kNear = 1e-3;
   Eigen::AlignedBox2d box;
@@ -45,13 +45,14 @@ PixelRect BoundPixels(const std::array<Vector3d, 8>& corners, const PinholeCamer
           clamp(std::ceil(box.max().y()) + 1, camera.height)};
 }
 
-/// Ray parameters, as far apart as they may be: from the first entry to the last exit.
+/// An interval of ray parameters that contains the entries and exits of all rays of a bundle.
 struct Span {
   double enter = 0;
   double leave = kNoHit;
 };
 
-/// Of rays from `origin` with speeds in [slowest, fastest] through the slab [-half, half].
+/// The interval for rays from `origin` through the slab [-half, half], with direction components in
+/// [slowest, fastest].
 Span CrossSlab(double origin, double half, double slowest, double fastest) {
   if (origin > half) return CrossSlab(-origin, half, -fastest, -slowest);
   const bool outside = origin < -half;
@@ -85,9 +86,10 @@ std::vector<ShapeView> MakeShapeViews(const Scene& scene, const PinholeCamera& c
 }
 
 double NearestDepth(const ShapeView& view, const PinholeCamera& camera, const PixelRect& rect) {
-  // Rays that graze a cylinder tens of metres away are off by less than a micrometre.
+  // Tolerance for rounding: of rays that graze a cylinder tens of metres away, the error is less
+  // than a micrometre.
   constexpr double kRounding = 1e-5;
-  // directions have z = 1 in the camera, so that the ray parameter is the depth
+  // Directions have z = 1 in C, so that the ray parameter is the depth.
   const Vector3d first = camera.BackProject(rect.u0, rect.v0, 1);
   const Vector3d last = camera.BackProject(rect.u1 - 1, rect.v1 - 1, 1);
   const Vector3d middle_O = view.R_O_C * (0.5 * (first + last));

@@ -20,18 +20,18 @@ struct PixelRect {
 struct ShapeView {
   const Shape* shape = nullptr;
   const SceneObject* object = nullptr;
-  Eigen::Vector3d origin_O;  ///< of the camera
-  Eigen::Matrix3d R_O_C;     ///< directions of pixels
-  PixelRect pixels;          ///< no pixel outside shows it
+  Eigen::Vector3d origin_O;  ///< position of the camera in the shape's frame [m]
+  Eigen::Matrix3d R_O_C;
+  PixelRect pixels;  ///< no pixel outside of it shows the shape
 };
 
-/// The shapes that a camera may see, in the order of the scene. Valid as long as the scene is.
+/// The shapes that a camera may see, in the order of the scene. They point into the scene.
 std::vector<ShapeView> MakeShapeViews(const Scene& scene, const PinholeCamera& camera,
                                       const Pose& T_W_C);
 
-/// No ray through the centre of a pixel of `rect` enters the shape at a smaller depth [m along
-/// optical z]; kNoHit when none enters it at all. Found from the shape's box, so a bound only; safe
-/// against rounding.
+/// A lower bound of the depths along optical z [m] at which rays through the pixel centres of
+/// `rect` enter the shape; kNoHit if no ray can enter it. It is computed from the shape's box and
+/// includes a tolerance for rounding.
 double NearestDepth(const ShapeView& view, const PinholeCamera& camera, const PixelRect& rect);
 
 }  // namespace vismap

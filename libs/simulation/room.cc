@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Floor, ceiling, walls: slabs outside of the free space.
+/// Adds floor, ceiling and walls as slabs outside of the free space.
 void AddStructure(Furniture* room) {
   constexpr double kX = 2.5, kY = 2.0, kHeight = 2.6, kThick = 0.1;
   const auto add = [&](const char* name, Rgb8 color, const Vector3d& center, const Vector3d& half) {
@@ -79,11 +79,11 @@ std::vector<Pose> MakeRoomTour(int count) {
                                            {0, -1},
                                            {kHalf, -kHalf}}};
   std::vector<Vector3d> eyes, targets;
-  for (const Heading at : kRound) {  // from the edge of the room across the table
+  for (const Heading at : kRound) {  // from the edges of the room, looking across the table
     eyes.emplace_back(1.7 * at.c, 1.25 * at.s, 1.55);
     targets.emplace_back(-0.5 * at.c, -0.4 * at.s, 0.75);
   }
-  for (const Heading at : kRound) {  // from the middle to the walls, turning on as before
+  for (const Heading at : kRound) {  // from the middle, looking at the walls
     eyes.emplace_back(0.6 * at.c, 0.5 * at.s, 1.5);
     targets.emplace_back(-2.4 * at.c, -1.9 * at.s, 0.6);
   }

@@ -7,13 +7,14 @@
 
 namespace vismap {
 
-/// The built-in room: 5 x 4 x 2.6 m, z up, floor at z = 0, centre of the floor at the origin;
-/// floor, ceiling and four walls (solid, outside the free space), 12 objects with COCO classes and
-/// 6 without. Always the same.
+/// The built-in room: 5 x 4 x 2.6 m, z up, with the centre of the floor at the origin. It has a
+/// floor, a ceiling and four walls (solids outside of the free space), 12 objects with COCO classes
+/// and 6 without. It is always the same.
 Scene MakeRoom();
 
-/// `count` camera poses in the room: a smooth closed tour, once across the table, once along the
-/// walls, at eye height, free of collisions. More poses make smaller steps on the same tour.
+/// `count` camera poses T_W_C on a smooth, closed tour of the room at eye height, without
+/// collisions: one round that looks across the table, and one that looks at the walls. With more
+/// poses, the steps on the same tour are smaller.
 std::vector<Pose> MakeRoomTour(int count);
 
 }  // namespace vismap

@@ -5,7 +5,8 @@
 namespace vismap {
 namespace {
 
-/// The smaller of `distance` and that to the shape; most shapes are too far to look at closely.
+/// The smaller one of `distance` and the distance to the shape [m]. A bound from the shape's size
+/// avoids the exact computation for most shapes.
 double Nearer(const Shape& shape, const Eigen::Vector3d& p_W, double distance) {
   const double at_least = (p_W - shape.T_W_O.translation()).norm() - shape.half_size.norm();
   return at_least >= distance ? distance : std::min(distance, SignedDistance(shape, p_W));

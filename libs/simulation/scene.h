@@ -1,8 +1,8 @@
 #pragma once
 
-// The analytic world: solids put together to objects, objects to scenes, with exact answers to
-// "what does this ray hit" and "how far is the surface". What a camera makes of it is in
-// simulate.h. The truth of every test that needs one; not part of what runs on a robot.
+// The room `simulation` has analytic scenes: solids form objects, and objects form scenes. Ray
+// casting and distances to the surface are exact. simulate.h computes what a camera measures of a
+// scene. Scenes are the ground truth of tests; nothing of this room runs on a robot.
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -16,26 +16,26 @@
 
 namespace vismap {
 
-/// What an object is to the system under test.
+/// How the system under test can find an object.
 enum class ObjectKind {
-  kStructure,  ///< floor, walls, ceiling: no detector, no discovery
+  kStructure,  ///< floor, walls, ceiling: not to be found as an object
   kKnown,      ///< the simulated detector knows its class
-  kUnknown,    ///< only geometry can find it
+  kUnknown,    ///< only the geometry can find it
 };
 
 /// One object: the union of its shapes.
 struct SceneObject {
-  uint16_t id = 0;  ///< 1..65535, unique in the scene; what instance images show
+  uint16_t id = 0;  ///< 1..65535, unique in the scene; the value in instance images
   std::string name;
-  ClassId class_id = ClassId::kUnknown;  ///< COCO; kUnknown unless kKnown
+  ClassId class_id = ClassId::kUnknown;  ///< COCO class; kUnknown unless `kind` is kKnown
   ObjectKind kind = ObjectKind::kUnknown;
   Rgb8 color;
   std::vector<Shape> shapes;
-  int64_t first_frame = 0;        ///< it is there in frames with numbers from here ...
-  int64_t end_frame = INT64_MAX;  ///< ... to below here
+  int64_t first_frame = 0;        ///< the object is present in frames with numbers
+  int64_t end_frame = INT64_MAX;  ///< in [first_frame, end_frame)
 };
 
-/// All objects; free space is where no object is.
+/// All objects of a scene. Space without an object is free.
 struct Scene {
   std::string name;
   std::vector<SceneObject> objects;
@@ -48,21 +48,21 @@ struct Hit {
   Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();  ///< unit, outward
 };
 
-/// First object that the ray from `origin_W` enters; `direction_W` of any length. An object around
-/// the origin is not seen.
+/// The first object that the ray from `origin_W` [m] enters, or none. `direction_W` has any length.
+/// An object that contains the origin is not hit.
 std::optional<Hit> CastRay(const Scene& scene, const Eigen::Vector3d& origin_W,
                            const Eigen::Vector3d& direction_W);
 
-/// Distance to the nearest surface [m]: positive and exact in free space; negative inside objects,
-/// where it is the depth below the surface of the deepest shape (exact unless shapes overlap).
-/// +infinity for no objects.
+/// The signed distance of a point of W to the nearest surface [m]. It is positive and exact in free
+/// space. Inside of objects it is negative: the depth below the surface of the shape in which the
+/// point is deepest, which is exact unless shapes overlap. +infinity without objects.
 double SignedDistance(const Scene& scene, const Eigen::Vector3d& p_W);
 double SignedDistance(const SceneObject& object, const Eigen::Vector3d& p_W);
 
-/// Smallest axis-aligned box in the world that holds the object.
+/// The smallest box along the axes of W that contains the object [m].
 Eigen::AlignedBox3d BoundingBox(const SceneObject& object);
 
-/// The scene with those objects only that are there in this frame.
+/// The scene with only the objects that are present in this frame.
 Scene SceneInFrame(const Scene& scene, int64_t frame_number);
 
 /// The object with this id, or null.

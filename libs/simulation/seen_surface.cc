@@ -5,8 +5,9 @@
 namespace vismap {
 namespace {
 
-constexpr int kSeenPixels = 50;  // an object counts as seen in a frame from so many pixels on
+constexpr int kSeenPixels = 50;  // a frame shows an object if it has at least so many pixels
 
+// Whether a point of the surface is visible: its depth agrees with that of its pixel within 2 %.
 bool Sees(const PinholeCamera& camera, const Pose& T_C_W, const Image<float>& depth,
           const Eigen::Vector3d& p_W) {
   const Eigen::Vector3d p_C = T_C_W * p_W;

@@ -10,20 +10,22 @@
 
 namespace vismap {
 
-/// What the cameras of a sequence saw of a scene: the part of its truth that a map can be measured
-/// by.
+/// The part of a scene's surface that the cameras of a sequence saw. A map is compared with this
+/// part.
 class SeenSurface {
  public:
-  /// One more frame, and what an ideal camera renders there. All cameras must be alike.
+  /// Adds a frame with the exact image of its camera. All frames must have the same camera
+  /// parameters.
   void AddView(const FrameHeader& header, Rendering&& image);
 
-  /// Frames that show an object with at least 50 pixels, by SceneObject::id.
+  /// For each SceneObject::id, the number of frames that show the object with at least 50 pixels.
   const std::map<uint16_t, int>& frames_of_object() const { return frames_of_object_; }
 
-  /// Whether some camera saw this point of the surface: it was the nearest thing in its pixel.
+  /// Whether some frame saw this point of the surface [m], with nothing in front of it.
   bool Saw(const Eigen::Vector3d& p_W) const;
 
-  /// The seen part of the scene's surface, see Tessellate. `spacing` [m].
+  /// The part of the scene's surface that some frame saw, as triangles with edges of about
+  /// `spacing` [m] (see Tessellate).
   LabelledMesh Triangles(const Scene& scene, double spacing) const;
 
  private:
@@ -33,7 +35,7 @@ class SeenSurface {
   std::map<uint16_t, int> frames_of_object_;
 };
 
-/// All frames of a computed sequence.
+/// Renders all frames of a computed sequence and returns the surface that they saw.
 SeenSurface LookAround(const SyntheticOptions& options);
 
 }  // namespace vismap

@@ -9,13 +9,14 @@
 
 namespace vismap {
 
-/// Opens a sequence by name: "synthetic:room?frames=20&..." or "synthetic:office?..." (see
-/// synthetic_dataset.h), else a folder as OpenDataset takes it.
+/// Opens a sequence: a computed one for "synthetic:room?frames=20&..." or "synthetic:office?..."
+/// (see synthetic_dataset.h), otherwise a folder (see OpenDataset, also for `format`). Fails on
+/// invalid parameters and on what OpenDataset fails on.
 Result<std::unique_ptr<Dataset>> OpenSequence(const std::string& path, const std::string& format,
                                               const DatasetOptions& options = {});
 
-/// Opens detections by name: "synthetic:room?..." simulates those of the same synthetic sequence,
-/// else a COCO results file or a folder of instance PNGs (see detections_file.h).
+/// Opens detections: simulated ones for "synthetic:room?..." (of the sequence with the same name),
+/// otherwise a COCO results file or a folder of instance PNGs (see LoadDetections).
 Result<std::unique_ptr<DetectionSource>> OpenDetections(const std::string& path);
 
 }  // namespace vismap

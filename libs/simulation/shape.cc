@@ -28,8 +28,8 @@ double EnterEllipsoid(const Vector3d& radii, const Vector3d& o, const Vector3d& 
   const Vector3d q = d.cwiseQuotient(radii);
   const double a = q.squaredNorm(), b = p.dot(q), c = p.squaredNorm() - 1;
   const double root = b * b - a * c;
-  if (root < 0 || b >= 0 || c <= 0) return kNoHit;  // misses, points away, starts inside
-  return c / (-b + std::sqrt(root));                // the smaller root, without cancellation
+  if (root < 0 || b >= 0 || c <= 0) return kNoHit;  // the ray misses, points away, or starts inside
+  return c / (-b + std::sqrt(root));  // the smaller root, computed without cancellation
 }
 
 double EnterCylinder(const Vector3d& half, const Vector3d& o, const Vector3d& d) {
@@ -62,11 +62,12 @@ double CylinderDistance(const Vector3d& half, const Vector3d& p) {
   return q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
-/// Eberly, "Distance from a point to an ellipse, an ellipsoid": the foot point is r^2 p / (t + r^2)
-/// with the one t > -r_min^2 that puts it on the surface. Solved for s = t + r_min^2, so that
-/// nothing cancels near the centre.
+/// The signed distance to an ellipsoid, after Eberly, "Distance from a point to an ellipse, an
+/// ellipsoid". The foot point is r^2 p / (t + r^2), where t > -r_min^2 is the value that puts it on
+/// the surface. The equation is solved by bisection for s = t + r_min^2, which avoids cancellation
+/// near the centre.
 double EllipsoidDistance(const Vector3d& r, const Vector3d& p_signed) {
-  constexpr double kOffAxis = 1e-10;  // on a symmetry plane the foot point is not unique
+  constexpr double kOffAxis = 1e-10;  // on a symmetry plane, the foot point is not unique
   const Vector3d p = p_signed.cwiseAbs().cwiseMax(kOffAxis);
   const Vector3d r2 = r.cwiseProduct(r);
   const Vector3d above = r2 - Vector3d::Constant(r2.minCoeff());

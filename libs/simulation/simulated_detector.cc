@@ -7,6 +7,7 @@
 namespace vismap {
 namespace {
 
+/// For each object id: the number of its pixels, and their bounding box (inclusive).
 std::map<uint16_t, std::pair<int, Eigen::AlignedBox2i>> MeasureObjects(const Image<uint16_t>& ids) {
   std::map<uint16_t, std::pair<int, Eigen::AlignedBox2i>> objects;
   for (int v = 0; v < ids.height(); ++v) {
@@ -20,7 +21,7 @@ std::map<uint16_t, std::pair<int, Eigen::AlignedBox2i>> MeasureObjects(const Ima
   return objects;
 }
 
-/// The classes that the detector knows of a scene, ascending.
+/// The classes of the objects that the detector knows, ascending.
 std::vector<ClassId> KnownClasses(const Scene& scene) {
   std::set<ClassId> classes;
   for (const SceneObject& object : scene.objects) {
@@ -29,7 +30,8 @@ std::vector<ClassId> KnownClasses(const Scene& scene) {
   return {classes.begin(), classes.end()};
 }
 
-/// One of the classes but the true one, each as likely; the true one when there is no other.
+/// A random one of the other classes, with equal probabilities; the true class if there is no
+/// other.
 ClassId OtherClass(const std::vector<ClassId>& classes, ClassId truth, uint64_t bits) {
   if (classes.size() < 2) return truth;
   const auto others = static_cast<double>(classes.size() - 1);

@@ -12,7 +12,8 @@
 namespace vismap {
 namespace {
 
-constexpr uint64_t kPoseKey = 0x706f7365;  // apart from what else is drawn for a frame
+constexpr uint64_t kPoseKey =
+    0x706f7365;  // separates these random numbers from the others of a frame
 
 class SyntheticDataset : public Dataset {
  public:
@@ -120,7 +121,7 @@ class SyntheticDetections : public DetectionSource {
   int detect_every_;
 };
 
-// What stands elsewhere from a frame on is another object of the scene, with an id of its own.
+// The object at its new place. It is another object of the scene, with its own id.
 SceneObject Moved(const SceneObject& object, const SyntheticOptions::Change& change,
                   const Scene& scene) {
   SceneObject moved = object;

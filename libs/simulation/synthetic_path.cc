@@ -8,7 +8,7 @@ namespace vismap {
 namespace {
 
 constexpr std::string_view kPrefix = "synthetic:";
-constexpr int kOfficeFrames = 400;  // steps of about 0.3 m, or 13 degrees where the view turns
+constexpr int kOfficeFrames = 400;  // steps of about 0.3 m or 13 degrees
 
 template <typename T>
 Result<void> SetNumber(std::string_view key, std::string_view text, T low, T high, auto* value) {
@@ -44,7 +44,8 @@ Result<void> AddChange(std::string_view key, std::string_view value, SyntheticOp
   return {};
 }
 
-/// The part of a text before the next comma; takes both away.
+/// Removes the part before the next comma, and the comma, from the front of a text. Returns the
+/// part.
 std::string_view TakePart(std::string_view* text) {
   const std::string_view part = text->substr(0, text->find(','));
   text->remove_prefix(std::min(part.size() + 1, text->size()));
@@ -64,7 +65,7 @@ Result<void> AddMove(std::string_view value, SyntheticOptions* options) {
   return {};
 }
 
-/// All objects that come or go must be there.
+/// Fails if a change is of an object that the scene does not have.
 Result<void> CheckChanges(const SyntheticOptions& options) {
   if (options.changes.empty()) return {};
   const Scene scene = MakeScene(options);
@@ -99,7 +100,7 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
       "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
 }
 
-/// The shortest text that is read as the same number.
+/// The shortest text of a number from which the same number is read.
 template <typename T>
 std::string Text(T value) {
   char text[64];

@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A piece of a shape's surface: (a, b) in [0, 1]^2 to a point in the shape's frame.
+/// A part of a shape's surface: a function from (a, b) in [0, 1]^2 to a point in the shape's frame.
 struct Patch {
   std::function<Vector3d(double a, double b)> point_O;
   int a_steps = 1;
@@ -74,12 +74,12 @@ std::vector<Patch> PatchesOf(const Shape& shape, double spacing) {
   return {};
 }
 
-/// Adds the patch's grid; points that `wanted` refuses, and triangles at them, are left out.
+/// Adds the grid of a patch. Points for which `wanted` is false, and their triangles, are left out.
 void AddPatch(const Patch& patch, const Shape& shape, uint16_t id,
               const std::function<bool(const Vector3d&, const Vector3d&)>& wanted,
               LabelledMesh* mesh) {
   const int row = patch.b_steps + 1;
-  std::vector<int> index;  // of each grid point in the mesh, -1 = left out
+  std::vector<int> index;  // index of each grid point in the mesh; -1 = left out
   for (int i = 0; i <= patch.a_steps; ++i) {
     for (int k = 0; k <= patch.b_steps; ++k) {
       const Vector3d p_O = patch.point_O(static_cast<double>(i) / patch.a_steps,
@@ -112,7 +112,7 @@ void AddPatch(const Patch& patch, const Shape& shape, uint16_t id,
 LabelledMesh Tessellate(const Scene& scene, double spacing,
                         const std::function<bool(const Vector3d&, const Vector3d&)>& keep) {
   constexpr double kInFront = 1e-4;
-  // rounding alone must not decide on points where shapes touch
+  // The tolerance prevents that rounding decides about points where shapes touch.
   const auto wanted = [&](const Vector3d& p_W, const Vector3d& normal_W) {
     return keep(p_W, normal_W) && SignedDistance(scene, p_W + kInFront * normal_W) > 0.1 * kInFront;
   };
