@@ -23,7 +23,14 @@ install(DIRECTORY ${DEPLOY}/systemd/ DESTINATION lib/systemd/system COMPONENT de
 install(DIRECTORY ${DEPLOY}/etc/ DESTINATION /etc/vismap COMPONENT deploy)
 install(DIRECTORY ${DEPLOY}/three-computers ${DEPLOY}/sysctl ${DEPLOY}/firewall
         DESTINATION ${DOC}/vismap/examples COMPONENT deploy)
-install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${DOC}/vismap COMPONENT deploy)
+# The documents keep their folders, so that the links between them work.
+file(GLOB DOCUMENTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/*.md
+     ${PROJECT_SOURCE_DIR}/config/*.md ${PROJECT_SOURCE_DIR}/libs/*.md ${PROJECT_SOURCE_DIR}/procs/*.md
+     ${PROJECT_SOURCE_DIR}/tests/*.md)
+foreach(DOCUMENT ${DOCUMENTS})
+  get_filename_component(FOLDER ${DOCUMENT} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${DOCUMENT} DESTINATION ${DOC}/vismap/${FOLDER} COMPONENT deploy)
+endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/.readme DESTINATION ${DOC}/vismap COMPONENT deploy)
 
 # Debian's own files of documentation.

@@ -103,6 +103,14 @@ class PackagesTest(unittest.TestCase):
         call(self.root / "usr/bin/vismap-launch", self.root / "usr/share/vismap/launch/room.pmd", "--check", "--bin",
              self.root / "usr/bin")
 
+    def test_links_between_documents_work(self):
+        folder = self.root / "usr/share/doc/vismap"
+        documents = list(folder.rglob("*.md"))
+        self.assertGreaterEqual(len(documents), 6)
+        for document in documents:
+            for target in re.findall(r"\]\(([^):#]+)(?:#[^)]*)?\)", document.read_text()):
+                self.assertTrue((document.parent / target).is_file(), f"{document.relative_to(folder)}: {target}")
+
     def test_units_name_programs_of_the_package(self):
         unit = (self.root / "usr/lib/systemd/system/vismap@.service").read_text()
         self.assertIn("ExecStart=/usr/bin/vismap-%i ", unit)
