@@ -13,53 +13,54 @@
 
 namespace vismap {
 
-/// Which frames of a sequence to take.
+/// Which frames of a sequence are used.
 struct DatasetOptions {
-  int stride = 1;         ///< every stride-th recorded frame, from the first; >= 1
-  int max_frames = 0;     ///< at most so many usable frames; 0 = all
-  CameraId camera_id{0};  ///< given to every frame
+  int stride = 1;         ///< use every stride-th recorded frame, from the first; >= 1
+  int max_frames = 0;     ///< use at most so many usable frames; 0 = all
+  CameraId camera_id{0};  ///< id of the camera in all headers
 };
 
-/// Fails naming the option that is out of range.
+/// Fails if an option is out of range, and names it.
 Result<void> CheckOptions(const DatasetOptions& options);
 
-/// A recorded frame that cannot be used, and why (for example: tracking was lost, no pose).
+/// A recorded frame that cannot be used, and the reason, such as a missing pose.
 struct SkippedFrame {
   int64_t frame_number = -1;
   std::string reason;
 };
 
-/// A posed RGB-D sequence on disk (or computed): frames in the order they were taken.
+/// An RGB-D sequence with poses, recorded or computed. Frames are in the order of their times.
 class Dataset {
  public:
   virtual ~Dataset() = default;
 
-  /// Short name for people and files, usually the folder's.
+  /// A short name for display and files, usually that of the folder.
   virtual std::string name() const = 0;
   /// "scenenn", "7scenes", "tum", "icl", "scannet", "replica", "redwood", "synthetic" or "lcmlog".
   virtual std::string format() const = 0;
-  /// Usable frames.
+  /// Number of usable frames.
   virtual size_t size() const = 0;
-  /// Header of frame i in [0, size()), without reading its images.
+  /// The header of frame i in [0, size()). Does not read its images.
   virtual FrameHeader Header(size_t i) const = 0;
-  /// Frame i in [0, size()). Colour files that are JPEG come through byte for byte, others are
-  /// encoded once. Fails, naming the file, when one is missing, truncated, of the wrong bit depth
-  /// or size. May be called from several threads at once.
+  /// Reads frame i in [0, size()). The bytes of JPEG files are passed on unchanged; other colour
+  /// files are encoded as JPEG. Fails, naming the file, if it is missing, truncated, or of the
+  /// wrong bit depth or size. Several threads may call it at once.
   virtual Result<SensorFrame> Read(size_t i) const = 0;
-  /// Recorded frames that were left out because they cannot be used.
+  /// The recorded frames that were left out because they cannot be used.
   virtual const std::vector<SkippedFrame>& skipped() const = 0;
-  /// The detections that belong to the sequence (detections.json inside it), as OpenDetections
-  /// takes them; none when there are none.
+  /// The path of the detections that belong to the sequence, for OpenDetections; none if there are
+  /// no detections. In a folder, it is the file detections.json.
   virtual std::optional<std::string> default_detections_path() const = 0;
 };
 
-/// Opens the sequence in folder `path`. `format` = one of the names above, or "" to find it by
-/// looking at the folder. Fails with what is missing or malformed; unusable poses (infinite, NaN,
-/// not rigid) only leave out their frame, see skipped().
+/// Opens the sequence in the folder `path`. `format` is one of the names above, or "" to recognise
+/// it by the files of the folder. Fails, naming the file, if it is missing or malformed. A pose
+/// that cannot be used (infinite, NaN, not rigid) is not an error: its frame is left out, see
+/// skipped().
 Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std::string& format,
                                              const DatasetOptions& options = {});
 
-/// The formats that OpenDataset knows, for help texts.
+/// The names of the formats that OpenDataset supports.
 std::vector<std::string> DatasetFormats();
 
 }  // namespace vismap

@@ -13,29 +13,31 @@
 
 namespace vismap {
 
-/// One recorded frame: where its files are and what is known of it before they are read.
+/// One recorded frame: the paths of its files, and what is known before they are read.
 struct FrameFiles {
-  int64_t number = 0;  ///< as detection files count
+  int64_t number = 0;  ///< the frame_number, by which detection files refer to it
   int64_t utime = 0;   ///< [us]
   std::filesystem::path color;
   std::filesystem::path depth;
-  Result<Pose> T_W_C = Pose::Identity();  ///< or why the frame is unusable
+  Result<Pose> T_W_C = Pose::Identity();  ///< the error says why the frame cannot be used
 };
 
-/// What a folder holds, whatever its format.
+/// The content of a sequence's folder, in any format.
 struct SequenceFiles {
-  /// Of the depth images; with `depth_from`, of the colour images, where depth is carried over to.
+  /// The camera of the frames. It is the camera of the depth images, or, if `depth_from` is set,
+  /// that of the colour images, to which depth is registered.
   PinholeCamera camera;
-  std::optional<DepthSource> depth_from;      ///< when depth was not recorded as colour sees it
-  std::optional<PinholeCamera> color_camera;  ///< when colour is of another size than depth
-  double depth_unit_m = 0.001;
-  std::vector<FrameFiles> frames;  ///< as recorded, unusable ones included
+  std::optional<DepthSource> depth_from;      ///< set if depth is not registered to colour
+  std::optional<PinholeCamera> color_camera;  ///< set if colour has another size than depth
+  double depth_unit_m = 0.001;                ///< metres per step of the depth images
+  std::vector<FrameFiles> frames;             ///< as recorded, also those that cannot be used
 };
 
-/// One folder layout: how to recognise it and how to list it. See each .cc for the layout.
+/// A layout of a sequence's folder: functions that recognise it and list its files. Each .cc file
+/// describes its layout.
 struct DatasetFormat {
   const char* name;
-  const char* looks_like;  ///< what it is recognised by, for error messages
+  const char* looks_like;  ///< the files by which it is recognised, for error messages
   bool (*recognise)(const std::filesystem::path& folder);
   Result<SequenceFiles> (*list)(const std::filesystem::path& folder);
 };
@@ -48,28 +50,31 @@ extern const DatasetFormat kScanNetFormat;
 extern const DatasetFormat kReplicaFormat;
 extern const DatasetFormat kRedwoodFormat;
 
-/// Time of frame `number` of a camera with `rate` frames a second [us].
+/// The time of frame `number` of a camera with `rate` frames per second [us].
 int64_t UtimeAtRate(int64_t number, double rate);
 
-/// Size of the first depth image, for formats that do not state it.
+/// The camera with the size of the first depth image, for formats that do not state the size. Fails
+/// if the image cannot be read.
 Result<PinholeCamera> WithSizeOfFirstDepth(PinholeCamera camera,
                                            const std::vector<FrameFiles>& frames);
 
-/// A trajectory.log (SceneNN, Redwood): blocks of a line "i i i+1" and a 4x4 camera-to-world
-/// matrix. Poses in order of the file with their index; a pose that is not rigid is an Error in its
-/// place.
+/// A pose of a trajectory.log with its index. The error says why the pose cannot be used.
 struct LoggedPose {
   int64_t index = 0;
   Result<Pose> T_W_C = Pose::Identity();
 };
+
+/// Reads a trajectory.log (SceneNN, Redwood), which has blocks of a line "i i i+1" and the 4x4
+/// matrix T_W_C. The poses are in the order of the file. Fails, naming the line, if the file is
+/// malformed.
 Result<std::vector<LoggedPose>> ReadTrajectoryLog(const std::filesystem::path& path);
 
-/// Colour and depth files paired by number; fails naming the missing file when one has no partner,
-/// or the folder when there are none. Only number, color, depth are filled.
+/// Pairs colour and depth files by number. Sets only number, color and depth of the frames. Fails,
+/// naming the file, if it has no partner, or, naming the folder, if it has no images.
 Result<std::vector<FrameFiles>> PairByNumber(const NamePattern& color, const NamePattern& depth);
 
-/// ReadNumbers of 16 numbers as a pose. The outer error: the file is missing or malformed; the
-/// inner: the pose is not usable.
+/// Reads the 4x4 matrix T_W_C of a text file. The outer error says that the file is missing or
+/// malformed, the inner one that the pose cannot be used.
 Result<Result<Pose>> ReadPoseFile(const std::filesystem::path& path);
 
 }  // namespace vismap

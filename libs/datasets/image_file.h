@@ -11,33 +11,33 @@
 
 namespace vismap {
 
-/// What the first bytes of an image file say of it.
+/// The properties of an image that are in the header of its file.
 struct ImageFileInfo {
   enum class Kind { kPng, kJpeg } kind = Kind::kPng;
   int width = 0;
   int height = 0;
   int bits = 8;       ///< per channel
-  bool grey = false;  ///< one channel without palette
+  bool grey = false;  ///< one channel, without a palette
 };
 
-/// Reads PNG and JPEG headers; fails on anything else and on more than 16384 px each way.
+/// Reads the header of a PNG or JPEG file. Fails on other files and on sides of more than 16384 px.
 Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes);
 Result<ImageFileInfo> ReadImageInfo(const std::filesystem::path& path);
 
-/// A 16-bit one-channel PNG, as stored. Fails naming the file when it is missing, truncated, of
-/// another kind, or not width x height (0 = any).
+/// Reads a 16-bit PNG with one channel. Fails, naming the file, if it is missing, truncated or of
+/// another kind, or if its size is not width x height (0 = any).
 Result<Image<uint16_t>> ReadPng16(const std::filesystem::path& path, int width, int height);
 
-/// A colour (or grey) 8-bit PNG or JPEG as RGB. Fails as ReadPng16.
+/// Reads an 8-bit PNG or JPEG, colour or grey, as RGB. Fails like ReadPng16.
 Result<Image<Rgb8>> ReadColor(const std::filesystem::path& path, int width, int height);
 
-/// A colour file as JPEG bytes: a JPEG byte for byte (once it is known to decode), a PNG encoded.
-/// Fails as ReadPng16.
+/// Reads a colour file as JPEG bytes. A JPEG file is returned unchanged after a test that it can be
+/// decoded; a PNG file is encoded as JPEG. Fails like ReadPng16.
 Result<std::vector<uint8_t>> ReadColorAsJpeg(const std::filesystem::path& path, int width,
                                              int height);
 
-/// `color`, seen by `from`, as `to` would see it from the same place: nearest neighbour, black
-/// outside. For colour that is aligned with depth but has another size.
+/// Resamples a colour image of the camera `from` to the camera `to` at the same pose: nearest
+/// neighbour, black outside. It is for colour that is aligned with depth but has another size.
 Image<Rgb8> ResampleColor(const Image<Rgb8>& color, const PinholeCamera& from,
                           const PinholeCamera& to);
 

@@ -18,7 +18,7 @@ Image<uint16_t> RegisterDepth(const Image<uint16_t>& depth, double depth_unit_m,
   Image<uint16_t> seen(color.width, color.height, kNone);
   const Eigen::Vector3d right = from.T_C_D.linear().col(0) / from.camera.fx;
   for (int v = 0; v < depth.height(); ++v) {
-    // Ray of pixel (0, v), one unit deep.
+    // The ray of pixel (0, v) at unit depth, in the axes of C.
     const Eigen::Vector3d start =
         from.T_C_D.linear() *
         Eigen::Vector3d(-from.camera.cx / from.camera.fx, (v - from.camera.cy) / from.camera.fy, 1);

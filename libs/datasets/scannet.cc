@@ -1,7 +1,8 @@
 // ScanNet as its SensReader exports it: color/N.jpg, depth/N.png (16-bit, mm), pose/N.txt (4x4
-// camera to world; -inf = tracking was lost), intrinsic/intrinsic_depth.txt and intrinsic_color.txt
-// (4x4). 30 frames a second. Colour of another size than depth is resampled to it, nearest
-// neighbour, by the two intrinsics; colour of the size of depth is taken as registered.
+// matrix T_W_C; -inf = tracking was lost), intrinsic/intrinsic_depth.txt and
+// intrinsic/intrinsic_color.txt (4x4). 30 frames per second. Colour of another size than depth is
+// resampled to the depth camera with the two intrinsics (nearest neighbour). Colour of the same
+// size counts as registered to depth.
 #include "datasets/formats.h"
 #include "datasets/image_file.h"
 
@@ -23,7 +24,7 @@ Result<PinholeCamera> ReadIntrinsics(const fs::path& path) {
   return PinholeCamera{.fx = (*k)[0], .fy = (*k)[5], .cx = (*k)[2], .cy = (*k)[6]};
 }
 
-/// The colour camera, when colour has another size than depth.
+/// The colour camera if colour has another size than depth, else none.
 Result<std::optional<PinholeCamera>> FindColorCamera(const fs::path& folder,
                                                      const PinholeCamera& depth_camera,
                                                      const fs::path& first_color) {

@@ -13,15 +13,15 @@
 
 namespace vismap {
 
-/// Colour of a frame as a file.
+/// The colour image of a frame as the bytes of a file.
 struct ColorFile {
   const char* suffix;  ///< ".png" or ".jpg"
   std::vector<uint8_t> bytes;
 };
 
-/// Writes a sequence as SceneNN's players extract it (see scenenn.cc), so that it reads back the
-/// same: image/ depth/ (16-bit) timestamp.txt trajectory.log detections.json (COCO results). The
-/// first failure is kept; what comes after it is not written.
+/// Writes a sequence in SceneNN's layout (see scenenn.cc): image/, depth/ (16-bit), timestamp.txt,
+/// trajectory.log, detections.json (COCO results). Reading it back gives the same sequence. After
+/// the first error, nothing more is written; the error is status().
 class SceneNnWriter {
  public:
   explicit SceneNnWriter(std::filesystem::path folder);
@@ -29,16 +29,17 @@ class SceneNnWriter {
   SceneNnWriter(const SceneNnWriter&) = delete;
   SceneNnWriter& operator=(const SceneNnWriter&) = delete;
 
-  /// The next frame; header.frame_number (>= 1) goes into the names of its files. Numbers and
-  /// utimes must ascend to be read back.
+  /// Writes the images of the next frame. Their names have header.frame_number, which is >= 1.
+  /// Frame numbers and utimes must increase, or the sequence cannot be read back.
   void AddFrame(const FrameHeader& header, const Image<uint16_t>& depth, const ColorFile& color);
-  /// image_id is set.frame_number. The file is written when this has been called, be it with an
-  /// empty set: a detector looked.
+  /// Adds the detections of a frame, with set.frame_number as image_id. detections.json is written
+  /// only if this was called, if only with empty sets.
   void AddDetections(const DetectionSet& set);
-  /// Any other file, at a path below the folder.
+  /// Writes any other file, at a path relative to the folder.
   void Write(const std::filesystem::path& name, std::span<const uint8_t> bytes);
   void Write(const std::filesystem::path& name, const std::string& text);
-  /// Writes what was collected of all frames. Fails naming the first file that cannot be written.
+  /// Writes the files with data of all frames. Fails with the name of the first file that could not
+  /// be written.
   Result<void> Finish();
 
   const Result<void>& status() const { return status_; }
@@ -48,14 +49,14 @@ class SceneNnWriter {
   std::filesystem::path folder_;
   Result<void> status_;
   std::string trajectory_, times_;
-  std::unique_ptr<Results> results_;  // none while no detector looked
+  std::unique_ptr<Results> results_;  // none before the first AddDetections
 };
 
-/// intrinsic/asus.ini, which stands in the folder of a sequence or beside it. `rate` = frames a
-/// second. Our own key depth_unit_m is only there when it is not SceneNN's millimetre.
+/// The text of intrinsic/asus.ini. `rate` = frames per second. The key depth_unit_m, which SceneNN
+/// does not have, is written only if the unit is not a millimetre.
 std::string SceneNnIni(const PinholeCamera& camera, double rate, double depth_unit_m = 0.001);
 
-/// A 16-bit PNG, lossless.
+/// The image as a 16-bit PNG file with one channel.
 std::vector<uint8_t> EncodePng16(const Image<uint16_t>& image);
 
 }  // namespace vismap

@@ -1,6 +1,6 @@
-// 7-Scenes: frame-NNNNNN.color.{png,jpg}, .depth.png (16-bit, mm; 65535 and 0 = none), .pose.txt
-// (4x4 depth camera to world), and optionally camera-intrinsics.txt (3x3, of the depth camera). 30
-// frames a second.
+// 7-Scenes: frame-NNNNNN.color.{png,jpg}, frame-NNNNNN.depth.png (16-bit, mm; 65535 and 0 = no
+// return), frame-NNNNNN.pose.txt (4x4 matrix from the depth camera to W), and optionally
+// camera-intrinsics.txt (3x3, of the depth camera). 30 frames per second.
 #include "datasets/formats.h"
 
 namespace vismap {
@@ -9,13 +9,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kRate = 30;
-// what the authors of the data set give for its Kinect
+// The intrinsics that the authors of the data set give for its depth camera.
 constexpr PinholeCamera kDefaultCamera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
 
-// Its depth was recorded as the infrared camera saw it, and its authors give no calibration to
-// colour: masks would lie up to 20 pixels beside the depth of what they show. The nominal colour
-// camera of a Kinect (OpenNI) is within a pixel or two of where edges of depth and colour agree
-// best in redkitchen (fx 528, 22 mm).
+// Depth was recorded in the frame of the infrared camera, and the authors give no calibration to
+// the colour camera. Without registration, masks are off by up to 20 pixels from the depth of their
+// objects. With the nominal colour camera of a Kinect (OpenNI), the error is one or two pixels: in
+// redkitchen, the edges of depth and colour agree best for fx 528 and a baseline of 22 mm.
 constexpr PinholeCamera kKinectColor{.fx = 525, .fy = 525, .cx = 320, .cy = 240};
 constexpr double kKinectBaseline = 0.025;  // [m] along x
 
@@ -37,7 +37,7 @@ Result<PinholeCamera> ReadIntrinsics(const fs::path& path) {
   return PinholeCamera{.fx = (*k)[0], .fy = (*k)[4], .cx = (*k)[2], .cy = (*k)[5]};
 }
 
-// Depth and poses of the depth camera become those of the colour camera.
+// Sets the depth registration to the colour camera, and changes the poses to those of that camera.
 void SeeAsKinectColor(SequenceFiles* files) {
   DepthSource from{files->camera, Pose::Identity()};
   from.T_C_D.translation() = Eigen::Vector3d(-kKinectBaseline, 0, 0);

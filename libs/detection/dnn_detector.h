@@ -12,25 +12,25 @@
 
 namespace vismap {
 
-// What lives in this room: networks that find object instances in colour images (the detector of
-// the paper's Sec. III-B, which was Mask R-CNN). OpenCV's dnn is used in network.cc only. What does
-// not live here: what becomes of the detections (segmentation), recorded ones (datasets).
+// The room `detection` runs networks that find object instances in colour images. In the paper,
+// this is Mask R-CNN (Grinvald 2019, Sec. III-B). Only network.cc uses OpenCV's dnn module. The
+// room `segmentation` uses the detections; the room `datasets` reads recorded ones.
 
-/// Of a network's input [px]; 0 = that of the image.
+/// The size of a network's input [px]; 0 = that of the image.
 struct InputSize {
   int width = 0, height = 0;
 };
 
-/// A network with what belongs to it: how an image goes in, and how its outputs are read.
-/// For one thread at a time. The same image gives the same detections.
+/// A network with the conversion of its input image and of its outputs. Only one thread may use it
+/// at a time. The same image gives the same detections.
 class DnnDetector {
  public:
-  /// Loads the model and runs it once, so that outputs of a wrong shape show at once. Fails naming
-  /// the file, with what was expected and found.
+  /// Loads the model and runs it once, so that outputs of a wrong shape are found here. Fails,
+  /// naming the file, with what was expected and found.
   static Result<std::unique_ptr<DnnDetector>> Load(const DnnDetectorOptions& options);
 
-  /// What the network sees in the colour image of the frame with this header, strongest first.
-  /// `color` must not be empty. Fails when the network cannot be run.
+  /// The objects that the network finds in the colour image of a frame, highest score first.
+  /// `color` must not be empty. Fails if the network cannot be run.
   Result<DetectionSet> Detect(const Image<Rgb8>& color, const FrameHeader& header);
 
  private:

@@ -4,27 +4,27 @@
 
 namespace vismap {
 
-/// What comes out of a network, see yolo_head.h and mask_rcnn.h.
+/// The kind of a network's outputs, see read_outputs.h.
 enum class DnnModelKind {
-  kAuto,      ///< by the file's name: .onnx is kYoloSeg, .pb is kMaskRcnn
+  kAuto,      ///< by the file name: .onnx is kYoloSeg, .pb is kMaskRcnn
   kYoloSeg,   ///< YOLOv5, v8 or 11 with a segmentation head
   kMaskRcnn,  ///< TensorFlow's Mask R-CNN as OpenCV runs it
 };
 
-/// A network that finds object instances, and what of its answers counts.
+/// Which network to use, and which of its detections to keep.
 struct DnnDetectorOptions {
-  std::string model;  ///< .onnx, or TensorFlow's frozen graph .pb; empty = none
-  std::string graph;  ///< TensorFlow: the graph's text .pbtxt
+  std::string model;  ///< file .onnx, or a frozen graph .pb of TensorFlow; empty = none
+  std::string graph;  ///< for TensorFlow: the file .pbtxt of the graph
   DnnModelKind kind = DnnModelKind::kAuto;
-  /// Longer side of the network's input [px]; 0 = as the model says, or that of the image when the
-  /// model takes any.
+  /// Side of the network's square input [px]; 0 = the size that the model states, or that of the
+  /// image if the model accepts any size.
   int input_size = 0;
-  double min_score = 0.25;  ///< weaker detections are dropped (default of Ultralytics)
-  double nms_iou = 0.7;     ///< of two boxes of a class that overlap more, the weaker goes (same)
-  double mask_threshold = 0.5;  ///< pixels above are inside a mask (He 2017)
-  int max_detections = 100;     ///< per frame, the strongest (COCO's evaluation)
-  std::string class_names;      ///< file, see LoadClassTable; empty = COCO
-  int threads = 0;              ///< of the network; 0 = all processors
+  double min_score = 0.25;      ///< detections below are dropped (default of Ultralytics)
+  double nms_iou = 0.7;         ///< largest IoU of two boxes of a class (default of Ultralytics)
+  double mask_threshold = 0.5;  ///< pixels above it are inside a mask (He 2017)
+  int max_detections = 100;     ///< at most so many per frame, the best ones (COCO's evaluation)
+  std::string class_names;      ///< file with the classes, see LoadClassTable; empty = COCO
+  int threads = 0;              ///< number of threads of the network; 0 = all processors
 };
 
 }  // namespace vismap

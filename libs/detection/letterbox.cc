@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-// Comparisons are such that NaN gives 0.
+// Limits x to [0, end]; NaN becomes 0.
 float Cut(double x, int end) {
   return x > 0 ? static_cast<float>(std::min(x, static_cast<double>(end))) : 0;
 }

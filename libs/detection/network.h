@@ -9,19 +9,20 @@
 
 namespace vismap {
 
-/// A trained network, run on the processor by OpenCV. For one thread at a time. What OpenCV throws
-/// comes back as an error in one line.
+/// A trained network, which OpenCV runs on the CPU. Only one thread may use it at a time.
+/// Exceptions of OpenCV are returned as errors in one line.
 class Network {
  public:
-  /// Reads ONNX, or with `graph` (or a .pb file) TensorFlow. `threads` of all networks of the
-  /// process; 0 = all processors. Fails naming the file when it is missing or cannot be read.
+  /// Loads an ONNX file, or, if `graph` is given or `model` ends in .pb, a network of TensorFlow.
+  /// `threads` sets the number of threads of all networks in the process; 0 = all processors.
+  /// Fails, naming the file, if it is missing or cannot be read.
   static Result<Network> Load(const std::string& model, const std::string& graph, int threads);
   ~Network();
   Network(Network&&) noexcept;
   Network& operator=(Network&&) noexcept;
 
-  /// The outputs with these names; of no names, all outputs. `input` is batch x channels x height x
-  /// width. Fails with what OpenCV says.
+  /// Runs the network and returns the outputs with these names, or all outputs if there are no
+  /// names. `input` is batch x channels x height x width. Fails with the message of OpenCV.
   Result<std::vector<Tensor>> Run(const Tensor& input, const std::vector<std::string>& outputs);
 
  private:

@@ -5,9 +5,9 @@
 namespace vismap {
 namespace {
 
-constexpr float kPadding = 114;  // Ultralytics' grey
+constexpr float kPadding = 114;  // the grey of Ultralytics
 
-/// The resized image in the top left of a tensor of `width` x `height`, all values times `factor`.
+/// A tensor 1x3xHxW with the resized image at the top left and padding elsewhere, times `factor`.
 Tensor Planes(const Image<Rgb8>& color, const Letterbox& letterbox, int width, int height,
               float factor) {
   const cv::Mat pixels(color.height(), color.width(), CV_8UC3, const_cast<Rgb8*>(color.data()));

@@ -6,10 +6,12 @@
 
 namespace vismap {
 
-/// 1x3xHxW, RGB in [0, 1], the image laid in by `letterbox`, padding 114/255, as YOLO is trained.
+/// The input of YOLO: 1x3xHxW, RGB in [0, 1], with the image placed by `letterbox` and padding of
+/// 114/255, as in the training.
 Tensor YoloInput(const Image<Rgb8>& color, const Letterbox& letterbox);
 
-/// 1x3xHxW, RGB in [0, 255], the image resized as `letterbox` says, without padding.
+/// The input of Mask R-CNN: 1x3xHxW, RGB in [0, 255], with the image in the size of `letterbox` and
+/// without padding.
 Tensor MaskRcnnInput(const Image<Rgb8>& color, const Letterbox& letterbox);
 
 }  // namespace vismap

@@ -8,7 +8,7 @@ namespace {
 
 using Bytes = std::span<const uint8_t>;
 
-/// One field of a protobuf message: a number, or bytes that may be a message again.
+/// A field of a protobuf message: a number, or bytes, which may be a message themselves.
 struct Field {
   uint64_t id = 0;
   uint64_t number = 0;
@@ -19,6 +19,7 @@ struct Field {
 constexpr uint64_t kModelGraph = 7, kGraphInput = 11, kValueType = 2, kTypeTensor = 1,
                    kTensorShape = 2, kShapeDimension = 1, kDimensionValue = 1;
 
+/// Reads the varint at the front and removes it. None if it is not valid.
 std::optional<uint64_t> TakeNumber(Bytes* rest) {
   uint64_t value = 0;
   for (int shift = 0; shift < 64 && !rest->empty(); shift += 7) {
@@ -37,7 +38,7 @@ std::optional<Bytes> TakeBytes(Bytes* rest, uint64_t count) {
   return taken;
 }
 
-/// The next field; none at the end and when what follows is no field.
+/// Reads the field at the front and removes it. None at the end, or if there is no valid field.
 std::optional<Field> TakeField(Bytes* rest) {
   const auto key = TakeNumber(rest);
   if (!key) return std::nullopt;
@@ -58,7 +59,7 @@ std::optional<Field> TakeField(Bytes* rest) {
   return field;
 }
 
-/// All fields of a message with this id.
+/// All fields with this id in a message.
 std::vector<Field> FieldsOf(Bytes message, uint64_t id) {
   std::vector<Field> fields;
   while (const auto field = TakeField(&message)) {
@@ -67,19 +68,20 @@ std::vector<Field> FieldsOf(Bytes message, uint64_t id) {
   return fields;
 }
 
-/// The content of the first field with this id; empty when there is none.
+/// The bytes of the first field with this id; empty if there is none.
 Bytes Inside(Bytes message, uint64_t id) {
   const std::vector<Field> fields = FieldsOf(message, id);
   return fields.empty() ? Bytes() : fields.front().bytes;
 }
 
+/// The shape of an input; open sides are 0.
 std::vector<int> ShapeOf(Bytes input) {
   const Bytes shape = Inside(Inside(Inside(input, kValueType), kTypeTensor), kTensorShape);
   std::vector<int> sides;
   for (const Field& dimension : FieldsOf(shape, kShapeDimension)) {
     const std::vector<Field> value = FieldsOf(dimension.bytes, kDimensionValue);
     const uint64_t side = value.empty() ? 0 : value.front().number;
-    sides.push_back(side <= 16384 ? static_cast<int>(side) : 0);  // names and -1 leave it open
+    sides.push_back(side <= 16384 ? static_cast<int>(side) : 0);  // a name or -1 means an open side
   }
   return sides;
 }

@@ -11,19 +11,19 @@
 
 namespace vismap {
 
-// From the numbers that come out of a network to detections. Plain functions on plain buffers.
+// Functions that convert the outputs of a network to detections.
 
-/// What a YOLO segmentation network found in an image that was laid into its input by `letterbox`:
-/// sigmoid(coefficients x prototypes), cut to the box, brought to the image's size, above the mask
-/// threshold (Bolya 2019, YOLACT). Strongest first; empty masks and classes that are to be dropped
-/// are left out. Fails with the shapes expected and found.
+/// The detections of a YOLO segmentation network in an image that `letterbox` placed in its input.
+/// A mask is sigmoid(coefficients x prototypes) > mask_threshold, resized to the image and cut to
+/// the box (Bolya 2019, YOLACT). The highest score is first. Empty masks and dropped classes are
+/// left out. Fails with the shapes expected and found.
 Result<std::vector<Detection>> YoloDetections(std::vector<Tensor> outputs,
                                               const Letterbox& letterbox, const ClassTable& classes,
                                               const DnnDetectorOptions& options);
 
-/// The same for TensorFlow's Mask R-CNN, which has suppressed overlaps itself: `found` 1x1xNx7 with
-/// rows (image, class, score, left, top, right, bottom; edges in [0, 1] of the image), `masks`
-/// NxCLASSESxHxW, each class's chance in [0, 1] over the box.
+/// The same for Mask R-CNN of TensorFlow. `found` is 1x1xNx7 with rows (image, class, score, left,
+/// top, right, bottom), whose edges are in [0, 1] of the image. `masks` is NxCLASSESxHxW:
+/// probabilities in [0, 1] on a grid over the box, for each class.
 Result<std::vector<Detection>> MaskRcnnDetections(const Tensor& found, const Tensor& masks,
                                                   int image_width, int image_height,
                                                   const ClassTable& classes,

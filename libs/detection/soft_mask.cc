@@ -9,12 +9,13 @@
 namespace vismap {
 namespace {
 
-/// Between which two cells of one axis a pixel lies, and how far from the first.
+/// The two neighbouring cells of a pixel along one axis, and the weight of the second one.
 struct Tap {
   int low = 0, high = 0;
   float part = 0;
 };
 
+/// The taps of the pixels [begin, end) along one axis.
 std::vector<Tap> Taps(int begin, int end, double scale, double offset, int cells) {
   std::vector<Tap> taps;
   for (int i = begin; i < end; ++i) {
@@ -25,13 +26,13 @@ std::vector<Tap> Taps(int begin, int end, double scale, double offset, int cells
   return taps;
 }
 
-/// The first pixel whose centre lies at or beyond an edge, cut at the image's; not a number is 0.
+/// The first pixel whose centre is at or beyond an edge, limited to the image; NaN becomes 0.
 int FirstPixel(float edge, int side) {
   const float first = std::ceil(edge - 0.5f);
   return first > 0 ? static_cast<int>(std::min(first, static_cast<float>(side))) : 0;
 }
 
-/// One row between two rows of the grid, at the pixels' columns.
+/// Computes one row of the mask by bilinear interpolation.
 void FillRow(const SoftMask& soft, const Tap& row, const std::vector<Tap>& columns, float threshold,
              uint8_t* inside) {
   const float* low = &soft.values[static_cast<size_t>(row.low) * static_cast<size_t>(soft.width)];
@@ -44,7 +45,7 @@ void FillRow(const SoftMask& soft, const Tap& row, const std::vector<Tap>& colum
   }
 }
 
-/// The mask cut to the bounding box of what is inside.
+/// The mask with the smallest box around its pixels.
 Mask Tightened(const Mask& loose) {
   Box bounds{1e9f, 1e9f, -1, -1};
   const Image<uint8_t>& inside = loose.inside;

@@ -7,7 +7,7 @@
 namespace vismap {
 namespace {
 
-/// sigmoid(coefficients of a row x prototypes), over the whole input.
+/// sigmoid(coefficients of a row x prototypes): a grid over the whole input.
 std::vector<float> MaskOfRow(const YoloLayout& layout, const YoloOutputs& outputs, int row) {
   const Tensor& prototypes = outputs.prototypes;
   const size_t cells = prototypes.values.size() / static_cast<size_t>(layout.coefficients);
@@ -22,6 +22,7 @@ std::vector<float> MaskOfRow(const YoloLayout& layout, const YoloOutputs& output
   return values;
 }
 
+/// The grid, placed over the image.
 SoftMask OverImage(const std::vector<float>& values, const Tensor& prototypes,
                    const Letterbox& letterbox) {
   SoftMask soft;
