@@ -1,7 +1,5 @@
 #include "runtime/main.h"
 
-#include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,44 +12,28 @@ namespace {
 using namespace vismap;
 
 struct Arguments {
-  std::optional<std::string> remote_url;
-  std::vector<std::string> send, receive;
-  std::optional<int> queue_mb;
   ChannelPolicies policies;
   VismapConfig config;
 };
 
-void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option(
-      "--remote-url", arguments->remote_url,
-      "The other bus, for example tcpq://10.0.0.1:7700; the bus on this side is --lcm-url");
-  app.add_option("--send", arguments->send,
-                 "Channels to pass on from here to there, NAME,NAME; STATUS always goes both ways")
-      ->delimiter(',');
-  app.add_option("--receive", arguments->receive, "Channels to pass on from there to here")
-      ->delimiter(',');
-  app.add_option("--queue-mb", arguments->queue_mb,
-                 "Megabytes that may wait in each direction while a bus is away; default 256")
-      ->check(CLI::Range(1, 65536));
+void AddOptions(CommandLine& line, BridgeConfig* config) {
+  line.Option("--remote-url", &config->remote_url,
+              "The other bus, for example tcpq://10.0.0.1:7700; the bus on this side is --lcm-url");
+  line.Option("--send", &config->send,
+              "Channels to pass on from here to there, NAME,NAME; STATUS always goes both ways");
+  line.Option("--receive", &config->receive, "Channels to pass on from there to here, NAME,NAME");
+  line.Option("--queue-mb", &config->queue_mb,
+              "Megabytes that may wait in each direction while a bus is away")
+      .Range(1, 65536);
 }
 
-// The command line goes before the config.
-Result<std::string> Configure(const std::string& text, const std::string& path,
-                              Arguments* arguments) {
-  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
-  if (!taken) return taken;
-  BridgeConfig& section = arguments->config.bridge;
-  section.remote_url = arguments->remote_url.value_or(section.remote_url);
-  if (!arguments->send.empty()) section.send = arguments->send;
-  if (!arguments->receive.empty()) section.receive = arguments->receive;
-  section.queue_mb = arguments->queue_mb.value_or(section.queue_mb);
+Result<std::string> CheckOptions(Arguments* arguments) {
+  const BridgeConfig& config = arguments->config.bridge;
   Result<ChannelPolicies> policies =
-      ChannelPolicies::Make({section.lossless, section.latest, section.drop_newest});
+      ChannelPolicies::Make({config.lossless, config.latest, config.drop_newest});
   if (!policies) return tl::unexpected(policies.error());
   arguments->policies = std::move(*policies);
-  const std::vector<std::string> problems = Validate(arguments->config);
-  if (!problems.empty()) return Fail(problems.front());
-  return PrintConfig(arguments->config);
+  return CheckConfig(arguments->config);
 }
 
 Outcome Serve(const Arguments& arguments, ProcessContext& context) {
@@ -101,10 +83,9 @@ int main(int argc, char** argv) {
   spec.name = "bridge";
   spec.summary = "Passes listed channels on between the bus of this computer and another one.";
   spec.joins_bus = false;
-  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return Configure(text, path, &arguments);
-  };
+  spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments.config.bridge); };
+  UseConfig(&arguments.config, &spec);
+  spec.check_config = [&] { return CheckOptions(&arguments); };
   spec.run = [&](ProcessContext& context) { return Serve(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

@@ -1,8 +1,4 @@
-#include <CLI/CLI.hpp>
-#include <map>
 #include <memory>
-#include <optional>
-#include <string>
 
 #include "depth_segmenter/segmenter.h"
 #include "settings/settings.h"
@@ -12,37 +8,21 @@ namespace {
 using namespace vismap;
 
 struct Arguments {
-  std::optional<WaitForDetections> detections;
-  std::optional<double> detection_timeout;
   ThreadOption threads;
   VismapConfig config;
 };
 
-void AddOptions(CLI::App& app, Arguments* arguments) {
-  const std::map<std::string, WaitForDetections> policies = {
-      {"required", WaitForDetections::kRequired},
-      {"auto", WaitForDetections::kAuto},
-      {"none", WaitForDetections::kNone}};
-  app.add_option("--detections", arguments->detections,
-                 "required: every frame waits for its own; auto: while a detector is alive; none; "
-                 "overrides the config")
-      ->transform(CLI::CheckedTransformer(policies))
-      ->option_text("required|auto|none");
-  app.add_option(
-         "--detection-timeout", arguments->detection_timeout,
-         "auto: seconds that a frame waits for a detector that is alive; overrides the config")
-      ->check(CLI::PositiveNumber);
-  arguments->threads.AddTo(app);
-}
-
-Result<std::string> Configure(const std::string& text, const std::string& path,
-                              Arguments* arguments) {
-  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
-  if (!taken) return taken;
-  DepthSegmenterConfig& section = arguments->config.depth_segmenter;
-  section.detections = arguments->detections.value_or(section.detections);
-  section.detection_timeout = arguments->detection_timeout.value_or(section.detection_timeout);
-  return PrintConfig(arguments->config);
+void AddOptions(CommandLine& line, Arguments* arguments) {
+  DepthSegmenterConfig& config = arguments->config.depth_segmenter;
+  line.Choice("--detections", &config.detections,
+              {{"required", WaitForDetections::kRequired},
+               {"auto", WaitForDetections::kAuto},
+               {"none", WaitForDetections::kNone}},
+              "required: every frame waits for its own; auto: while a detector is alive; none");
+  line.Option("--detection-timeout", &config.detection_timeout,
+              "auto: seconds that a frame waits for a detector that is alive")
+      .Positive();
+  arguments->threads.AddTo(line);
 }
 
 SegmenterOptions OptionsOf(const VismapConfig& config) {
@@ -67,10 +47,8 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "depth-segmenter";
   spec.summary = "Cuts depth images into segments and gives them the classes of detections.";
-  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return Configure(text, path, &arguments);
-  };
+  spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
+  UseConfig(&arguments.config, &spec);
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

@@ -1,5 +1,3 @@
-#include <CLI/CLI.hpp>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,10 +16,6 @@ using namespace vismap;
 
 struct Arguments {
   std::string dataset, format, detections, out;
-  std::optional<DetectorBackend> backend;
-  std::optional<std::string> model, graph;
-  std::optional<int> camera_id, threads;
-  std::optional<bool> every_frame;
   VismapConfig config;
   bool check = false;
   DetectorBackend chosen = DetectorBackend::kAuto;
@@ -29,42 +23,39 @@ struct Arguments {
   std::unique_ptr<DnnDetector> network;     // dnn
 };
 
-void AddNetworkOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option(
-      "--model", arguments->model,
-      "dnn: ONNX file of a YOLO segmentation network, or Mask R-CNN's frozen graph (.pb)");
-  app.add_option("--graph", arguments->graph, "dnn: text of the frozen graph (.pbtxt)");
-  app.add_option("--threads", arguments->threads, "dnn: threads of the network; 0 = all processors")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--out", arguments->out,
-                 "dnn: needs no bus; writes what is seen in --dataset as a COCO results file")
-      ->needs("--dataset");
-  app.add_flag("--every-frame", arguments->every_frame,
-               "dnn: look at every frame, however long that takes, instead of the newest only");
+void AddNetworkOptions(CommandLine& line, Arguments* arguments) {
+  DetectorConfig& config = arguments->config.detector;
+  line.Option("--model", &config.dnn.model,
+              "dnn: ONNX file of a YOLO segmentation network, or Mask R-CNN's frozen graph (.pb)");
+  line.Option("--graph", &config.dnn.graph, "dnn: text of the frozen graph (.pbtxt)");
+  line.Option("--threads", &config.dnn.threads, "dnn: threads of the network; 0 = all processors")
+      .Range(0, 1024);
+  line.Option("--out", &arguments->out,
+              "dnn: needs no bus; writes what is seen in --dataset as a COCO results file")
+      .Needs("--dataset");
+  line.Flag("--every-frame", &config.every_frame,
+            "dnn: look at every frame, however long that takes, instead of the newest only");
 }
 
-void AddOptions(CLI::App& app, Arguments* arguments) {
-  const std::map<std::string, DetectorBackend> backends = {{"auto", DetectorBackend::kAuto},
-                                                           {"recorded", DetectorBackend::kRecorded},
-                                                           {"dnn", DetectorBackend::kDnn}};
-  app.add_option("--backend", arguments->backend,
-                 "recorded: detections from files; dnn: a network; auto: by what is given")
-      ->transform(CLI::CheckedTransformer(backends))
-      ->option_text("auto|recorded|dnn");
-  app.add_option(
-      "--detections", arguments->detections,
-      "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
-      "synthetic:office");
-  app.add_option("--dataset", arguments->dataset,
-                 "Sequence whose own detections are taken when --detections is absent");
-  app.add_option("--format", arguments->format,
-                 "Layout of the sequence's folder; found by looking when not given");
-  app.add_flag("--check", arguments->check,
-               "Only see whether detections or network can be read; needs no bus");
-  app.add_option("--camera-id", arguments->camera_id,
-                 "Answer frames of this camera only; -1 = of all")
-      ->check(CLI::Range(-1, 1 << 30));
-  AddNetworkOptions(app, arguments);
+void AddOptions(CommandLine& line, Arguments* arguments) {
+  DetectorConfig& config = arguments->config.detector;
+  line.Choice("--backend", &config.backend,
+              {{"auto", DetectorBackend::kAuto},
+               {"recorded", DetectorBackend::kRecorded},
+               {"dnn", DetectorBackend::kDnn}},
+              "recorded: detections from files; dnn: a network; auto: by what is given");
+  line.Option("--detections", &arguments->detections,
+              "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
+              "synthetic:office");
+  line.Option("--dataset", &arguments->dataset,
+              "Sequence whose own detections are taken when --detections is absent");
+  line.Option("--format", &arguments->format,
+              "Layout of the sequence's folder; found by looking when not given");
+  line.Flag("--check", &arguments->check,
+            "Only see whether detections or network can be read; needs no bus");
+  line.Option("--camera-id", &config.camera_id, "Answer frames of this camera only; -1 = of all")
+      .Range(-1, 1 << 30);
+  AddNetworkOptions(line, arguments);
 }
 
 Result<std::string> DetectionsPath(const Arguments& arguments) {
@@ -107,21 +98,6 @@ Outcome Open(Arguments* arguments) {
   return *chosen == DetectorBackend::kDnn ? OpenNetwork(arguments) : OpenRecorded(arguments);
 }
 
-// The command line goes before the config.
-Result<std::string> Configure(const std::string& text, const std::string& path,
-                              Arguments* arguments) {
-  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
-  if (!taken) return taken;
-  DetectorConfig& section = arguments->config.detector;
-  section.camera_id = arguments->camera_id.value_or(section.camera_id);
-  section.backend = arguments->backend.value_or(section.backend);
-  section.dnn.model = arguments->model.value_or(section.dnn.model);
-  section.dnn.graph = arguments->graph.value_or(section.dnn.graph);
-  section.dnn.threads = arguments->threads.value_or(section.dnn.threads);
-  section.every_frame = arguments->every_frame.value_or(section.every_frame);
-  return PrintConfig(arguments->config);
-}
-
 std::optional<CameraId> Camera(const Arguments& arguments) {
   const int id = arguments.config.detector.camera_id;
   return id < 0 ? std::nullopt : std::optional(CameraId{id});
@@ -152,10 +128,8 @@ int main(int argc, char** argv) {
   spec.name = "detector";
   spec.summary =
       "Answers every frame with the objects in it: recorded ones, or those that a network sees.";
-  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return Configure(text, path, &arguments);
-  };
+  spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
+  UseConfig(&arguments.config, &spec);
   spec.prepare = [&] {
     spec.joins_bus = !arguments.check && arguments.out.empty();
     return Open(&arguments);

@@ -2,7 +2,6 @@
 
 #include <poll.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -86,12 +85,10 @@ int main(int argc, char** argv) {
       "code "
       "0: healthy, 1: findings.";
   spec.joins_bus = false;
-  spec.add_options = [&](CLI::App& app) {
-    app.add_option("--seconds", arguments.seconds, "How long to listen")
-        ->check(CLI::Range(0.1, 3600.0))
-        ->capture_default_str();
-    app.add_flag("--json", arguments.json, "Report for programs");
-    app.add_flag("--watch", arguments.watch, "Again and again until stopped");
+  spec.add_options = [&](CommandLine& line) {
+    line.Option("--seconds", &arguments.seconds, "How long to listen").Range(0.1, 3600);
+    line.Flag("--json", &arguments.json, "Report for programs");
+    line.Flag("--watch", &arguments.watch, "Again and again until stopped");
   };
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);

@@ -1,8 +1,6 @@
 #include "runtime/main.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <optional>
 #include <string>
 
 #include "hub/hub.h"
@@ -13,73 +11,50 @@ namespace {
 using namespace vismap;
 
 struct Arguments {
-  std::optional<std::string> listen;
-  std::optional<int> queue_mb, socket_buffer_bytes, max_clients;
-  std::optional<double> patience;
-  PolicyLists lists;
   FaultOptions faults;
   ChannelPolicies policies;
   VismapConfig config;
 };
 
-void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option(
-      "--listen", arguments->listen,
-      "Address to listen on, numbers only; port 0 = any free one, printed; default 127.0.0.1:7700");
-  app.add_option(
-         "--queue-mb", arguments->queue_mb,
-         "Megabytes of lossless messages that may wait for a client before publishers wait, "
-         "and of others before it loses them; default 256")
-      ->check(CLI::Range(1, 65536));
-  app.add_option("--socket-buffer-bytes", arguments->socket_buffer_bytes,
-                 "Send and receive buffer of each connection; 0 = the system's")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--max-clients", arguments->max_clients,
-                 "Connections beyond are refused; default 256")
-      ->check(CLI::Range(1, 10000));
-  app.add_option("--patience-s", arguments->patience,
-                 "A client that takes nothing for so long while publishers wait for it is cut off; "
-                 "default 30")
-      ->check(CLI::Range(0.1, 60.0));
-  app.add_option("--lossless", arguments->lists.lossless,
-                 "Channels (regular expressions) whose publishers wait for slow readers")
-      ->delimiter(',');
-  app.add_option("--latest", arguments->lists.latest,
-                 "Channels of which a slow reader gets the latest message only")
-      ->delimiter(',');
-  app.add_option("--drop-newest", arguments->lists.drop_newest,
-                 "Channels of which a slow reader loses the newest messages")
-      ->delimiter(',');
-  app.add_option("--drop-fraction", arguments->faults.drop_fraction,
-                 "For tests: lose this part of the messages on purpose, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--drop-seed", arguments->faults.seed, "For tests: which ones are lost");
-  app.add_option("--drop-channels", arguments->faults.channels,
-                 "For tests: lose messages of these channels only, NAME,NAME")
-      ->delimiter(',');
+void AddOptions(CommandLine& line, HubConfig* config) {
+  line.Option("--listen", &config->listen,
+              "Address to listen on, numbers only; port 0 = any free one, printed");
+  line.Option("--queue-mb", &config->queue_mb,
+              "Megabytes of lossless messages that may wait for a client before publishers wait, "
+              "and of others before it loses them")
+      .Range(1, 65536);
+  line.Option("--socket-buffer-bytes", &config->socket_buffer_bytes,
+              "Send and receive buffer of each connection; 0 = the system's")
+      .AtLeast(0);
+  line.Option("--max-clients", &config->max_clients, "Connections beyond are refused")
+      .Range(1, 10000);
+  line.Option("--patience-s", &config->patience,
+              "A client that takes nothing for so long while publishers wait for it is cut off")
+      .Range(0.1, 60);
+  line.Option("--lossless", &config->lossless,
+              "Channels (regular expressions) whose publishers wait for slow readers");
+  line.Option("--latest", &config->latest,
+              "Channels of which a slow reader gets the latest message only");
+  line.Option("--drop-newest", &config->drop_newest,
+              "Channels of which a slow reader loses the newest messages");
 }
 
-// The command line goes before the config.
-Result<std::string> Configure(const std::string& text, const std::string& path,
-                              Arguments* arguments) {
-  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
-  if (!taken) return taken;
-  HubConfig& section = arguments->config.hub;
-  section.listen = arguments->listen.value_or(section.listen);
-  section.queue_mb = arguments->queue_mb.value_or(section.queue_mb);
-  section.socket_buffer_bytes =
-      arguments->socket_buffer_bytes.value_or(section.socket_buffer_bytes);
-  section.max_clients = arguments->max_clients.value_or(section.max_clients);
-  section.patience = arguments->patience.value_or(section.patience);
-  const PolicyLists& lists = arguments->lists;
-  if (!lists.lossless.empty()) section.lossless = lists.lossless;
-  if (!lists.latest.empty()) section.latest = lists.latest;
-  if (!lists.drop_newest.empty()) section.drop_newest = lists.drop_newest;
+void AddFaults(CommandLine& line, FaultOptions* faults) {
+  line.Option("--drop-fraction", &faults->drop_fraction,
+              "For tests: lose this part of the messages on purpose")
+      .Range(0, 1);
+  line.Option("--drop-seed", &faults->seed, "For tests: which ones are lost");
+  line.Option("--drop-channels", &faults->channels,
+              "For tests: lose messages of these channels only, NAME,NAME");
+}
+
+Result<std::string> CheckOptions(Arguments* arguments) {
+  const HubConfig& config = arguments->config.hub;
   Result<ChannelPolicies> policies =
-      ChannelPolicies::Make({section.lossless, section.latest, section.drop_newest});
+      ChannelPolicies::Make({config.lossless, config.latest, config.drop_newest});
   if (!policies) return tl::unexpected(policies.error());
   arguments->policies = std::move(*policies);
-  return PrintConfig(arguments->config);
+  return CheckConfig(arguments->config);
 }
 
 std::string Percent(double fraction) {
@@ -131,10 +106,12 @@ int main(int argc, char** argv) {
   spec.name = "hub";
   spec.summary = "Passes messages between the processes of one bus over TCP (LCM's tcpq protocol).";
   spec.joins_bus = false;
-  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return Configure(text, path, &arguments);
+  spec.add_options = [&](CommandLine& line) {
+    AddOptions(line, &arguments.config.hub);
+    AddFaults(line, &arguments.faults);
   };
+  UseConfig(&arguments.config, &spec);
+  spec.check_config = [&] { return CheckOptions(&arguments); };
   spec.run = [&](ProcessContext& context) { return Serve(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

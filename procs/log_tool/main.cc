@@ -1,6 +1,5 @@
 #include "runtime/main.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -105,55 +104,57 @@ Outcome FromDataset(const Arguments& arguments) {
               arguments.out);
 }
 
-CLI::App* Add(CLI::App& app, Arguments* arguments, const char* name, const char* help,
-              Outcome (*run)(const Arguments&)) {
-  CLI::App* sub = app.add_subcommand(name, help);
-  sub->callback([arguments, run] { arguments->run = run; });
-  return sub;
+CommandLine Add(CommandLine& line, Arguments* arguments, const char* name, const char* help,
+                Outcome (*run)(const Arguments&)) {
+  return line.Command(name, help, [arguments, run] { arguments->run = run; });
 }
 
-void AddCommands(CLI::App& app, Arguments* arguments) {
-  app.require_subcommand(1);
-  app.fallthrough();
+void AddCut(CommandLine& line, Arguments* arguments) {
+  CommandLine cut = Add(line, arguments, "cut", "A part of a log, by time or channels", Cut);
+  cut.Option("LOG", &arguments->input, "Log of LCM messages").Required();
+  cut.Option("--out", &arguments->out, "Log to write").Required();
+  cut.Option("--from", &arguments->cut.from, "Seconds after the first message");
+  cut.Option("--to", &arguments->cut.to, "Seconds after the first message, itself left out");
+  cut.Option("--channels", &arguments->channels, "Only these: NAME,NAME");
+}
 
-  const auto takes = [&](CLI::App* sub, const char* name, const char* help) {
-    sub->add_option(name, arguments->input, help)->required();
-  };
-  CLI::App* verify = Add(app, arguments, "verify",
-                         "Counts, rates, gaps, checksums, types, damage; exit code 1 when "
-                         "something is wrong",
-                         Verify);
-  takes(verify, "LOG", "Log of LCM messages");
-  verify->add_flag("--json", arguments->json, "As JSON");
+void AddFromDataset(CommandLine& line, Arguments* arguments) {
+  CommandLine from =
+      Add(line, arguments, "from-dataset",
+          "A log of RGBD_FRAME and DETECTIONS from a recorded sequence", FromDataset);
+  from.Option("PATH", &arguments->input,
+              "Folder of a posed RGB-D sequence, log, synthetic:room or synthetic:office")
+      .Required();
+  from.Option("--out", &arguments->out, "Log to write").Required();
+  from.Option("--format", &arguments->format,
+              "Layout of the folder; found by looking when not given");
+  from.Option("--detections", &arguments->detections,
+              "COCO results, folder of instance PNGs, log, or none; when not given, those inside");
+  from.Option("--camera-id", &arguments->camera_id, "Given to every frame").AtLeast(0);
+  from.Option("--stride", &arguments->frames.stride, "Every n-th frame").Positive();
+  from.Option("--max-frames", &arguments->frames.max_frames, "At most so many; 0 = all").AtLeast(0);
+}
 
-  CLI::App* cut = Add(app, arguments, "cut", "A part of a log, by time or channels", Cut);
-  takes(cut, "LOG", "Log of LCM messages");
-  cut->add_option("--out", arguments->out, "Log to write")->required();
-  cut->add_option("--from", arguments->cut.from, "Seconds after the first message");
-  cut->add_option("--to", arguments->cut.to, "Seconds after the first message, itself left out");
-  cut->add_option("--channels", arguments->channels, "Only these: NAME,NAME")->delimiter(',');
+void AddCommands(CommandLine& line, Arguments* arguments) {
+  CommandLine verify = Add(line, arguments, "verify",
+                           "Counts, rates, gaps, checksums, types, damage; exit code 1 when "
+                           "something is wrong",
+                           Verify);
+  verify.Option("LOG", &arguments->input, "Log of LCM messages").Required();
+  verify.Flag("--json", &arguments->json, "As JSON");
 
-  CLI::App* to =
-      Add(app, arguments, "to-dataset",
+  AddCut(line, arguments);
+
+  CommandLine to =
+      Add(line, arguments, "to-dataset",
           "A folder of images, poses and detections (SceneNN's layout) from a log", ToDataset);
-  takes(to, "LOG", "Log of LCM messages; run.lcmlog?frames=all takes frames without a commit, too");
-  to->add_option("--out", arguments->out, "Folder to write")->required();
-  to->add_option("--camera", arguments->camera, "The one to take, when there are several");
+  to.Option("LOG", &arguments->input,
+            "Log of LCM messages; run.lcmlog?frames=all takes frames without a commit, too")
+      .Required();
+  to.Option("--out", &arguments->out, "Folder to write").Required();
+  to.Option("--camera", &arguments->camera, "The one to take, when there are several");
 
-  CLI::App* from = Add(app, arguments, "from-dataset",
-                       "A log of RGBD_FRAME and DETECTIONS from a recorded sequence", FromDataset);
-  takes(from, "PATH", "Folder of a posed RGB-D sequence, log, synthetic:room or synthetic:office");
-  from->add_option("--out", arguments->out, "Log to write")->required();
-  from->add_option("--format", arguments->format,
-                   "Layout of the folder; found by looking when not given");
-  from->add_option("--detections", arguments->detections,
-                   "COCO results, folder of instance PNGs, log, or none; default: those inside");
-  from->add_option("--camera-id", arguments->camera_id, "Given to every frame")
-      ->check(CLI::NonNegativeNumber);
-  from->add_option("--stride", arguments->frames.stride, "Every n-th frame")
-      ->check(CLI::PositiveNumber);
-  from->add_option("--max-frames", arguments->frames.max_frames, "At most so many; 0 = all")
-      ->check(CLI::NonNegativeNumber);
+  AddFromDataset(line, arguments);
 }
 
 }  // namespace
@@ -164,7 +165,7 @@ int main(int argc, char** argv) {
   spec.name = "log";
   spec.summary = "Verifies, cuts and converts logs of LCM messages.";
   spec.joins_bus = false;
-  spec.add_options = [&](CLI::App& app) { AddCommands(app, &arguments); };
+  spec.add_options = [&](CommandLine& line) { AddCommands(line, &arguments); };
   spec.run = [&](ProcessContext&) { return arguments.run(arguments); };
   return RunProcess(argc, argv, spec);
 }

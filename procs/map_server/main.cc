@@ -33,10 +33,8 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "map-server";
   spec.summary = "Owns the map: fuses segmented frames, publishes what changed, answers requests.";
-  spec.add_options = [&](CLI::App& app) { threads.AddTo(app); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return TakeConfig(text, path, &config);
-  };
+  spec.add_options = [&](CommandLine& line) { threads.AddTo(line); };
+  UseConfig(&config, &spec);
   spec.run = [&](ProcessContext& context) {
     const std::unique_ptr<ThreadLimit> limit = threads.Limit();
     return Serve(context, config);

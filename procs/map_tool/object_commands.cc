@@ -1,6 +1,5 @@
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/class_names.h"
@@ -86,7 +85,7 @@ Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context) {
   if (arguments.json) {
     std::printf("%s\n", text->c_str());
   } else {
-    PrintObjects(nlohmann::json::parse(*text), !query->all());
+    PrintObjects(*text, !query->all());
   }
   return {};
 }
@@ -101,7 +100,7 @@ Outcome RunExport(const MapToolArguments& arguments, ProcessContext&) {
   const auto written = WriteOutputs(loaded.map, loaded.metadata, all->products,
                                     OutputOptionsOf(arguments.config), arguments.out);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  PrintObjects(nlohmann::json::parse(ObjectsText(loaded.metadata, all->products)), false);
+  PrintObjects(ObjectsText(loaded.metadata, all->products), false);
   std::printf("map hash %s\nresults in %s\n", loaded.map_hash.c_str(),
               fs::absolute(arguments.out).c_str());
   return {};

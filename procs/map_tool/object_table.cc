@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,7 +62,8 @@ void PrintRemoved(const nlohmann::json& object) {
 
 }  // namespace
 
-void PrintObjects(const nlohmann::json& list, bool all) {
+void PrintObjects(const std::string& objects_json, bool all) {
+  const nlohmann::json list = nlohmann::json::parse(objects_json);
   std::printf("%8s  %-16s %5s  %7s %7s  %-21s  %-24s %7s  %s\n", "id", "class", "score", "points",
               "m2", "size [m]", "center [m]", "frames", "seen [s]  probabilities");
   for (const auto& object : list.at("objects")) PrintObject(object);

@@ -1,7 +1,5 @@
 #include "runtime/main.h"
 
-#include <CLI/CLI.hpp>
-
 #include "octomap_exporter/exporter.h"
 #include "settings/settings.h"
 
@@ -24,22 +22,17 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
 
 int main(int argc, char** argv) {
   VismapConfig config;
-  std::string folder;
   ThreadOption threads;
   ProcessSpec spec;
   spec.name = "octomap-exporter";
   spec.summary =
       "Follows a map and hands its free and occupied space to planners as OctoMap octrees.";
-  spec.add_options = [&](CLI::App& app) {
-    app.add_option("--out", folder,
-                   "Folder for octree.bt and octree.closed.bt; overrides the config");
-    threads.AddTo(app);
+  spec.add_options = [&](CommandLine& line) {
+    line.Option("--out", &config.octomap_exporter.output_folder,
+                "Folder for octree.bt and octree.closed.bt");
+    threads.AddTo(line);
   };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    const Result<std::string> taken = TakeConfig(text, path, &config);
-    if (taken && !folder.empty()) config.octomap_exporter.output_folder = folder;
-    return taken ? PrintConfig(config) : taken;
-  };
+  UseConfig(&config, &spec);
   spec.run = [&](ProcessContext& context) {
     const std::unique_ptr<ThreadLimit> limit = threads.Limit();
     return Serve(context, config);

@@ -2,7 +2,6 @@
 
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -30,26 +29,24 @@ struct Arguments {
   VismapConfig config;
 };
 
-void AddOptions(CLI::App& app, Arguments* arguments) {
-  app.add_option("--dataset", arguments->dataset,
-                 "Folder of a posed RGB-D sequence, a log of LCM messages, synthetic:room or "
-                 "synthetic:office")
-      ->required();
-  app.add_option("--format", arguments->format,
-                 "Format of the folder; default: found by looking at it");
-  app.add_option("--detections", arguments->detections,
-                 "COCO results file, folder of instance PNGs, log, or none; default: "
-                 "what the network of the config sees, else those inside the sequence");
-  app.add_option(
-         "--detector-model", arguments->model,
-         "Network that looks at the frames, see vismap-detector --model; more in the config")
-      ->excludes("--detections");
-  app.add_option("--max-frames", arguments->frames.max_frames, "Stop after so many frames; 0 = all")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--stride", arguments->frames.stride, "Take every n-th frame")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--out", arguments->out, "Folder for the results")->required();
-  arguments->threads.AddTo(app);
+void AddOptions(CommandLine& line, Arguments* arguments) {
+  line.Option("--dataset", &arguments->dataset,
+              "Folder of a posed RGB-D sequence, a log of LCM messages, synthetic:room or "
+              "synthetic:office")
+      .Required();
+  line.Option("--format", &arguments->format,
+              "Format of the folder; found by looking at it when not given");
+  line.Option("--detections", &arguments->detections,
+              "COCO results file, folder of instance PNGs, log, or none; when not given, "
+              "what the network of the config sees, else those inside the sequence");
+  line.Option("--detector-model", &arguments->model,
+              "Network that looks at the frames, see vismap-detector --model; more in the config")
+      .Excludes("--detections");
+  line.Option("--max-frames", &arguments->frames.max_frames, "Stop after so many frames; 0 = all")
+      .AtLeast(0);
+  line.Option("--stride", &arguments->frames.stride, "Take every n-th frame").Positive();
+  line.Option("--out", &arguments->out, "Folder for the results").Required();
+  arguments->threads.AddTo(line);
 }
 
 // The detections to use: those asked for, else those inside the sequence; none when told so or when
@@ -132,13 +129,10 @@ void Summarise(const Arguments& arguments, const MapSession& session,
               std::filesystem::absolute(arguments.out).c_str());
 }
 
-// The command line goes before the config.
-Result<std::string> Configure(const std::string& text, const std::string& path,
-                              Arguments* arguments) {
-  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
-  if (!taken) return taken;
+// The network of the command line goes before that of the config.
+Result<std::string> CheckOptions(Arguments* arguments) {
   if (!arguments->model.empty()) arguments->config.detector.dnn.model = arguments->model;
-  return PrintConfig(arguments->config);
+  return CheckConfig(arguments->config);
 }
 
 Outcome Run(Arguments& arguments, ProcessContext& context) {
@@ -198,10 +192,9 @@ int main(int argc, char** argv) {
       "Maps a recorded sequence in one process, without LCM, and writes everything that comes of "
       "it.";
   spec.joins_bus = false;
-  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return Configure(text, path, &arguments);
-  };
+  spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
+  UseConfig(&arguments.config, &spec);
+  spec.check_config = [&] { return CheckOptions(&arguments); };
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

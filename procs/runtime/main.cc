@@ -2,7 +2,6 @@
 
 #include <malloc.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <utility>
@@ -30,30 +29,22 @@ struct Arguments {
   LogLevel log_level = LogLevel::kInfo;
 };
 
-void AddCommonOptions(CLI::App* app, const ProcessSpec& spec, Arguments* arguments) {
-  app->set_version_flag("--version", std::string("vismap-") + spec.name + " " + Version(),
-                        "Print the version and exit");
-  app->add_option(
-      "--lcm-url", arguments->common.lcm_url,
-      "The bus: tcpq://A.B.C.D:PORT of a vismap-hub, or udpm://...; default $LCM_DEFAULT_URL, "
-      "else tcpq://127.0.0.1:7700");
-  app->add_option("--name", arguments->common.name, "Name of this instance on the bus")
-      ->default_str(spec.name);
-  app->add_option("--connect-timeout", arguments->common.connect_timeout,
-                  "Seconds to wait for the hub")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app->add_option("--config", arguments->common.config_path,
-                  "Options from a file, protobuf text (.txtpb)");
-  app->add_flag("--print-config", arguments->print_config, "Print the effective config and exit");
-  const std::map<std::string, LogLevel> levels = {{"debug", LogLevel::kDebug},
-                                                  {"info", LogLevel::kInfo},
-                                                  {"warning", LogLevel::kWarning},
-                                                  {"error", LogLevel::kError}};
-  app->add_option("--log-level", arguments->log_level,
-                  "debug, info, warning or error; default info")
-      ->transform(CLI::CheckedTransformer(levels))
-      ->option_text("LEVEL");
+void AddCommonOptions(CommandLine& line, Arguments* arguments) {
+  CommonOptions& common = arguments->common;
+  line.Option("--lcm-url", &common.lcm_url,
+              "The bus: tcpq://A.B.C.D:PORT of a vismap-hub, or udpm://...; when not given, "
+              "$LCM_DEFAULT_URL counts");
+  line.Option("--name", &common.name, "Name of this instance on the bus");
+  line.Option("--connect-timeout", &common.connect_timeout, "Seconds to wait for the hub")
+      .AtLeast(0);
+  line.Option("--config", &common.config_path, "Options from a file, protobuf text (.txtpb)");
+  line.Flag("--print-config", &arguments->print_config, "Print the effective config and exit");
+  line.Choice("--log-level", &arguments->log_level,
+              {{"debug", LogLevel::kDebug},
+               {"info", LogLevel::kInfo},
+               {"warning", LogLevel::kWarning},
+               {"error", LogLevel::kError}},
+              "The least important messages to write");
 }
 
 Result<std::string> ReadConfig(const std::string& path) {
@@ -63,15 +54,19 @@ Result<std::string> ReadConfig(const std::string& path) {
   return std::string(bytes->begin(), bytes->end());
 }
 
-Result<std::string> Configure(const ProcessSpec& spec, const CommonOptions& options) {
-  if (!spec.configure) {
-    if (!options.config_path.empty())
-      return Fail("--config: vismap-" + spec.name + " takes no config file");
-    return std::string();
+// Reads the config file, lets the command line win, and returns what holds then.
+Result<std::string> Configure(const ProcessSpec& spec, const CommandLine& line,
+                              const CommonOptions& options) {
+  if (!spec.read_config && !options.config_path.empty())
+    return Fail("--config: vismap-" + spec.name + " takes no config file");
+  if (spec.read_config) {
+    const Result<std::string> text = ReadConfig(options.config_path);
+    if (!text) return text;
+    const Result<void> read = spec.read_config(*text, options.config_path);
+    if (!read) return tl::unexpected(read.error());
+    line.Apply();
   }
-  const Result<std::string> text = ReadConfig(options.config_path);
-  if (!text) return text;
-  return spec.configure(*text, options.config_path);
+  return spec.check_config ? spec.check_config() : Result<std::string>("");
 }
 
 int Report(const Outcome& outcome) {
@@ -118,20 +113,17 @@ Result<std::unique_ptr<Bus>> OpenBus(const CommonOptions& options, const std::st
 
 int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   KeepFreedMemory();
-  CLI::App app(spec.summary, "vismap-" + spec.name);
+  CommandLine line("vismap-" + spec.name, spec.summary, Version());
   Arguments arguments;
-  AddCommonOptions(&app, spec, &arguments);
-  if (spec.add_options) spec.add_options(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? static_cast<int>(ExitCode::kOk)
-                                : static_cast<int>(ExitCode::kUsage);
-  }
+  arguments.common.name = spec.name;
+  AddCommonOptions(line, &arguments);
+  if (spec.add_options) spec.add_options(line);
+  if (const std::optional<ExitCode> end = line.Parse(argc, argv)) return static_cast<int>(*end);
+  line.Apply();
   if (arguments.common.name.empty()) arguments.common.name = spec.name;
   SetUpLog(arguments.common.name, arguments.log_level);
 
-  const Result<std::string> config = Configure(spec, arguments.common);
+  const Result<std::string> config = Configure(spec, line, arguments.common);
   if (!config) return Report(ExitWith(ExitCode::kUsage, config.error().message));
   if (arguments.print_config) {
     std::fputs(config->c_str(), stdout);

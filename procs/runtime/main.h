@@ -6,19 +6,13 @@
 
 #include "base/result.h"
 #include "runtime/bus.h"
+#include "runtime/command_line.h"
 #include "runtime/log.h"
 #include "runtime/service_manager.h"
 #include "runtime/status.h"
 #include "runtime/stop_signal.h"
 
-namespace CLI {
-class App;
-}
-
 namespace vismap {
-
-/// What a process answers to its caller.
-enum class ExitCode : int { kOk = 0, kFailed = 1, kUsage = 2, kUnreadable = 3 };
 
 /// Why a process ends other than well: its exit code and a sentence for the log.
 struct ExitFailure {
@@ -56,13 +50,16 @@ struct ProcessSpec {
   bool joins_bus = true;  ///< false: `run` gets no bus; it may open one with OpenBus
 
   /// Adds the program's own options and flags; may be empty.
-  std::function<void(CLI::App&)> add_options;
+  std::function<void(CommandLine&)> add_options;
 
-  /// Takes the text of the --config file (empty = none was given), checks it together with the
-  /// options of the command line, and returns the effective config as text for --print-config. An
-  /// error here is a usage error. May be empty: then --config is refused.
-  std::function<Result<std::string>(const std::string& config_text, const std::string& config_path)>
-      configure;
+  /// Reads the text of the --config file (empty = none was given) into the variables of the
+  /// program. The values of the command line are written before, and again afterwards, so that they
+  /// win. An error is a usage error. May be empty: then --config is refused.
+  std::function<Result<void>(const std::string& text, const std::string& path)> read_config;
+
+  /// Checks the config after both were read, and returns it as text for --print-config. An error is
+  /// a usage error. May be empty.
+  std::function<Result<std::string>()> check_config;
 
   /// Opens what the work reads, before the bus is joined, so that a missing file shows at once. May
   /// be empty.
@@ -73,10 +70,9 @@ struct ProcessSpec {
 };
 
 /// Everything around the work of a process: the options --help --version --config --print-config
-/// --lcm-url --name
-/// --connect-timeout --log-level, the log, signals, the bus, the status, the service manager,
-/// exceptions. Returns the exit code for main: 0 well, 1 failed, 2 wrong usage or config, 3
-/// unreadable input.
+/// --lcm-url --name --connect-timeout --log-level, the log, signals, the bus, the status, the
+/// service manager, exceptions. Returns the exit code for main: 0 well, 1 failed, 2 wrong usage or
+/// config, 3 unreadable input.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);
 
 /// Joins the bus as the common options say; for programs that do not always need it. `source` =

@@ -1,6 +1,4 @@
-#include <CLI/CLI.hpp>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,66 +15,46 @@ struct Arguments {
   int camera_id = 0;
   DatasetOptions sequence;
   ReplayOptions replay;  // but for what the config says, too
-  std::optional<std::string> mode;
-  std::optional<double> speed, resend_after;
-  std::optional<int> window;
   VismapConfig config;
   std::unique_ptr<Dataset> opened;
 };
 
-void AddOptions(CLI::App& app, Arguments* arguments) {
+void AddInput(CommandLine& line, Arguments* arguments) {
   DatasetOptions& sequence = arguments->sequence;
-  ReplayOptions& replay = arguments->replay;
-  app.add_option(
-         "--dataset", arguments->dataset,
-         "Folder of the sequence, a log of LCM messages, synthetic:room or synthetic:office")
-      ->required();
-  app.add_option("--format", arguments->format,
-                 "Layout of the folder; found by looking when not given");
-  app.add_option(
-         "--mode", arguments->mode,
-         "realtime, or lockstep: at the pace of the map server; a log is played in lockstep "
-         "unless you say otherwise")
-      ->check(CLI::IsMember({"realtime", "lockstep"}));
-  app.add_option("--speed", arguments->speed, "Of real time; 0 = as fast as possible")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--window", arguments->window,
-                 "Lockstep: frames sent before the oldest is committed")
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--resend-s", arguments->resend_after,
-                 "Lockstep: seconds without a commit before frames are repeated")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--wait-for", replay.wait_for,
-                 "Programs that must be ready first: depth-segmenter,map-server")
-      ->delimiter(',');
-  app.add_flag("--loop", replay.loop, "Begin again at the end, with utimes that go on");
-  app.add_option("--camera-id", arguments->camera_id,
-                 "Given to every frame; those of a log keep theirs")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--stride", sequence.stride, "Every n-th frame")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--max-frames", sequence.max_frames, "At most so many frames; 0 = all")
-      ->check(CLI::NonNegativeNumber);
+  line.Option("--dataset", &arguments->dataset,
+              "Folder of the sequence, a log of LCM messages, synthetic:room or synthetic:office")
+      .Required();
+  line.Option("--format", &arguments->format,
+              "Layout of the folder; found by looking when not given");
+  line.Option("--camera-id", &arguments->camera_id,
+              "Given to every frame; those of a log keep theirs")
+      .AtLeast(0);
+  line.Option("--stride", &sequence.stride, "Every n-th frame").Positive();
+  line.Option("--max-frames", &sequence.max_frames, "At most so many frames; 0 = all").AtLeast(0);
 }
 
-// The command line goes before the config.
-Result<std::string> Configure(const std::string& text, const std::string& path,
-                              Arguments* arguments) {
-  const Result<std::string> taken = TakeConfig(text, path, &arguments->config);
-  if (!taken) return taken;
-  SensorReplayConfig& section = arguments->config.sensor_replay;
-  if (IsLog(arguments->dataset)) section.lockstep = true;
-  if (arguments->mode) section.lockstep = *arguments->mode == "lockstep";
-  section.speed = arguments->speed.value_or(section.speed);
-  section.window = arguments->window.value_or(section.window);
-  section.resend_after = arguments->resend_after.value_or(section.resend_after);
-  arguments->replay.lockstep = section.lockstep;
-  arguments->replay.speed = section.speed;
-  arguments->replay.window = section.window;
-  arguments->replay.resend_after = section.resend_after;
-  return PrintConfig(arguments->config);
+void AddOptions(CommandLine& line, Arguments* arguments) {
+  AddInput(line, arguments);
+  SensorReplayConfig& config = arguments->config.sensor_replay;
+  line.Choice("--mode", &config.lockstep, {{"realtime", false}, {"lockstep", true}},
+              "realtime, or lockstep: at the pace of the map server; a log is played in lockstep "
+              "unless you say otherwise");
+  line.Option("--speed", &config.speed, "Of real time; 0 = as fast as possible").AtLeast(0);
+  line.Option("--window", &config.window, "Lockstep: frames sent before the oldest is committed")
+      .Range(1, 1000);
+  line.Option("--resend-s", &config.resend_after,
+              "Lockstep: seconds without a commit before frames are repeated")
+      .Positive();
+  line.Option("--wait-for", &arguments->replay.wait_for,
+              "Programs that must be ready first: depth-segmenter,map-server");
+  line.Flag("--loop", &arguments->replay.loop, "Begin again at the end, with utimes that go on");
+}
+
+// A log is played in lockstep, whatever the file says, unless the command line says otherwise.
+Result<void> ReadOptions(const std::string& text, const std::string& path, Arguments* arguments) {
+  const Result<void> read = ReadConfig(text, path, &arguments->config);
+  if (IsLog(arguments->dataset)) arguments->config.sensor_replay.lockstep = true;
+  return read;
 }
 
 Outcome Open(Arguments* arguments) {
@@ -95,12 +73,18 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "sensor-replay";
   spec.summary = "Publishes the frames of a recorded or synthetic RGB-D sequence.";
-  spec.add_options = [&](CLI::App& app) { AddOptions(app, &arguments); };
-  spec.configure = [&](const std::string& text, const std::string& path) {
-    return Configure(text, path, &arguments);
+  spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
+  UseConfig(&arguments.config, &spec);
+  spec.read_config = [&](const std::string& text, const std::string& path) {
+    return ReadOptions(text, path, &arguments);
   };
   spec.prepare = [&] { return Open(&arguments); };
   spec.run = [&](ProcessContext& context) {
+    const SensorReplayConfig& config = arguments.config.sensor_replay;
+    arguments.replay.lockstep = config.lockstep;
+    arguments.replay.speed = config.speed;
+    arguments.replay.window = config.window;
+    arguments.replay.resend_after = config.resend_after;
     return Replay(*arguments.opened, arguments.replay, context);
   };
   return RunProcess(argc, argv, spec);

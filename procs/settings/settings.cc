@@ -1,20 +1,29 @@
 #include "settings/settings.h"
 
-#include <CLI/CLI.hpp>
-
 namespace vismap {
 
-Result<std::string> TakeConfig(const std::string& text, const std::string& path,
-                               VismapConfig* config) {
+void UseConfig(VismapConfig* config, ProcessSpec* spec) {
+  spec->read_config = [config](const std::string& text, const std::string& path) {
+    return ReadConfig(text, path, config);
+  };
+  spec->check_config = [config] { return CheckConfig(*config); };
+}
+
+Result<void> ReadConfig(const std::string& text, const std::string& path, VismapConfig* config) {
   Result<VismapConfig> parsed = ParseValidConfig(text, path.empty() ? "defaults" : path);
   if (!parsed) return tl::unexpected(parsed.error());
   *config = std::move(*parsed);
-  return PrintConfig(*config);
+  return {};
 }
 
-void ThreadOption::AddTo(CLI::App& app) {
-  app.add_option("--threads", threads_, "Threads to use; 0 = all processors")
-      ->check(CLI::NonNegativeNumber);
+Result<std::string> CheckConfig(const VismapConfig& config) {
+  const std::vector<std::string> problems = Validate(config);
+  if (!problems.empty()) return Fail("command line: " + problems.front());
+  return PrintConfig(config);
+}
+
+void ThreadOption::AddTo(CommandLine& line) {
+  line.Option("--threads", &threads_, "Threads to use; 0 = all processors").AtLeast(0);
 }
 
 std::unique_ptr<ThreadLimit> ThreadOption::Limit() const {

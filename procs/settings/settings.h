@@ -7,25 +7,27 @@
 #include "base/parallel.h"
 #include "config/config.h"
 #include "exports/outputs.h"
+#include "runtime/main.h"
 #include "session/map_session.h"
-
-namespace CLI {
-class App;
-}
 
 namespace vismap {
 
 // What the processes that take a vismap config file share.
 
-/// For ProcessSpec::configure: reads and checks the config text (empty = defaults) into `config`;
-/// returns it in full.
-Result<std::string> TakeConfig(const std::string& text, const std::string& path,
-                               VismapConfig* config);
+/// Lets `config` be what --config and the options of the command line say: fills read_config and
+/// check_config of the spec.
+void UseConfig(VismapConfig* config, ProcessSpec* spec);
+
+/// Reads and checks the text of a config file (empty = defaults).
+Result<void> ReadConfig(const std::string& text, const std::string& path, VismapConfig* config);
+
+/// Checks a config that the command line may have changed, and returns it in full.
+Result<std::string> CheckConfig(const VismapConfig& config);
 
 /// `--threads N`: limits the parallel loops of the process while the limit lives.
 class ThreadOption {
  public:
-  void AddTo(CLI::App& app);
+  void AddTo(CommandLine& line);
   /// The limit that the user asked for; none when all processors may be used.
   std::unique_ptr<ThreadLimit> Limit() const;
 

@@ -5,7 +5,6 @@
 // else the exit code is 1.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -22,6 +21,7 @@
 #include "meshing/marching_cubes.h"
 #include "objects/read_out.h"
 #include "offline_mapper/stage_times.h"
+#include "runtime/command_line.h"
 #include "support/naive/compute_surface.h"
 #include "support/naive/mesh_block.h"
 #include "support/pipelines.h"
@@ -312,20 +312,20 @@ int Run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   vismap::Arguments arguments;
-  CLI::App app("Times the stages of the pipeline, beside their naive references.");
-  app.add_option("--dataset", arguments.dataset,
-                 "Sequence; default: 7scenes in VISMAP_DATA, else the built-in room");
-  app.add_option("--frames", arguments.frames, "At most so many frames")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--threads", arguments.threads)->check(CLI::PositiveNumber);
-  app.add_option("--range", arguments.ranges,
-                 "Farthest surface and free space [m], one table each; default: 5 and 3")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--naive-every", arguments.naive_every,
-                 "The naive references see one frame of so many; 0 = none")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--json", arguments.json, "Writes the figures to this file, too");
-  CLI11_PARSE(app, argc, argv);
+  vismap::CommandLine line("pipeline_bench",
+                           "Times the stages of the pipeline, beside their naive references.");
+  line.Option("--dataset", &arguments.dataset,
+              "Sequence; when not given, 7scenes in VISMAP_DATA, else the built-in room");
+  line.Option("--frames", &arguments.frames, "At most so many frames").Positive();
+  line.Option("--threads", &arguments.threads, "Threads to use").Positive();
+  line.Option("--range", &arguments.ranges, "Farthest surface and free space [m], one table each")
+      .Positive();
+  line.Option("--naive-every", &arguments.naive_every,
+              "The naive references see one frame of so many; 0 = none")
+      .AtLeast(0);
+  line.Option("--json", &arguments.json, "Writes the figures to this file, too");
+  if (const auto end = line.Parse(argc, argv)) return static_cast<int>(*end);
+  line.Apply();
   try {
     return vismap::Run(arguments);
   } catch (const std::exception& error) {
