@@ -233,6 +233,21 @@ def check_text(root, path, text):
         yield MOST_README_LINES + 1, f"has {len(text.splitlines())} lines; expected at most {MOST_README_LINES}"
 
 
+def check_references(root):
+    """Comments that name a section of a document, as in "libs/METHOD.md, Free space"."""
+    for folder in ("libs", "procs", "tests"):
+        for file in sorted((root / folder).rglob("*")):
+            if file.suffix not in (".h", ".cc"):
+                continue
+            text = re.sub(r"\s*\n\s*//[/<]*\s*", " ", file.read_text(errors="replace"))
+            for name, section in re.findall(r"\b((?:libs|procs|config|tests)/[A-Z]+\.md)(?:, ([A-Z][a-z]*(?: [a-z]+)*))?", text):
+                where = file.relative_to(root)
+                if not (root / name).is_file():
+                    yield f"{where}: there is no {name}"
+                elif section and not any(section.lower().replace(" ", "-").startswith(anchor) for anchor in anchors(root / name)):
+                    yield f"{where}: {name} has no section {section}"
+
+
 def problems_of(root):
     checks = (check_links, check_paths, check_commands, check_keys, check_names, check_text)
     for path in documents(root):
@@ -240,6 +255,7 @@ def problems_of(root):
         for check in checks:
             for number, problem in check(root, path, text):
                 yield f"{path.relative_to(root)}:{number}: {problem}"
+    yield from check_references(root)
 
 
 class DocumentsTest(unittest.TestCase):
@@ -316,6 +332,14 @@ class CheckerTest(unittest.TestCase):
         self.expect("`MapBlocks`", "MapBlocks")
         self.expect("`NO_SUCH_CHANNEL`", "NO_SUCH_CHANNEL")
         self.assertEqual(self.problems("`MapBlock`, OtherWord"), [])
+
+    def test_references_in_comments(self):
+        self.write("libs/map/block.h", "/// See libs/README.md. And libs/README.md, The\n/// rooms.\nint a;\n")
+        self.assertEqual(self.problems(""), [])
+        self.write("libs/map/block.h", "/// See libs/README.md, Halls.\n")
+        self.assertEqual(self.problems(""), ["libs/map/block.h: libs/README.md has no section Halls"])
+        self.write("libs/map/block.h", "/// See libs/WAY.md.\n")
+        self.assertEqual(self.problems(""), ["libs/map/block.h: there is no libs/WAY.md"])
 
     def test_length_and_what_is_not_here(self):
         self.assertEqual(self.problems("a\n" * MOST_README_LINES), [])
