@@ -206,6 +206,46 @@ def check_keys(root, path, text):
 
 
 @functools.cache
+def default_config():
+    """(section, key) -> value, as a program prints them."""
+    done = subprocess.run([BIN / "vismap-map-server", "--print-config"], capture_output=True, text=True, timeout=60, check=True)
+    values, section = {}, None
+    for line in done.stdout.splitlines():
+        if line.endswith("{"):
+            section = line.split()[0]
+        elif ":" in line:
+            key, value = line.split(":", 1)
+            values[section, key.strip()] = value.strip()
+    return values
+
+
+def stated_values(line):
+    """(section, key, value) of `section.key` (value), and of table rows | `section.key` ... | value |."""
+    key = r"`([a-z_]+)\.([a-z_A-Z0-9]+)`"
+    yield from re.findall(key + r" \(([-\d.e]+|true|false|[A-Z_]+)(?=[,;)])", line)
+    cells = line.split("|")
+    if len(cells) > 3:
+        keys, values = re.findall(key, cells[1]), cells[2].split(",")
+        if len(keys) == len(values):
+            yield from ((*name, value.strip()) for name, value in zip(keys, values))
+
+
+def check_values(root, path, text):
+    for number, line in enumerate(text.splitlines(), 1):
+        for section, key, value in stated_values(line):
+            default = default_config().get((section, key))
+            if default is not None and default != value and not equal_numbers(default, value):
+                yield number, f"{section}.{key} is {default} by default, not {value}"
+
+
+def equal_numbers(a, b):
+    try:
+        return float(a) == float(b)
+    except ValueError:
+        return False
+
+
+@functools.cache
 def words_of_code(root):
     words = set()
     for folder, suffixes in (("libs", (".h", ".cc", ".proto")), ("procs", (".h", ".cc")), ("lcmtypes", (".lcm",)),
@@ -249,7 +289,7 @@ def check_references(root):
 
 
 def problems_of(root):
-    checks = (check_links, check_paths, check_commands, check_keys, check_names, check_text)
+    checks = (check_links, check_paths, check_commands, check_keys, check_values, check_names, check_text)
     for path in documents(root):
         text = path.read_text()
         for check in checks:
@@ -326,7 +366,15 @@ class CheckerTest(unittest.TestCase):
         self.expect("`grids { voxel_size_m: 1 }`", "grids")
         self.expect("```\ngrid { voxel_size: 1 }\n```", "voxel_size")
         self.expect("`voxel_size: 1`", "voxel_size")
-        self.assertEqual(self.problems("`grid.voxel_size_m` (1), `grid { voxel_size_m: 0.01 }`"), [])
+        self.assertEqual(self.problems("`grid.voxel_size_m` (0.01), `grid { voxel_size_m: 0.01 }`"), [])
+
+    def test_default_values(self):
+        self.write("libs/config/options.proto", (ROOT / "libs/config/options.proto").read_text())
+        self.expect("`grid.voxel_size_m` (0.02)", "grid.voxel_size_m", "0.01", "0.02")
+        self.expect("| `grid.voxel_size_m`, `grid.truncation_voxels` | 0.010, 5 | why |", "truncation_voxels", "5")
+        self.expect("`surface.method` (WINDOW_COVARIANCE)", "surface.method", "WINDOW_COVARIANCE")
+        self.assertEqual(self.problems("`grid.voxel_size_m` (0.01; why), `grid.truncation_voxels` (all)\n"
+                                       "| `grid.voxel_size_m` | 0.01 | why |"), [])
 
     def test_names(self):
         self.expect("`MapBlocks`", "MapBlocks")
