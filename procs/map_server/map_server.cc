@@ -135,7 +135,7 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
   NoteIntegrated({header.camera_id, header.utime});
   const StageTimer timer(status_, "publishing");
   occupancy_.PublishChanges(map(), delta.changed_blocks);
-  mesh_.NoteChanges(map(), delta);
+  mesh_.AddChanges(map(), delta);
   return commit;
 }
 
@@ -209,8 +209,10 @@ std::vector<ObjectSummary> MapServer::AllObjects() const {
 void MapServer::PublishObjectsNow() {
   if (mesh_.has_changes()) PublishMesh();  // from which objects are read
   const StageTimer timer(status_, "objects");
-  const auto places = [this](SegmentLabel label) { return mesh_.places().Of(label); };
-  PublishObjects(tracker_.Summarize(map(), mesh_.surfaces(), places,
+  const auto places = [this](SegmentLabel label) {
+    return mesh_.tracker().places().BlocksOf(label);
+  };
+  PublishObjects(tracker_.Summarize(map(), mesh_.tracker().surfaces(), places,
                                     ObjectOptionsFor(session_->metadata(), outputs_)));
 }
 

@@ -145,11 +145,11 @@ class MeshStream : public testing::Test {
     while (bus_->Spin(0)) {
     }
   }
-  void NoteGrowth() { Note(growing_.Grow()); }
-  void Note(std::vector<BlockIndex> changed) {
+  void Grow() { AddChanges(growing_.Grow()); }
+  void AddChanges(std::vector<BlockIndex> changed) {
     MapDelta delta;
     delta.changed_blocks = std::move(changed);
-    publisher_.NoteChanges(growing_.map(), delta);
+    publisher_.AddChanges(growing_.map(), delta);
   }
   std::string Truth() { return MeshPublisher::DigestOf(growing_.map(), {}); }
 
@@ -164,7 +164,7 @@ class MeshStream : public testing::Test {
 
 TEST_F(MeshStream, UpdatesBlockByBlockGiveTheMeshOfTheWholeMap) {
   for (int frame = 0; frame < 12; ++frame) {
-    NoteGrowth();
+    Grow();
     publisher_.PublishChanges(growing_.map());
     Deliver();
     ASSERT_EQ(follower_.Digest(), Truth()) << frame;
@@ -175,7 +175,7 @@ TEST_F(MeshStream, UpdatesBlockByBlockGiveTheMeshOfTheWholeMap) {
 }
 
 TEST_F(MeshStream, MergedLabelsAndNewInstancesReachBlocksThatDidNotChange) {
-  for (int frame = 0; frame < 4; ++frame) NoteGrowth();
+  for (int frame = 0; frame < 4; ++frame) Grow();
   publisher_.PublishChanges(growing_.map());
   Deliver();
   const std::string before = follower_.Digest();
@@ -204,7 +204,7 @@ TEST_F(MeshStream, MergedLabelsAndNewInstancesReachBlocksThatDidNotChange) {
 TEST_F(MeshStream, AFollowerThatLosesAThirdOfAllMessagesEndsWithTheMap) {
   lost_percent_ = 33;
   for (int frame = 0; frame < 12; ++frame) {
-    NoteGrowth();
+    Grow();
     publisher_.PublishChanges(growing_.map());
     if (frame % 4 == 3) publisher_.PublishSince(growing_.map(), follower_.position());
     Deliver();
@@ -219,7 +219,7 @@ TEST_F(MeshStream, AFollowerThatLosesAThirdOfAllMessagesEndsWithTheMap) {
 
 TEST_F(MeshStream, OnlyBlocksThatLostTheirSurfaceAreSentEmpty) {
   for (int frame = 0; frame < 4; ++frame) {
-    NoteGrowth();
+    Grow();
     publisher_.PublishChanges(growing_.map());
   }
   Deliver();
@@ -228,7 +228,7 @@ TEST_F(MeshStream, OnlyBlocksThatLostTheirSurfaceAreSentEmpty) {
   Deliver();
   EXPECT_EQ(empty_blocks_, 0u);
   const size_t before = follower_.block_count();
-  Note(growing_.Shrink());
+  AddChanges(growing_.Shrink());
   publisher_.PublishChanges(growing_.map());
   Deliver();
   EXPECT_EQ(follower_.Digest(), Truth());
@@ -237,14 +237,14 @@ TEST_F(MeshStream, OnlyBlocksThatLostTheirSurfaceAreSentEmpty) {
 }
 
 TEST_F(MeshStream, AFollowerThatMissedTheEndOfASurfaceHearsOfItLater) {
-  for (int frame = 0; frame < 4; ++frame) NoteGrowth();
+  for (int frame = 0; frame < 4; ++frame) Grow();
   publisher_.PublishChanges(growing_.map());
   Deliver();
   lost_percent_ = 100;
-  Note(growing_.Shrink());
+  AddChanges(growing_.Shrink());
   publisher_.PublishChanges(growing_.map());
   publisher_.PublishAll(growing_.map());
-  NoteGrowth();
+  Grow();
   publisher_.PublishChanges(growing_.map());
   Deliver();
   lost_percent_ = 0;
@@ -254,7 +254,7 @@ TEST_F(MeshStream, AFollowerThatMissedTheEndOfASurfaceHearsOfItLater) {
 }
 
 TEST_F(MeshStream, ASelfContradictingMessageChangesNothing) {
-  NoteGrowth();
+  Grow();
   publisher_.PublishChanges(growing_.map());
   Deliver();
   const std::string before = follower_.Digest();

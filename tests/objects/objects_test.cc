@@ -98,7 +98,7 @@ TEST(SummarizeObjects, StrayPiecesDoNotBlowUpTheBox) {
 
 TEST(SummarizeObjects, UpAxisIsAnOption) {
   // The same room, told that y is up: the third axis of the box is y.
-  const OrientedBox box = SummarizeObjects(Room(), {.up_W = Vector3d::UnitY()})[2].box;
+  const OrientedBox box = SummarizeObjects(AnalyticRoom(), {.up_W = Vector3d::UnitY()})[2].box;
   EXPECT_LT((box.R_W_B * Vector3d::UnitZ() - Vector3d::UnitY()).norm(), 1e-9);
   EXPECT_NEAR(box.size.z(), 0.3, kVoxel);
   EXPECT_NEAR(box.R_W_B.toRotationMatrix().determinant(), 1, 1e-9);

@@ -10,19 +10,21 @@
 
 namespace vismap {
 
-/// When each block last changed in a stream of updates, so that a follower which missed some of
-/// them is sent the blocks it lacks and no others. Bounded: what changed longest ago is forgotten.
+/// When each block of a map last changed. A follower that missed some updates gets the blocks that
+/// changed since, and no others. Bounded: the changes that are longest ago are forgotten.
 class ChangeLog {
  public:
   explicit ChangeLog(size_t max_blocks = 100000) : max_blocks_(max_blocks) {
     last_change_.max_load_factor(0.8F);  // there are up to max_blocks
   }
 
+  /// The block changed at this revision of the map.
   void Record(int64_t revision, BlockIndex block);
-  /// Forgets everything; nothing had changed before.
+  /// Starts again for a map without any change.
   void Clear();
 
-  /// Blocks that changed after `revision`, ascending; nullopt when that is forgotten.
+  /// The blocks that changed after `revision`, ascending; nullopt when some of these changes are
+  /// forgotten.
   std::optional<std::vector<BlockIndex>> Since(int64_t revision) const;
 
  private:

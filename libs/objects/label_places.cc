@@ -1,37 +1,37 @@
-#include "map_server/label_places.h"
+#include "objects/label_places.h"
 
 #include "base/ids.h"
 
 namespace vismap {
 namespace {
-// A palette grows at its end until it is full; only then labels are dropped from it.
+// A palette grows at its end until it is full; only then are labels dropped from it.
 constexpr size_t kFull = 255;
 }  // namespace
 
 void LabelPlaces::Clear() {
-  noted_.clear();
+  known_.clear();
   places_.clear();
 }
 
-void LabelPlaces::Note(const VoxelMap& voxels, std::span<const BlockIndex> changed) {
+void LabelPlaces::AddBlocks(const VoxelMap& voxels, std::span<const BlockIndex> changed) {
   SurfaceReader reader;
   for (const BlockIndex& index : changed) {
     const Block* block = voxels.Find(index);
     if (block == nullptr) continue;
-    if (const SurfaceVoxels* surface = reader.Read(*block)) NoteBlock(index, surface->palette);
+    if (const SurfaceVoxels* surface = reader.Read(*block)) AddBlock(index, surface->palette);
     reader.Trim();
   }
 }
 
-void LabelPlaces::NoteBlock(BlockIndex index, const std::vector<SegmentLabel>& palette) {
-  uint8_t& noted = noted_[index];
-  const bool anew = palette.size() == kFull || palette.size() < noted;
-  for (size_t i = anew ? 0 : noted; i < palette.size(); ++i) {
+void LabelPlaces::AddBlock(BlockIndex index, const std::vector<SegmentLabel>& palette) {
+  uint8_t& known = known_[index];
+  const bool anew = palette.size() == kFull || palette.size() < known;
+  for (size_t i = anew ? 0 : known; i < palette.size(); ++i) {
     const size_t label = Raw(palette[i]);
     if (places_.size() <= label) places_.resize(label + 1);
     places_[label].push_back(index);
   }
-  noted = static_cast<uint8_t>(palette.size());
+  known = static_cast<uint8_t>(palette.size());
 }
 
 void LabelPlaces::Merge(SegmentLabel dead, SegmentLabel survivor) {
@@ -43,13 +43,15 @@ void LabelPlaces::Merge(SegmentLabel dead, SegmentLabel survivor) {
 
 void LabelPlaces::MergeAll(const LabelTable& labels) {
   const auto& records = labels.records();
-  for (size_t i = records.size(); i > 0; --i) {  // survivors have lower labels: chains come down
+  // A survivor has the lower label: from the highest label down, chains of merges are followed to
+  // their end.
+  for (size_t i = records.size(); i > 0; --i) {
     const SegmentLabel survivor = records[i - 1].merged_into;
     if (survivor != SegmentLabel::kNone) Merge(static_cast<SegmentLabel>(i), survivor);
   }
 }
 
-std::span<const BlockIndex> LabelPlaces::Of(SegmentLabel label) const {
+std::span<const BlockIndex> LabelPlaces::BlocksOf(SegmentLabel label) const {
   const size_t at = Raw(label);
   return at < places_.size() ? std::span<const BlockIndex>(places_[at])
                              : std::span<const BlockIndex>();

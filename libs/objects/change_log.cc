@@ -1,4 +1,4 @@
-#include "map_server/change_log.h"
+#include "objects/change_log.h"
 
 #include <algorithm>
 
