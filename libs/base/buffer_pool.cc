@@ -44,10 +44,6 @@ class Pool {
     held_ += bytes;
     return true;
   }
-  size_t held() {
-    const std::lock_guard lock(mutex_);
-    return held_;
-  }
 
  private:
   std::mutex mutex_;
@@ -74,7 +70,5 @@ void ReturnBuffer(void* buffer, size_t bytes) noexcept {
   if (IsPooled(bytes) && ThePool().Keep(buffer, Rounded(bytes))) return;
   ::operator delete(buffer, kAlignment);
 }
-
-size_t PooledBytes() { return ThePool().held(); }
 
 }  // namespace vismap

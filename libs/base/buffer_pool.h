@@ -15,8 +15,6 @@ namespace vismap {
 void* TakeBuffer(size_t bytes);
 /// Gives back what TakeBuffer returned for the same `bytes`.
 void ReturnBuffer(void* buffer, size_t bytes) noexcept;
-/// Bytes that wait in the pool to be taken again; bounded.
-size_t PooledBytes();
 
 /// Allocator for vectors of pixels and the like, see TakeBuffer. Elements that are not given a
 /// value are left as they are where their type allows it: resize() does not fill with zeros.

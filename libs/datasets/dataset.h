@@ -60,7 +60,4 @@ class Dataset {
 Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std::string& format,
                                              const DatasetOptions& options = {});
 
-/// The names of the formats that OpenDataset supports.
-std::vector<std::string> DatasetFormats();
-
 }  // namespace vismap

@@ -156,10 +156,4 @@ Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std:
   return dataset;
 }
 
-std::vector<std::string> DatasetFormats() {
-  std::vector<std::string> names;
-  for (const DatasetFormat* format : kFormats) names.emplace_back(format->name);
-  return names;
-}
-
 }  // namespace vismap

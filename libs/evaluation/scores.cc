@@ -2,19 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include "base/parallel.h"
-#include "base/require.h"
 
 namespace vismap {
 namespace {
-
-// The group of a vertex: (0, instance), or (1, segment) if it has no instance.
-std::pair<int, uint32_t> GroupOf(const MeshVertex& vertex) {
-  if (vertex.instance != InstanceId::kNone) return {0, Raw(vertex.instance)};
-  return {1, Raw(vertex.segment)};
-}
 
 // Whether a whole block is in true free space. Then its cells, as those of most blocks, need not be
 // checked one by one.
@@ -25,53 +15,6 @@ bool IsFarFromSurface(const OccupancyMap& map, BlockIndex index, const TrueDista
 }
 
 }  // namespace
-
-GeometryScore ScoreGeometry(const Mesh& mesh, const TrueDistance& truth) {
-  std::vector<double> distances(mesh.vertices.size());
-  ParallelFor(distances.size(), 256, [&](size_t i) {
-    distances[i] = std::abs(truth(mesh.vertices[i].position_W.cast<double>()));
-  });
-  GeometryScore score;
-  score.vertices = static_cast<int64_t>(distances.size());
-  if (distances.empty()) return score;
-  double sum = 0;
-  for (const double distance : distances) sum += distance;
-  score.mean = sum / static_cast<double>(distances.size());
-  std::sort(distances.begin(), distances.end());
-  score.p95 = distances[(distances.size() - 1) * 95 / 100];
-  return score;
-}
-
-std::map<uint16_t, ObjectScore> ScoreObjects(const Mesh& mesh,
-                                             const std::vector<uint16_t>& truth_of) {
-  Require(truth_of.size() == mesh.vertices.size(), "one true object per vertex");
-  using Group = std::pair<int, uint32_t>;
-  std::map<Group, int64_t> group_sizes;
-  std::map<uint16_t, std::map<Group, int64_t>> overlaps;
-  std::map<Group, ClassId> classes;
-  for (size_t i = 0; i < truth_of.size(); ++i) {
-    const Group group = GroupOf(mesh.vertices[i]);
-    if (truth_of[i] != 0) ++overlaps[truth_of[i]][group];
-    ++group_sizes[group];
-    classes[group] = mesh.vertices[i].class_id;
-  }
-  std::map<uint16_t, ObjectScore> scores;
-  for (const auto& [object, groups] : overlaps) {
-    ObjectScore& score = scores[object];
-    for (const auto& entry : groups) score.vertices += entry.second;
-    for (const auto& [group, common] : groups) {
-      if (group == Group{1, 0}) continue;  // surface without a segment
-      if (common * 10 > score.vertices) ++score.fragments;
-      const double iou = static_cast<double>(common) /
-                         static_cast<double>(score.vertices + group_sizes[group] - common);
-      if (iou <= score.iou) continue;
-      score.iou = iou;
-      score.instance = group.first == 0 ? static_cast<InstanceId>(group.second) : InstanceId::kNone;
-      score.class_id = classes[group];
-    }
-  }
-  return scores;
-}
 
 FreeSpaceScore ScoreFreeSpace(const OccupancyMap& map, const TrueDistance& truth, double margin) {
   FreeSpaceScore score;

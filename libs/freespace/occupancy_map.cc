@@ -92,13 +92,6 @@ Result<void> OccupancyMap::Apply(const OccupancyDelta& delta) {
   return {};
 }
 
-OccupancyDelta OccupancyMap::Snapshot() const {
-  OccupancyDelta delta{cell_size_, true, {}};
-  delta.blocks.reserve(blocks_.size());
-  for (const BlockIndex& index : SortedIndices()) delta.blocks.emplace_back(index, At(index));
-  return delta;
-}
-
 void Extend(const OccupancyBox& more, std::optional<OccupancyBox>* box) {
   if (!*box) *box = more;
   OccupancyBox& whole = **box;

@@ -64,9 +64,6 @@ class OccupancyMap {
   /// unless it is complete.
   Result<void> Apply(const OccupancyDelta& delta);
 
-  /// All blocks, as a complete delta.
-  OccupancyDelta Snapshot() const;
-
   /// 32 hexadecimal digits: equal for equal content, whatever way it came about. Constant time.
   std::string Digest() const { return digest_.Hex(cell_size_); }
 

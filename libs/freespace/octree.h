@@ -56,18 +56,10 @@ Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
 /// not fit, or a map too large for OctoMap's 65536 leaves along an axis.
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
 
-/// The same from a map that already has cells of the leaf size (see coarsen.h).
-Result<OctreeBytes> EncodeOctree(const OccupancyMap& leaves, double resolution,
-                                 UnknownPolicy unknown,
-                                 const std::optional<Eigen::AlignedBox3d>& bounds_W);
-
-/// The same tree as an `.ot` stream, for readers that cannot take `.bt`: five bytes per node.
-Result<std::vector<uint8_t>> ConvertToOt(const OctreeBytes& octree);
-
 /// Writes the stream to a file, all or nothing; the directory must exist.
 Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree);
 
-/// What a `.bt` or `.ot` stream holds.
+/// What a `.bt` stream holds.
 struct OctreeStreamInfo {
   double resolution = 0;  ///< edge of a leaf [m]
   int64_t nodes = 0;      ///< inner nodes and leaves
@@ -76,38 +68,5 @@ struct OctreeStreamInfo {
 /// Checks every byte of a stream (header, depth, node count, nothing missing, nothing left over)
 /// without building the tree: needs no memory. `name` stands in the error.
 Result<OctreeStreamInfo> CheckOctree(std::span<const uint8_t> bytes, const std::string& name);
-
-/// An octree read from a `.bt` or `.ot` stream.
-class Octree {
- public:
-  struct Leaf {
-    Eigen::Vector3d min_W;  ///< lower corner [m]
-    double size = 0;        ///< edge [m]
-    CellState state = CellState::kUnknown;
-  };
-
-  /// Fails as CheckOctree does, before OctoMap sees a byte. Takes up to 140 times the memory of a
-  /// `.bt` stream.
-  static Result<Octree> Parse(std::span<const uint8_t> bytes, const std::string& name);
-
-  Octree(Octree&&) noexcept;
-  Octree& operator=(Octree&&) noexcept;
-  ~Octree();
-
-  double resolution() const;
-  int64_t nodes() const;
-  CellState At(const Eigen::Vector3d& p_W) const;
-  /// All free and occupied leaves, pruned as stored, in OctoMap's order.
-  std::vector<Leaf> Leaves() const;
-  /// The tree as an `.ot` stream.
-  std::vector<uint8_t> EncodeOt() const;
-
- private:
-  struct Impl;
-  explicit Octree(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
-};
-
-Result<Octree> ReadOctree(const std::filesystem::path& path);
 
 }  // namespace vismap

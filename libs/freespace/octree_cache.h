@@ -19,7 +19,7 @@ class OctreeCache {
   /// Says which blocks of `leaves` are different from the last time, or may be.
   void Update(const OccupancyMap& leaves, std::span<const BlockIndex> changed);
 
-  /// The same bytes as those of EncodeOctree. `leaves` as at the last Update.
+  /// The octree. `leaves` must be as at the last Update.
   Result<OctreeBytes> Encode(const OccupancyMap& leaves, double resolution, UnknownPolicy unknown,
                              const std::optional<Eigen::AlignedBox3d>& bounds_W);
 

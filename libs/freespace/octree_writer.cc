@@ -33,14 +33,6 @@ Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& op
   return builder->Build(options.unknown);
 }
 
-Result<OctreeBytes> EncodeOctree(const OccupancyMap& leaves, double resolution,
-                                 UnknownPolicy unknown,
-                                 const std::optional<Eigen::AlignedBox3d>& bounds_W) {
-  OctreeCache cache;
-  cache.Update(leaves, leaves.SortedIndices());
-  return cache.Encode(leaves, resolution, unknown, bounds_W);
-}
-
 Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree) {
   return WriteFileAtomically(path, octree.bytes);
 }

@@ -29,8 +29,6 @@ struct DepthNoiseModel {
     const double axial = AxialSigma(z), step = QuantisationStep(z);
     return std::sqrt(axial * axial + step * step / 12.0);
   }
-  /// Standard deviation of inverse depth [1/m]; nearly constant in z for every disparity sensor.
-  double InverseDepthSigma(double z) const { return Sigma(z) / (z * z); }
 
   friend bool operator==(const DepthNoiseModel&, const DepthNoiseModel&) = default;
 };

@@ -91,16 +91,6 @@ SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes) {
   return best == 0 ? SegmentLabel::kNone : static_cast<SegmentLabel>(~static_cast<uint32_t>(best));
 }
 
-SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTable& labels) {
-  std::array<LabelVote, kVoteSlots> votes;
-  for (int slot = 0; slot < kVoteSlots; ++slot) {
-    LabelVote& vote = votes[static_cast<size_t>(slot)];
-    vote = voxels.Vote(offset, slot);
-    vote.label = labels.Canonical(vote.label);
-  }
-  return StrongestLabel(votes);
-}
-
 std::string HashMap(const SemanticMap& map) {
   Digest digest;
   digest.Add(map.voxels.voxel_size());

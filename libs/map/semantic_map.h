@@ -21,10 +21,6 @@ struct SemanticMap {
   Eigen::Vector3d last_camera_W = Eigen::Vector3d::Zero();  ///< where its camera stood [m]
 };
 
-/// The winner among a voxel's votes: votes of merged labels are summed first; ties go to the lower
-/// label. kNone = no vote.
-SegmentLabel VoxelLabel(const SurfaceVoxels& voxels, int offset, const LabelTable& labels);
-
 /// The winner among votes for canonical labels, which may repeat.
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes);
 

@@ -32,38 +32,6 @@ void VoxelMap::PackUnused(uint32_t before, size_t most) {
   ParallelFor(to_pack.size(), 8, [&](size_t i) { to_pack[i]->surface.Pack(); });
 }
 
-std::optional<VoxelReading> VoxelMap::Read(const Block& block, int offset) const {
-  const auto free_reading = [&](int observations) {
-    return VoxelReading{static_cast<float>(truncation()), static_cast<float>(observations),
-                        observations};
-  };
-  if (block.surface) {
-    SurfaceReader reader;
-    const SurfaceVoxels& voxels = *reader.Read(block);
-    const auto i = static_cast<size_t>(offset);
-    if (voxels.weight[i] == 0) return std::nullopt;
-    return VoxelReading{
-        static_cast<float>(voxels.distance[i]) * static_cast<float>(truncation()) / 32767.0F,
-        static_cast<float>(voxels.weight[i]) / kWeightScale, voxels.observations[i]};
-  }
-  if (block.all_free) return free_reading(2);
-  if (block.free && block.free->SeenTwice(offset)) return free_reading(2);
-  if (block.free && block.free->SeenOnce(offset)) return free_reading(1);
-  return std::nullopt;
-}
-
-std::optional<VoxelReading> VoxelMap::Read(VoxelIndex voxel) const {
-  const Block* block = Find(BlockOf(voxel));
-  if (block == nullptr) return std::nullopt;
-  return Read(*block, OffsetInBlock(voxel));
-}
-
-VoxelIndex VoxelMap::VoxelAt(const Eigen::Vector3d& p_W) const {
-  const Eigen::Vector3d cell = (p_W / options_.voxel_size).array().floor();
-  return {static_cast<int32_t>(cell.x()), static_cast<int32_t>(cell.y()),
-          static_cast<int32_t>(cell.z())};
-}
-
 VoxelMapMemory MeasureMemory(const VoxelMap& map) {
   VoxelMapMemory memory;
   memory.table_bytes = map.blocks().bytes();

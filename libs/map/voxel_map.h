@@ -16,13 +16,6 @@ struct VoxelGridOptions {
       4.0;  ///< truncation distance in voxels; at least 3, or free space cannot be told
 };
 
-/// One voxel as readers see it.
-struct VoxelReading {
-  float distance = 0;    ///< truncated signed distance [m], + toward the camera
-  float weight = 0;      ///< integration weight; 1 = one observation at 1 m
-  int observations = 0;  ///< frames that saw it, saturating; 0 = unseen
-};
-
 /// Sparse map of blocks: the TSDF, the label votes and the free space. Holds no policy: see
 /// mapping/ for what changes it.
 class VoxelMap {
@@ -58,16 +51,6 @@ class VoxelMap {
   const BlockTable<Block>& blocks() const { return blocks_; }
   /// All block indices in ascending (x, y, z) order.
   std::vector<BlockIndex> SortedIndices() const { return blocks_.SortedIndices(); }
-
-  /// The voxel at an offset of a block; nullopt when unseen. Voxels of free blocks read as distance
-  /// = truncation with the number of observations known (1 or 2).
-  std::optional<VoxelReading> Read(const Block& block, int offset) const;
-  std::optional<VoxelReading> Read(VoxelIndex voxel) const;
-
-  Eigen::Vector3d VoxelCenter(VoxelIndex voxel) const {
-    return (Eigen::Vector3d(voxel.x, voxel.y, voxel.z).array() + 0.5) * options_.voxel_size;
-  }
-  VoxelIndex VoxelAt(const Eigen::Vector3d& p_W) const;
 
  private:
   VoxelGridOptions options_;

@@ -91,13 +91,4 @@ std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const Blo
   return MeshSet(meshed, {views, map.voxels.voxel_size(), options.jump_fraction, shown});
 }
 
-MeshDelta MeshBlocks(const SemanticMap& map, const BlockChanges& changes,
-                     std::span<const ShownLabel> shown, const MeshingOptions& options) {
-  const BlockSet changed(changes.blocks), affected = BlockSet::AffectedBy(changes);
-  BlockViews views(map.voxels, affected.Grown(1, 1).Blocks());
-  views.ReadVoxels(options);
-  const MeshingJob job{views, map.voxels.voxel_size(), options.jump_fraction, shown};
-  return {map.revision, MeshSet(ToMesh(changed, affected, views), job)};
-}
-
 }  // namespace vismap

@@ -39,9 +39,9 @@ struct BlockMesh {
   Mesh mesh;  ///< no triangles = the block has no surface (any more): delete what was shown there
 };
 
-/// The blocks whose surface may differ from before, ascending.
+/// New surfaces of some blocks, ascending.
 struct MeshDelta {
-  int64_t revision = 0;  ///< of the map that it was made from
+  int64_t revision = 0;  ///< of the map that they were made from
   std::vector<BlockMesh> blocks;
 };
 
@@ -62,9 +62,5 @@ std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, const BlockChanges& ch
 std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const BlockIndex> blocks,
                                      std::span<const ShownLabel> shown,
                                      const MeshingOptions& options = {});
-
-/// The surface of BlocksToMesh. `shown`: what each label shows.
-MeshDelta MeshBlocks(const SemanticMap& map, const BlockChanges& changes,
-                     std::span<const ShownLabel> shown, const MeshingOptions& options = {});
 
 }  // namespace vismap

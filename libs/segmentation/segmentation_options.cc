@@ -25,19 +25,6 @@ bool OddWindow(int side) { return side >= 3 && side <= 63 && side % 2 == 1; }
 
 }  // namespace
 
-SegmentationStageOptions PublishedOptions() {
-  SegmentationStageOptions options;
-  options.surface.method = NormalMethod::kWindowCovariance;
-  options.segmentation.method = SegmentationMethod::kPublished;
-  options.refine.min_overlap = 0.8;
-  options.refine.max_depth_extent = 0;
-  options.refine.resolve_overlaps = false;
-  options.refine.split = false;
-  options.refine.take_loose = false;
-  options.refine.fold_min_score = 2;
-  return options;
-}
-
 std::vector<std::string> Validate(const SegmentationOptions& options) {
   Problems problems;
   problems.Unless(options.min_segment_pixels >= 1, "min_segment_pixels must be at least 1");

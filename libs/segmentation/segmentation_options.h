@@ -74,10 +74,6 @@ struct SegmentationStageOptions {
   RefineOptions refine;
 };
 
-/// The constants and the behaviour of the published code (Grinvald 2019, Sec. III-A, III-B), as far
-/// as its errors do not hinder it.
-SegmentationStageOptions PublishedOptions();
-
 /// All that is wrong with the options, one sentence each; empty = nothing.
 std::vector<std::string> Validate(const SegmentationOptions& options);
 std::vector<std::string> Validate(const RefineOptions& options);

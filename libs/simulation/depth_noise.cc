@@ -60,27 +60,6 @@ double ViewCosine(const PinholeCamera& camera, int v, int u, double z, double zu
 
 }  // namespace
 
-DepthNoise RealSenseDepthNoise() {
-  DepthNoise noise;
-  noise.axial = RealSenseNoise();
-  noise.baseline = 0.05;
-  noise.disparity_step = 1.0 / 32;
-  noise.correlation = 3;
-  noise.min_depth = 0.2;
-  return noise;
-}
-
-DepthNoise CleanDepthNoise() {
-  DepthNoise noise;
-  noise.axial = CleanNoise();
-  noise.disparity_step = 0;
-  noise.correlation = 1;
-  noise.edge_dropout = 0;
-  noise.grazing_cosine = 0;
-  noise.min_depth = 0;
-  return noise;
-}
-
 Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camera,
                            const DepthNoise& noise, uint64_t frame) {
   if (!noise.enabled) return depth;

@@ -14,23 +14,6 @@ double Nearer(const Shape& shape, const Eigen::Vector3d& p_W, double distance) {
 
 }  // namespace
 
-std::optional<Hit> CastRay(const Scene& scene, const Eigen::Vector3d& origin_W,
-                           const Eigen::Vector3d& direction_W) {
-  std::optional<Hit> first;
-  for (const SceneObject& object : scene.objects) {
-    for (const Shape& shape : object.shapes) {
-      const Pose T_O_W = shape.T_W_O.inverse();
-      const Eigen::Vector3d origin_O = T_O_W * origin_W;
-      const Eigen::Vector3d direction_O = T_O_W.linear() * direction_W;
-      const double t = EnterSolid(shape, origin_O, direction_O);
-      if (t >= (first ? first->t : kNoHit)) continue;
-      const Eigen::Vector3d normal_O = OutwardNormal(shape, origin_O + t * direction_O);
-      first = Hit{t, object.id, shape.T_W_O.linear() * normal_O};
-    }
-  }
-  return first;
-}
-
 double SignedDistance(const SceneObject& object, const Eigen::Vector3d& p_W) {
   double distance = kNoHit;
   for (const Shape& shape : object.shapes) distance = Nearer(shape, p_W, distance);

@@ -41,18 +41,6 @@ struct Scene {
   std::vector<SceneObject> objects;
 };
 
-/// Where a ray enters the first object.
-struct Hit {
-  double t = 0;  ///< ray parameter: origin + t * direction
-  uint16_t object_id = 0;
-  Eigen::Vector3d normal_W = Eigen::Vector3d::Zero();  ///< unit, outward
-};
-
-/// The first object that the ray from `origin_W` [m] enters, or none. `direction_W` has any length.
-/// An object that contains the origin is not hit.
-std::optional<Hit> CastRay(const Scene& scene, const Eigen::Vector3d& origin_W,
-                           const Eigen::Vector3d& direction_W);
-
 /// The signed distance of a point of W to the nearest surface [m]. It is positive and exact in free
 /// space. Inside of objects it is negative: the depth below the surface of the shape in which the
 /// point is deepest, which is exact unless shapes overlap. +infinity without objects.

@@ -35,10 +35,6 @@ struct DepthNoise {
   double max_depth = 8.0;         ///< no return from farther [m]
 };
 
-/// The errors of an Intel RealSense D400, and those of a renderer that only rounds to millimetres.
-DepthNoise RealSenseDepthNoise();
-DepthNoise CleanDepthNoise();
-
 /// Adds errors to a depth image [m]: correlated noise and disparity steps, which together have
 /// `scale` times the axial deviation of the model, and dropouts (NaN). The errors are a function of
 /// noise.seed and `frame`.

@@ -6,10 +6,13 @@
 #include "freespace/occupancy_codec.h"
 #include "freespace/occupancy_map.h"
 #include "freespace/octree_builder.h"
+#include "support/occupancy_snapshot.h"
 #include "support/recorded_map.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::SnapshotOf;
 
 /// A map and the last frames' changes, made once for all benchmarks.
 struct Recorded {
@@ -90,7 +93,7 @@ void BM_OctreeAfterAFrame(benchmark::State& state) {
   const OccupancyMap before =
       Tiled(ClassifyMap(recorded.map, {}), static_cast<int>(state.range(0)));
   OccupancyMap map(before.cell_size());
-  Require(map.Apply(before.Snapshot()).has_value(), "a map takes over its own snapshot");
+  Require(map.Apply(SnapshotOf(before)).has_value(), "a map takes over its own snapshot");
   OctreeOptions options;
   options.unknown = state.range(1) == 0 ? UnknownPolicy::kAbsent : UnknownPolicy::kOccupied;
   const auto start = std::chrono::steady_clock::now();
@@ -121,12 +124,12 @@ void BM_OctreeAfterAFrame(benchmark::State& state) {
 void BM_EncodeSnapshot(benchmark::State& state) {
   const OccupancyMap occupancy = ClassifyMap(Recorded::Get().map, {});
   std::vector<uint8_t> bytes;
-  for (auto _ : state) bytes = EncodeOccupancyDelta(occupancy.Snapshot());
+  for (auto _ : state) bytes = EncodeOccupancyDelta(SnapshotOf(occupancy));
   state.counters["kB"] = static_cast<double>(bytes.size()) / 1000;
 }
 
 void BM_DecodeSnapshot(benchmark::State& state) {
-  const auto bytes = EncodeOccupancyDelta(ClassifyMap(Recorded::Get().map, {}).Snapshot());
+  const auto bytes = EncodeOccupancyDelta(SnapshotOf(ClassifyMap(Recorded::Get().map, {})));
   for (auto _ : state) benchmark::DoNotOptimize(DecodeOccupancyDelta(bytes));
 }
 

@@ -22,6 +22,7 @@
 #include "objects/read_out.h"
 #include "offline_mapper/stage_times.h"
 #include "runtime/command_line.h"
+#include "support/mesh_blocks.h"
 #include "support/naive/compute_surface.h"
 #include "support/naive/mesh_block.h"
 #include "support/pipelines.h"
@@ -32,6 +33,7 @@ namespace {
 
 using testing_support::InputFrame;
 using testing_support::InputSequence;
+using testing_support::MeshBlocks;
 
 struct Arguments {
   std::string dataset = testing_support::BenchSequence();
@@ -189,11 +191,11 @@ class Bench {
   void UpdateMesh(const MapDelta& delta, bool compare, Measurement* out) const {
     const char* const stage = "mesh of changes";
     double fast = 0, slow = 0;
-    const MeshDelta meshes =
+    const std::vector<BlockMesh> meshes =
         Timed(&fast, [&] { return MeshBlocks(map_, delta.changes(), ShowLabels(map_.labels)); });
     out->fast.Add(stage, fast);
     if (!compare) return;
-    for (const BlockMesh& block : meshes.blocks) {
+    for (const BlockMesh& block : meshes) {
       const auto triangles = Timed(&slow, [&] { return naive::MeshBlock(map_, block.block, {}); });
       if (naive::SortedTriangles(block.mesh) != triangles) ++out->naive_differences;
     }

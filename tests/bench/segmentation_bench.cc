@@ -11,9 +11,12 @@
 #include "segmentation/segment_depth.h"
 #include "segmentation/segment_frame.h"
 #include "support/analytic_depth.h"
+#include "support/published_options.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::PublishedOptions;
 
 /// A floor, two walls and forty balls and boards from 1 to 4 m.
 Image<float> BenchDepth() {

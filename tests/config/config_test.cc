@@ -11,6 +11,7 @@
 
 #include "config/bindings.h"
 #include "options.pb.h"
+#include "support/published_options.h"
 
 namespace vismap {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
+using testing_support::PublishedOptions;
 
 VismapConfig Parsed(const std::string& text) {
   Result<VismapConfig> config = ParseConfig(text, "test.txtpb");

@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/mesh_scores.h"
+
 namespace vismap {
 namespace {
+
+using testing_support::GeometryScore;
+using testing_support::ScoreGeometry;
+using testing_support::ScoreObjects;
 
 MeshVertex Vertex(double x, uint32_t segment, uint32_t instance, uint16_t class_id) {
   MeshVertex vertex;
@@ -34,7 +40,7 @@ TEST(ScoreObjects, CountsTheBestGroupAndTheFragments) {
   };
   add(60, 7, 1, 3, 62);  // a chair, most of it in instance 3 ...
   add(30, 7, 2, 0, 0);   // ... and a piece of its own
-  add(10, 7, 0, 0, 0);   // ... and nobody's surface
+  add(10, 7, 0, 0, 0);   // ... and surface without a label
   add(20, 0, 1, 3, 62);  // instance 3 spills over
   add(50, 8, 4, 0, 0);   // a thing that was discovered
   const auto scores = ScoreObjects(mesh, truth);

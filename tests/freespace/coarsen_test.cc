@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "freespace/random_occupancy.h"
+#include "support/occupancy_snapshot.h"
 
 namespace vismap {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 using testing_support::Random;
 using testing_support::RandomBlock;
 using testing_support::RandomOccupancy;
+using testing_support::SnapshotOf;
 
 /// The rule, cell by cell and voxel by voxel.
 CellState NaiveCell(const OccupancyMap& fine, VoxelIndex cell, const CoarsenOptions& options) {
@@ -78,7 +80,7 @@ TEST(Coarsen, IncrementalEqualsFull) {
   const CoarsenOptions options{5, 1.0};
   OccupancyMap coarse = Coarsen(fine, options);
   OccupancyMap follower(coarse.cell_size());
-  ASSERT_TRUE(follower.Apply(coarse.Snapshot()));
+  ASSERT_TRUE(follower.Apply(SnapshotOf(coarse)));
   Random random(7);
   for (int round = 0; round < 20; ++round) {
     std::vector<BlockIndex> changed;

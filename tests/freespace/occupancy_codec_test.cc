@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include "freespace/random_occupancy.h"
+#include "support/occupancy_snapshot.h"
 
 namespace vismap {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 using testing::HasSubstr;
 using testing_support::Random;
 using testing_support::RandomOccupancy;
+using testing_support::SnapshotOf;
 
 std::vector<uint8_t> Squeeze(const std::vector<uint8_t>& raw) {
   std::vector<uint8_t> packed(ZSTD_compressBound(raw.size()));
@@ -27,7 +29,7 @@ std::vector<uint8_t> Unsqueeze(const std::vector<uint8_t>& packed) {
 
 TEST(OccupancyCodec, RoundTripIsIdentity) {
   for (const int blocks : {0, 1, 30, 400}) {
-    OccupancyDelta delta = RandomOccupancy(static_cast<uint64_t>(blocks), blocks, 0.02).Snapshot();
+    OccupancyDelta delta = SnapshotOf(RandomOccupancy(static_cast<uint64_t>(blocks), blocks, 0.02));
     delta.blocks.emplace_back(BlockIndex{50, -7, 3}, BlockOccupancy(CellState::kUnknown));
     for (const bool complete : {true, false}) {
       delta.complete = complete;
@@ -43,11 +45,11 @@ TEST(OccupancyCodec, UniformBlocksCostNextToNothing) {
   for (int i = 0; i < 100000; ++i) {
     map.Set({i / 1000, i / 10 % 100, i % 10}, BlockOccupancy(CellState::kFree));
   }
-  EXPECT_LT(EncodeOccupancyDelta(map.Snapshot()).size(), 20000u);
+  EXPECT_LT(EncodeOccupancyDelta(SnapshotOf(map)).size(), 20000u);
 }
 
 TEST(OccupancyCodec, EveryCutIsAnError) {
-  const std::vector<uint8_t> bytes = EncodeOccupancyDelta(RandomOccupancy(1, 12).Snapshot());
+  const std::vector<uint8_t> bytes = EncodeOccupancyDelta(SnapshotOf(RandomOccupancy(1, 12)));
   for (size_t size = 0; size < bytes.size(); ++size) {
     ASSERT_FALSE(DecodeOccupancyDelta(std::span(bytes.data(), size))) << size;
   }
@@ -58,7 +60,7 @@ TEST(OccupancyCodec, EveryCutIsAnError) {
 
 TEST(OccupancyCodec, EveryCutOfTheContentIsAnError) {
   const std::vector<uint8_t> raw =
-      Unsqueeze(EncodeOccupancyDelta(RandomOccupancy(1, 12).Snapshot()));
+      Unsqueeze(EncodeOccupancyDelta(SnapshotOf(RandomOccupancy(1, 12))));
   for (size_t size = 0; size < raw.size(); ++size) {
     const std::vector<uint8_t> cut(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
     ASSERT_FALSE(DecodeOccupancyDelta(Squeeze(cut))) << size;
@@ -66,7 +68,7 @@ TEST(OccupancyCodec, EveryCutOfTheContentIsAnError) {
 }
 
 TEST(OccupancyCodec, FlippedBytesGiveAValidDeltaOrAnError) {
-  const std::vector<uint8_t> packed = EncodeOccupancyDelta(RandomOccupancy(2, 40).Snapshot());
+  const std::vector<uint8_t> packed = EncodeOccupancyDelta(SnapshotOf(RandomOccupancy(2, 40)));
   const std::vector<uint8_t> raw = Unsqueeze(packed);
   Random random(3);
   int decoded = 0;
@@ -97,7 +99,7 @@ TEST(OccupancyCodec, BombsAreStoppedAtTheLimit) {
 }
 
 TEST(OccupancyCodec, NewerVersionIsNamed) {
-  std::vector<uint8_t> raw = Unsqueeze(EncodeOccupancyDelta(RandomOccupancy(1, 2).Snapshot()));
+  std::vector<uint8_t> raw = Unsqueeze(EncodeOccupancyDelta(SnapshotOf(RandomOccupancy(1, 2))));
   raw[0] = 9;
   const auto decoded = DecodeOccupancyDelta(Squeeze(raw));
   ASSERT_FALSE(decoded);

@@ -7,8 +7,8 @@
 
 #include "base/parallel.h"
 #include "freespace/random_occupancy.h"
-#include "freespace/slice.h"
 #include "support/analytic_map.h"
+#include "support/occupancy_snapshot.h"
 
 namespace vismap {
 namespace {
@@ -17,6 +17,7 @@ using testing::HasSubstr;
 using testing_support::Random;
 using testing_support::RandomBlock;
 using testing_support::RandomOccupancy;
+using testing_support::SnapshotOf;
 
 SemanticMap MapOfSphere(double radius, int observations = 5) {
   testing_support::AnalyticScene scene;
@@ -40,7 +41,7 @@ TEST(OccupancyMap, DigestTellsContentNotHistory) {
     other.Set(index, map.At(index));
   }
   EXPECT_EQ(other.Digest(), map.Digest());
-  EXPECT_EQ(other.Snapshot(), map.Snapshot());
+  EXPECT_EQ(SnapshotOf(other), SnapshotOf(map));
   other.Set({100, 0, 0}, BlockOccupancy(CellState::kFree));
   EXPECT_NE(other.Digest(), map.Digest());
   other.Set({100, 0, 0}, BlockOccupancy(CellState::kUnknown));
@@ -73,7 +74,7 @@ TEST(OccupancyMap, UpdateReturnsOnlyRealChangesAndIncrementalEqualsFull) {
   const SemanticMap after = MapOfSphere(0.15);
   OccupancyMap incremental = ClassifyMap(before, {});
   OccupancyMap follower(0.01);
-  ASSERT_TRUE(follower.Apply(incremental.Snapshot()));
+  ASSERT_TRUE(follower.Apply(SnapshotOf(incremental)));
   EXPECT_EQ(follower.Digest(), incremental.Digest());
 
   std::vector<BlockIndex> changed = after.voxels.SortedIndices();
@@ -105,7 +106,7 @@ TEST(OccupancyMap, UpdateIsTheSameForAnyNumberOfThreads) {
 TEST(OccupancyMap, CompleteDeltaReplacesEverything) {
   OccupancyMap map = RandomOccupancy(3, 50);
   const OccupancyMap other = RandomOccupancy(4, 20, 0.02);
-  ASSERT_TRUE(map.Apply(other.Snapshot()));
+  ASSERT_TRUE(map.Apply(SnapshotOf(other)));
   EXPECT_EQ(map.Digest(), other.Digest());
   EXPECT_EQ(map.cell_size(), 0.02);
 }
@@ -128,23 +129,6 @@ TEST(OccupancyMap, KnownCellsIsTheTightBox) {
   planes.occupied[6] = uint64_t{1} << (8 * 4 + 1);
   map.Set({-1, 0, 2}, BlockOccupancy(planes));
   EXPECT_EQ(map.KnownCells(), (OccupancyBox{{-7, 2, 19}, {-2, 5, 23}}));
-}
-
-TEST(OccupancyMap, SliceShowsTheLayer) {
-  const OccupancyMap map = RandomOccupancy(9, 60);
-  const OccupancySlice slice = SliceAt(map, -0.11);
-  EXPECT_DOUBLE_EQ(slice.z_min, -0.15);
-  int known = 0;
-  for (int v = 0; v < slice.states.height(); ++v) {
-    for (int u = 0; u < slice.states.width(); ++u) {
-      const Eigen::Vector3d p_W(slice.origin_W.x() + (u + 0.5) * slice.cell_size,
-                                slice.origin_W.y() + (v + 0.5) * slice.cell_size, -0.125);
-      ASSERT_EQ(slice.states(v, u), map.At(p_W));
-      known += slice.states(v, u) != CellState::kUnknown;
-    }
-  }
-  EXPECT_GT(known, 100);
-  EXPECT_TRUE(SliceAt(OccupancyMap(0.05), 0).states.empty());
 }
 
 TEST(OccupancyMap, PointsFarAwayOrNotANumberAreUnknown) {

@@ -6,9 +6,13 @@
 
 #include "freespace/occupancy_map.h"
 #include "support/analytic_map.h"
+#include "support/voxel_reading.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::ReadVoxel;
+using testing_support::VoxelCenter;
 
 constexpr VoxelGridOptions kGrid{0.01, 4.0};
 
@@ -152,12 +156,12 @@ TEST(ClassifyMap, WhatWasNeverSeenIsNeverFree) {
     for (int y = -45; y < 45; ++y) {
       for (int x = -45; x < 45; ++x) {
         const VoxelIndex voxel{x, y, z};
-        if (!map.voxels.Read(voxel)) {
+        if (!ReadVoxel(map.voxels, voxel)) {
           EXPECT_EQ(occupancy.At(voxel), CellState::kUnknown);
         }
         if (occupancy.At(voxel) != CellState::kFree) continue;
         ++free;
-        EXPECT_GE(scene.distance(map.voxels.VoxelCenter(voxel)), 0.0199);
+        EXPECT_GE(scene.distance(VoxelCenter(map.voxels, voxel)), 0.0199);
       }
     }
   }

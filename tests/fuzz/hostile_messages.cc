@@ -10,6 +10,7 @@
 #include "codecs/zstd_codec.h"
 #include "freespace/occupancy_codec.h"
 #include "support/messages.h"
+#include "support/occupancy_snapshot.h"
 #include "wire/channels.h"
 #include "wire/detections.h"
 #include "wire/envelope.h"
@@ -24,6 +25,7 @@ namespace vismap {
 namespace {
 
 using Spoil = std::function<std::vector<uint8_t>(TestRandom*)>;
+using testing_support::SnapshotOf;
 
 template <typename Value>
 Result<void> Taken(const Result<Value>& value) {
@@ -156,7 +158,7 @@ OccupancyMap SmallOccupancy() {
 }
 
 FuzzTarget MapDeltaTarget() {
-  const map_delta_t good = Encode(MapUpdate{1, "map", 4, 3, 0, 1, SmallOccupancy().Snapshot()});
+  const map_delta_t good = Encode(MapUpdate{1, "map", 4, 3, 0, 1, SnapshotOf(SmallOccupancy())});
   FuzzTarget target = Target(kMapDeltaChannel, good, [](const map_delta_t& message) {
     const Result<MapUpdate> update = Decode(message);
     if (!update) return Taken(update);

@@ -2,16 +2,21 @@
 
 #include <gtest/gtest.h>
 
+#include "support/voxel_reading.h"
+
 namespace vismap {
 namespace {
 
+using testing_support::VoxelAt;
+using testing_support::VoxelCenter;
+
 TEST(VoxelMap, VoxelsOfNegativeCoordinatesFallInTheRightBlock) {
   const VoxelMap map({0.01, 4});
-  const VoxelIndex voxel = map.VoxelAt({-0.001, 0.005, -0.085});
+  const VoxelIndex voxel = VoxelAt(map, {-0.001, 0.005, -0.085});
   EXPECT_EQ(voxel, (VoxelIndex{-1, 0, -9}));
   EXPECT_EQ(BlockOf(voxel), (BlockIndex{-1, 0, -2}));
   EXPECT_EQ(OffsetInBlock(voxel), LinearIndex(7, 0, 7));
-  EXPECT_NEAR((map.VoxelCenter(voxel) - Eigen::Vector3d(-0.005, 0.005, -0.085)).norm(), 0, 1e-12);
+  EXPECT_NEAR((VoxelCenter(map, voxel) - Eigen::Vector3d(-0.005, 0.005, -0.085)).norm(), 0, 1e-12);
 }
 
 TEST(VoxelMap, TellsUnseenFromSeenEmpty) {

@@ -7,11 +7,15 @@
 #include "mapping/clear_depth.h"
 #include "mapping/integrate.h"
 #include "support/plane_frames.h"
+#include "support/voxel_reading.h"
 
 namespace vismap {
 namespace {
 
 using testing::LookAtWall;
+using testing_support::ReadVoxel;
+using testing_support::VoxelAt;
+using testing_support::VoxelReading;
 
 constexpr double kPlate = 1.0, kWall = 2.0;  // [m]
 
@@ -46,7 +50,7 @@ struct World {
   /// Of the voxel just behind the plate's front.
   VoxelReading AtPlate(double u = 80, double v = 60) const {
     const Eigen::Vector3d p = testing::SmallCamera().BackProject(u, v, kPlate + 0.01);
-    return map.voxels.Read(map.voxels.VoxelAt(p)).value();
+    return ReadVoxel(map.voxels, VoxelAt(map.voxels, p)).value();
   }
   /// Frames without the plate until nothing of it is left inside; -1 = more than 100.
   int FramesUntilGone() {
@@ -62,7 +66,7 @@ struct World {
     for (const BlockIndex index : map.voxels.SortedIndices()) {
       const Block& block = *map.voxels.Find(index);
       for (int i = 0; block.surface && i < kBlockVoxels; ++i) {
-        const auto reading = map.voxels.Read(block, i);
+        const auto reading = ReadVoxel(map.voxels, block, i);
         const int z = index.z * kBlockSide + i / (kBlockSide * kBlockSide);
         if (reading && reading->distance <= 0 && (z + 0.5) * 0.02 < 1.5) ++inside;
       }

@@ -4,11 +4,16 @@
 
 #include "base/parallel.h"
 #include "support/plane_frames.h"
+#include "support/voxel_reading.h"
 
 namespace vismap {
 namespace {
 
 using testing::LookAtWall;
+using testing_support::ReadVoxel;
+using testing_support::VoxelAt;
+using testing_support::VoxelCenter;
+using testing_support::VoxelReading;
 
 MapDelta Fuse(const SegmentedFrame& frame, SemanticMap& map,
               const IntegrationOptions& options = {}) {
@@ -29,9 +34,9 @@ TEST(IntegrateFrame, DistancesAreExactAlongTheRays) {
     if (!block.surface) continue;
     for (int z = 0; z < kBlockSide; ++z) {
       const VoxelIndex voxel{index.x * 8 + 3, index.y * 8 + 5, index.z * 8 + z};
-      const auto reading = map.voxels.Read(voxel);
+      const auto reading = ReadVoxel(map.voxels, voxel);
       if (!reading || reading->distance > 0.079) continue;
-      const Eigen::Vector3d p = map.voxels.VoxelCenter(voxel);
+      const Eigen::Vector3d p = VoxelCenter(map.voxels, voxel);
       EXPECT_NEAR(reading->distance, RayDistance(p, 1.5), 0.002) << p.transpose();
       ++checked;
     }
@@ -42,10 +47,10 @@ TEST(IntegrateFrame, DistancesAreExactAlongTheRays) {
 TEST(IntegrateFrame, SameFrameTwiceKeepsDistanceDoublesWeight) {
   SemanticMap map({0.02, 4});
   Fuse(LookAtWall(1.5), map);
-  const VoxelIndex voxel = map.voxels.VoxelAt({0.11, 0.11, 1.49});
-  const VoxelReading once = map.voxels.Read(voxel).value();
+  const VoxelIndex voxel = VoxelAt(map.voxels, {0.11, 0.11, 1.49});
+  const VoxelReading once = ReadVoxel(map.voxels, voxel).value();
   Fuse(LookAtWall(1.5), map);
-  const VoxelReading twice = map.voxels.Read(voxel).value();
+  const VoxelReading twice = ReadVoxel(map.voxels, voxel).value();
   EXPECT_NEAR(twice.distance, once.distance, 1e-5);
   EXPECT_NEAR(twice.weight, 2 * once.weight, 0.02);
   EXPECT_EQ(twice.observations, 2);
@@ -56,14 +61,14 @@ TEST(IntegrateFrame, SpaceBeforeTheWallIsSeenEmptyAndBehindItUnseen) {
   Fuse(LookAtWall(1.5), map);
   Fuse(LookAtWall(1.5), map);
   for (double z = 0.3; z < 1.38; z += 0.05) {
-    const auto reading = map.voxels.Read(map.voxels.VoxelAt({0, 0, z}));
+    const auto reading = ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, z}));
     ASSERT_TRUE(reading) << z;
     EXPECT_FLOAT_EQ(reading->distance, 0.08F) << z;
     EXPECT_GE(reading->observations, 2) << z;
   }
-  EXPECT_FALSE(map.voxels.Read(map.voxels.VoxelAt({0, 0, 1.62})));
-  EXPECT_FALSE(map.voxels.Read(map.voxels.VoxelAt({0, 0, -0.5})));
-  EXPECT_FALSE(map.voxels.Read(map.voxels.VoxelAt({2.0, 0, 1.0})));  // out of view
+  EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 1.62})));
+  EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, -0.5})));
+  EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {2.0, 0, 1.0})));  // out of view
 }
 
 TEST(IntegrateFrame, PixelsWithoutDepthSayNothing) {
@@ -73,9 +78,9 @@ TEST(IntegrateFrame, PixelsWithoutDepthSayNothing) {
     for (int u = 70; u < 90; ++u) frame.frame.depth(v, u) = std::numeric_limits<float>::quiet_NaN();
   }
   Fuse(frame, map);
-  EXPECT_FALSE(map.voxels.Read(map.voxels.VoxelAt({0, 0, 1.0})));
-  EXPECT_FALSE(map.voxels.Read(map.voxels.VoxelAt({0, 0, 1.5})));
-  EXPECT_TRUE(map.voxels.Read(map.voxels.VoxelAt({0.4, 0, 1.0})));
+  EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 1.0})));
+  EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 1.5})));
+  EXPECT_TRUE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0.4, 0, 1.0})));
 }
 
 TEST(IntegrateFrame, BeyondTheRangeOnlyFreeSpaceIsRecorded) {
@@ -84,8 +89,8 @@ TEST(IntegrateFrame, BeyondTheRangeOnlyFreeSpaceIsRecorded) {
   options.max_range = 1.2;
   options.free_space_range = 1.0;
   Fuse(LookAtWall(1.5), map, options);
-  EXPECT_TRUE(map.voxels.Read(map.voxels.VoxelAt({0, 0, 0.9})));
-  EXPECT_FALSE(map.voxels.Read(map.voxels.VoxelAt({0, 0, 1.1})));
+  EXPECT_TRUE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 0.9})));
+  EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 1.1})));
   EXPECT_EQ(MeasureMemory(map.voxels).surface_blocks, 0u);
 }
 
@@ -93,8 +98,8 @@ TEST(IntegrateFrame, ASurfaceThatAppearsInFreeSpaceIsKept) {
   SemanticMap map({0.02, 4});
   for (int i = 0; i < 3; ++i) Fuse(LookAtWall(1.5), map);
   for (int i = 0; i < 5; ++i) Fuse(LookAtWall(0.9), map);
-  EXPECT_NEAR(map.voxels.Read(map.voxels.VoxelAt({0, 0, 0.89}))->distance, 0.01, 0.021);
-  EXPECT_LT(map.voxels.Read(map.voxels.VoxelAt({0, 0, 0.93}))->distance, 0.0);
+  EXPECT_NEAR(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 0.89}))->distance, 0.01, 0.021);
+  EXPECT_LT(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 0.93}))->distance, 0.0);
 }
 
 void ExpectThreeVotesNearTheWall(const IntegrationOptions& options) {
@@ -106,7 +111,7 @@ void ExpectThreeVotesNearTheWall(const IntegrationOptions& options) {
     if (!block.surface) continue;
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       const LabelVote vote = block.surface->Vote(offset, 0);
-      const auto reading = map.voxels.Read(block, offset);
+      const auto reading = ReadVoxel(map.voxels, block, offset);
       if (reading && std::abs(reading->distance) < reach) {
         EXPECT_EQ(vote.votes, 3);
         EXPECT_EQ(vote.label, SegmentLabel{1});

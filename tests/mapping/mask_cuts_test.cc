@@ -4,11 +4,13 @@
 
 #include "mapping/integrate.h"
 #include "support/plane_frames.h"
+#include "support/voxel_reading.h"
 
 namespace vismap {
 namespace {
 
 using testing::LookAtWall;
+using testing_support::VoxelAt;
 
 constexpr ClassId kBook{84};
 
@@ -37,7 +39,7 @@ void Fuse(const SegmentedFrame& frame, int times, const IntegrationOptions& opti
 }
 
 ClassId ClassAt(const SemanticMap& map, const Eigen::Vector3d& point_W) {
-  const VoxelIndex voxel = map.voxels.VoxelAt(point_W);
+  const VoxelIndex voxel = VoxelAt(map.voxels, point_W);
   const Block* block = map.voxels.Find(BlockOf(voxel));
   std::array<LabelVote, kVoteSlots> votes;
   for (int slot = 0; slot < kVoteSlots; ++slot)

@@ -9,7 +9,9 @@
 
 #include "base/parallel.h"
 #include "support/analytic_map.h"
+#include "support/mesh_blocks.h"
 #include "support/mesh_checks.h"
+#include "support/voxel_reading.h"
 
 namespace vismap {
 namespace {
@@ -260,15 +262,14 @@ TEST(MeshBlocks, AllBlocksTogetherAreTheWholeMesh) {
   for (const SemanticMap& map : {SphereMap(), NoiseMap(9)}) {
     const MeshingOptions options{.min_component_triangles = 0};
     const std::vector<BlockIndex> all = map.voxels.SortedIndices();
-    const MeshDelta delta = MeshBlocks(map, all, ShowSegments(map.labels), options);
-    EXPECT_EQ(delta.revision, map.revision);
+    const std::vector<BlockMesh> delta = MeshBlocks(map, all, ShowSegments(map.labels), options);
     TriangleSet whole, parts;
     AppendTriangles(ExtractSurface(map, options), &whole);
-    for (const BlockMesh& part : delta.blocks) AppendTriangles(part.mesh, &parts);
+    for (const BlockMesh& part : delta) AppendTriangles(part.mesh, &parts);
     std::sort(whole.begin(), whole.end());
     std::sort(parts.begin(), parts.end());
     EXPECT_EQ(whole, parts);
-    EXPECT_TRUE(std::is_sorted(delta.blocks.begin(), delta.blocks.end(),
+    EXPECT_TRUE(std::is_sorted(delta.begin(), delta.end(),
                                [](const auto& a, const auto& b) { return a.block < b.block; }));
   }
 }
@@ -276,23 +277,24 @@ TEST(MeshBlocks, AllBlocksTogetherAreTheWholeMesh) {
 TEST(MeshBlocks, FollowingChangesGivesTheSameAsStartingOver) {
   SemanticMap map = SphereMap();
   std::map<BlockIndex, Mesh> shown;
-  const auto apply = [&](const MeshDelta& delta) {
-    for (const BlockMesh& part : delta.blocks) shown[part.block] = part.mesh;
+  const auto apply = [&](const std::vector<BlockMesh>& delta) {
+    for (const BlockMesh& part : delta) shown[part.block] = part.mesh;
   };
   apply(MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels)));
   // Change a block that the surface passes, and erase another.
-  const BlockIndex changed = BlockOf(map.voxels.VoxelAt(kCenter + Vector3d(kRadius, 0, 0)));
-  const BlockIndex erased = BlockOf(map.voxels.VoxelAt(kCenter - Vector3d(0, kRadius, 0)));
+  const BlockIndex changed = BlockOf(VoxelAt(map.voxels, kCenter + Vector3d(kRadius, 0, 0)));
+  const BlockIndex erased = BlockOf(VoxelAt(map.voxels, kCenter - Vector3d(0, kRadius, 0)));
   for (int16_t& d : map.voxels.FindMutable(changed)->surface->distance) {
     d = static_cast<int16_t>(std::max(d - 3000, -32767));
   }
   map.voxels.Erase(erased);
   const std::vector<BlockIndex> blocks{changed, erased};
-  const MeshDelta update = MeshBlocks(map, blocks, ShowSegments(map.labels));
-  EXPECT_LT(update.blocks.size(), 60u);
+  const std::vector<BlockMesh> update = MeshBlocks(map, blocks, ShowSegments(map.labels));
+  EXPECT_LT(update.size(), 60u);
   apply(update);
-  const MeshDelta fresh = MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels));
-  for (const BlockMesh& part : fresh.blocks) {
+  const std::vector<BlockMesh> fresh =
+      MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels));
+  for (const BlockMesh& part : fresh) {
     EXPECT_TRUE(SameMesh(part.mesh, shown[part.block]));
     shown.erase(part.block);
   }

@@ -9,6 +9,7 @@
 #include "mapping/integrate.h"
 #include "segmentation/segment_frame.h"
 #include "support/followed_mesh.h"
+#include "support/mesh_blocks.h"
 #include "support/naive/mesh_block.h"
 #include "support/naive/vertex_look.h"
 #include "support/random_scenes.h"
@@ -16,6 +17,7 @@
 namespace vismap {
 namespace {
 
+using testing_support::MeshBlocks;
 using testing_support::RandomNumbers;
 
 /// Calls each(map, delta) after every random frame of a map.
@@ -49,7 +51,7 @@ TEST(MeshBlocks, EqualsTheNaiveOneAfterEveryFrame) {
     const MeshingOptions options = RandomOptions(seed);
     MapRandomFrames(seed, [&](const SemanticMap& map, const MapDelta& delta) {
       for (const BlockMesh& block :
-           MeshBlocks(map, delta.changes(), ShowSegments(map.labels), options).blocks) {
+           MeshBlocks(map, delta.changes(), ShowSegments(map.labels), options)) {
         const auto naive = naive::MeshBlock(map, block.block, options);
         EXPECT_EQ(naive::SortedTriangles(block.mesh), naive) << "seed " << seed;
         triangles += naive.size();
@@ -199,7 +201,7 @@ TEST(MeshBlocks, ColoursAndLabelsEqualTheNaiveOnes) {
     MeshingOptions options;
     options.jump_fraction = 2;
     for (const BlockMesh& block :
-         MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels), options).blocks) {
+         MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels), options)) {
       for (const MeshVertex& vertex : block.mesh.vertices) {
         const naive::VertexEdge edge = naive::EdgeOf(vertex, map);
         ASSERT_EQ(vertex.color, naive::ColorAt(edge, map)) << vertex.position_W.transpose();

@@ -9,10 +9,13 @@
 #include "objects/label_surfaces.h"
 #include "objects/map_mesh.h"
 #include "objects/read_out.h"
+#include "support/mesh_blocks.h"
 #include "support/plane_frames.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::MeshBlocks;
 
 /// A wall in two segments, seen from several places; 5 cm off the grid, so that all axes matter.
 SemanticMap MapOfWall(int frames) {
@@ -27,8 +30,7 @@ SemanticMap MapOfWall(int frames) {
 }
 
 void UpdateAll(const SemanticMap& map, BlockSurfaces* surfaces) {
-  for (const BlockMesh& block :
-       MeshBlocks(map, map.voxels.SortedIndices(), ShowLabels(map.labels)).blocks)
+  for (const BlockMesh& block : MeshBlocks(map, map.voxels.SortedIndices(), ShowLabels(map.labels)))
     surfaces->Update(block, map.voxels.voxel_size());
 }
 

@@ -8,12 +8,14 @@
 #include "mapping/integrate.h"
 #include "objects/map_mesh.h"
 #include "objects/read_out.h"
+#include "support/mesh_blocks.h"
 #include "support/plane_frames.h"
 
 namespace vismap {
 namespace {
 
 using testing::LookAtWall;
+using testing_support::MeshBlocks;
 
 /// Blocks where a label has votes, by a look at all of them.
 class AllPlaces {
@@ -39,8 +41,7 @@ class AllPlaces {
 /// All surfaces of a map, made anew.
 BlockSurfaces Surfaces(const SemanticMap& map) {
   BlockSurfaces surfaces;
-  for (const BlockMesh& block :
-       MeshBlocks(map, map.voxels.SortedIndices(), ShowLabels(map.labels)).blocks)
+  for (const BlockMesh& block : MeshBlocks(map, map.voxels.SortedIndices(), ShowLabels(map.labels)))
     surfaces.Update(block, map.voxels.voxel_size());
   return surfaces;
 }

@@ -5,9 +5,14 @@
 #include "offline_mapper/offline_mapper.h"
 #include "simulation/room.h"
 #include "simulation/sequence.h"
+#include "support/mesh_scores.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::GeometryScore;
+using testing_support::ScoreGeometry;
+using testing_support::ScoreObjects;
 
 // The built-in room with sensor noise and an imperfect detector, mapped at 2 cm; made once for all
 // claims below.

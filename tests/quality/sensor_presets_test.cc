@@ -18,6 +18,29 @@
 namespace vismap {
 namespace {
 
+/// The errors of an Intel RealSense D400.
+DepthNoise RealSenseDepthNoise() {
+  DepthNoise noise;
+  noise.axial = RealSenseNoise();
+  noise.baseline = 0.05;
+  noise.disparity_step = 1.0 / 32;
+  noise.correlation = 3;
+  noise.min_depth = 0.2;
+  return noise;
+}
+
+/// The errors of a renderer that keeps whole millimetres.
+DepthNoise CleanDepthNoise() {
+  DepthNoise noise;
+  noise.axial = CleanNoise();
+  noise.disparity_step = 0;
+  noise.correlation = 1;
+  noise.edge_dropout = 0;
+  noise.grazing_cosine = 0;
+  noise.min_depth = 0;
+  return noise;
+}
+
 struct Sensor {
   std::string name;
   std::string config;  ///< of the preset that is made for it

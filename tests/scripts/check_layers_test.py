@@ -66,22 +66,22 @@ class CheckLayersTest(unittest.TestCase):
         self.expect_fine("tests/process/a_test.cc", '#include "viewer/page.h"\n')
 
     def test_support_headers_do_not_smuggle(self):
-        self.write("tests/support/analytic_map.h", '#include "mapping/semantic_map.h"\n')
+        self.write("tests/support/analytic_map.h", '#include "map/block.h"\n')
         self.expect_fine("tests/meshing/a_test.cc", '#include "support/analytic_map.h"\n')
         self.expect("tests/geometry/a_test.cc", '#include "support/analytic_map.h"\n',
-                    "by way of", "mapping/semantic_map.h")
+                    "by way of", "map/block.h")
 
     def test_outside_libraries_have_their_place(self):
         self.expect("libs/mapping/a.cc", "#include <lcm/lcm-cpp.hpp>\n", "LCM")
         self.expect("libs/mapping/a.cc", "#include <vismap/octree_t.hpp>\n", "LCM")
         self.expect("libs/meshing/a.cc", "#include <octomap/octomap.h>\n", "OctoMap")
-        self.expect("libs/freespace/a.h", "#include <octomap/octomap.h>\n", "OctoMap")
+        self.expect("libs/freespace/a.cc", "#include <octomap/octomap.h>\n", "OctoMap")
         self.expect("libs/meshing/a.h", "#include <octomap/MCTables.h>\n", "marching")
         self.expect("libs/datasets/a.cc", '#include "map.pb.h"\n', "protobuf")
         self.expect("libs/segmentation/a.h", "#include <opencv2/core.hpp>\n", "OpenCV")
         self.expect("libs/map/a.cc", "#include <tbb/parallel_for.h>\n", "parallel.h")
         self.expect_fine("libs/meshing/a.cc", "#include <octomap/MCTables.h>\n")
-        self.expect_fine("libs/freespace/a.cc", "#include <octomap/octomap.h>\n")
+        self.expect_fine("tests/freespace/a_test.cc", "#include <octomap/octomap.h>\n")
         self.expect_fine("libs/segmentation/a.cc", "#include <opencv2/core.hpp>\n")
         self.expect_fine("procs/viewer/main.cc", "#include <lcm/lcm-cpp.hpp>\n")
 

@@ -10,9 +10,12 @@
 #include "base/parallel.h"
 #include "geometry/compute_surface.h"
 #include "support/analytic_depth.h"
+#include "support/published_options.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::PublishedOptions;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 

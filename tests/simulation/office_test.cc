@@ -9,11 +9,13 @@
 #include "base/class_names.h"
 #include "simulation/office_plan.h"
 #include "simulation/simulate.h"
+#include "support/cast_ray.h"
 
 namespace vismap {
 namespace {
 
 using Eigen::Vector3d;
+using testing_support::CastRay;
 
 const PinholeCamera kTiny{80, 60, 65.625, 65.625, 39.5, 29.5};
 constexpr int kFrames = 400;

@@ -7,11 +7,13 @@
 
 #include "base/class_names.h"
 #include "simulation/simulate.h"
+#include "support/cast_ray.h"
 
 namespace vismap {
 namespace {
 
 using Eigen::Vector3d;
+using testing_support::CastRay;
 
 const PinholeCamera kSmall{160, 120, 131.25, 131.25, 79.5, 59.5};
 

@@ -9,11 +9,13 @@
 #include "codecs/mask_codec.h"
 #include "simulation/office.h"
 #include "simulation/room.h"
+#include "support/cast_ray.h"
 
 namespace vismap {
 namespace {
 
 using Eigen::Vector3d;
+using testing_support::CastRay;
 
 const PinholeCamera kVga{640, 480, 525, 525, 319.5, 239.5};
 const PinholeCamera kSmall{160, 120, 131.25, 131.25, 79.5, 59.5};

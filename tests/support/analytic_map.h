@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "map/semantic_map.h"
+#include "support/voxel_reading.h"
 
 namespace vismap::testing_support {
 
@@ -98,8 +99,8 @@ struct BlockBuilder {
 inline SemanticMap MakeAnalyticMap(const AnalyticScene& scene, const AnalyticRegion& region,
                                    const VoxelGridOptions& grid = {}) {
   SemanticMap map(grid);
-  const BlockIndex low = BlockOf(map.voxels.VoxelAt(region.min_W));
-  const BlockIndex high = BlockOf(map.voxels.VoxelAt(region.max_W));
+  const BlockIndex low = BlockOf(VoxelAt(map.voxels, region.min_W));
+  const BlockIndex high = BlockOf(VoxelAt(map.voxels, region.max_W));
   for (BlockIndex b{low.x, 0, 0}; b.x <= high.x; ++b.x) {
     for (b.y = low.y; b.y <= high.y; ++b.y) {
       for (b.z = low.z; b.z <= high.z; ++b.z) {
@@ -107,7 +108,7 @@ inline SemanticMap MakeAnalyticMap(const AnalyticScene& scene, const AnalyticReg
         for (int offset = 0; offset < kBlockVoxels; ++offset) {
           const VoxelIndex voxel{b.x * kBlockSide + offset % 8, b.y * kBlockSide + offset / 8 % 8,
                                  b.z * kBlockSide + offset / 64};
-          const Eigen::Vector3d p_W = map.voxels.VoxelCenter(voxel);
+          const Eigen::Vector3d p_W = VoxelCenter(map.voxels, voxel);
           if ((p_W.array() < region.min_W.array()).any()) continue;
           if ((p_W.array() >= region.max_W.array()).any()) continue;
           builder.Add(scene, p_W, offset, region.observations, map.voxels);

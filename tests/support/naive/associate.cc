@@ -8,6 +8,7 @@
 
 #include "map/surface_reader.h"
 #include "support/naive/voxel_access.h"
+#include "support/voxel_reading.h"
 
 namespace vismap::naive {
 namespace {
@@ -54,7 +55,7 @@ FrameCounts CountPoints(const SegmentedFrame& frame, const MapView& map,
       if (segment < 0 || !(z > options.min_range && z < options.max_range)) continue;
       ++counts.points[static_cast<size_t>(segment)];
       const VoxelIndex voxel =
-          map.voxels.VoxelAt(header.T_W_C * header.camera.BackProject(u, v, z));
+          testing_support::VoxelAt(map.voxels, header.T_W_C * header.camera.BackProject(u, v, z));
       const Block* block = map.voxels.Find(BlockOf(voxel));
       SurfaceReader reader;
       const SurfaceVoxels* voxels = block != nullptr ? reader.Read(*block) : nullptr;

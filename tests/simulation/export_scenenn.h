@@ -1,19 +1,20 @@
-#include "simulation/export_scenenn.h"
+#pragma once
 
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
 #include "datasets/scenenn_writer.h"
 #include "simulation/seen_surface.h"
+#include "simulation/synthetic_dataset.h"
 
-namespace vismap {
-namespace {
+namespace vismap::testing_support {
 
-namespace fs = std::filesystem;
-
-constexpr double kMeshSpacing = 0.03;  // edge length of the triangles [m]
+inline constexpr double kMeshSpacing = 0.03;  // edge length of the triangles [m]
 
 template <typename... Values>
 std::string Format(const char* format, Values... values) {
@@ -22,7 +23,7 @@ std::string Format(const char* format, Values... values) {
   return text;
 }
 
-std::vector<uint8_t> PngColor(const Image<Rgb8>& image) {
+inline std::vector<uint8_t> PngColor(const Image<Rgb8>& image) {
   cv::Mat bgr(image.height(), image.width(), CV_8UC3);
   for (size_t i = 0; i < image.size(); ++i) {
     const Rgb8 pixel = image.data()[i];
@@ -37,7 +38,7 @@ std::vector<uint8_t> PngColor(const Image<Rgb8>& image) {
 }
 
 /// The name that SceneNN's annotations use for an object.
-std::string KindOf(const std::string& name) {
+inline std::string KindOf(const std::string& name) {
   static const std::map<std::string, std::string> kKinds{
       {"couch", "sofa"},         {"dining table", "table"}, {"book", "books"},
       {"potted plant", "plant"}, {"backpack", "bag"},       {"box", "boxes"},
@@ -46,7 +47,8 @@ std::string KindOf(const std::string& name) {
   return found == kKinds.end() ? name : found->second;
 }
 
-std::string XmlText(const Scene& scene, std::map<uint16_t, int> frames, const LabelledMesh& mesh) {
+inline std::string XmlText(const Scene& scene, std::map<uint16_t, int> frames,
+                           const LabelledMesh& mesh) {
   std::map<uint16_t, int> vertices;
   for (const uint16_t id : mesh.object_ids) ++vertices[id];
   std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<annotation>\n";
@@ -72,7 +74,7 @@ void AppendBytes(T value, std::string* bytes) {
 
 /// The mesh as binary little-endian PLY. Numbers are copied, so the machine must be little-endian,
 /// too.
-std::string PlyBytes(const Scene& scene, const LabelledMesh& mesh) {
+inline std::string PlyBytes(const Scene& scene, const LabelledMesh& mesh) {
   std::string bytes = Format(
       "ply\nformat binary_little_endian 1.0\nelement vertex %zu\nproperty float x\n"
       "property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
@@ -92,8 +94,8 @@ std::string PlyBytes(const Scene& scene, const LabelledMesh& mesh) {
 }
 
 /// Writes images, trajectory, times and detections. Returns the surface that the cameras saw.
-SeenSurface WriteFrames(const SyntheticOptions& options, const Scene& scene,
-                        SceneNnWriter* writer) {
+inline SeenSurface WriteFrames(const SyntheticOptions& options, const Scene& scene,
+                               SceneNnWriter* writer) {
   const auto dataset = MakeSyntheticDataset(options, {});
   const auto detections = MakeSyntheticDetections(options);
   const std::vector<FrameHeader> headers = MakeHeaders(options);
@@ -110,10 +112,15 @@ SeenSurface WriteFrames(const SyntheticOptions& options, const Scene& scene,
   return seen;
 }
 
-}  // namespace
-
-Result<void> ExportSceneNn(const SyntheticOptions& options, const fs::path& root,
-                           const std::string& id) {
+/// Writes a computed sequence and its ground truth as files in SceneNN's layout. Writes
+/// root/intrinsic/asus.ini and, in root/ID: image/, depth/ (16-bit, mm), mask/ (16-bit, object
+/// ids), timestamp.txt, trajectory.log, detections.json (COCO results), ID.ply (the surface that
+/// some frame saw, in triangles of 3 cm with a label per vertex) and ID.xml (a description of each
+/// label). Frames and detections read back are equal bit for bit, with one exception: frames on
+/// which the detector did not run have an empty set of detections, because COCO results cannot
+/// express the difference. Fails with the name of the file that cannot be written.
+inline Result<void> ExportSceneNn(const SyntheticOptions& options,
+                                  const std::filesystem::path& root, const std::string& id) {
   const Scene scene = MakeScene(options);
   SceneNnWriter writer(root / id);
   const SeenSurface seen = WriteFrames(options, scene, &writer);
@@ -126,4 +133,4 @@ Result<void> ExportSceneNn(const SyntheticOptions& options, const fs::path& root
   return writer.Finish();
 }
 
-}  // namespace vismap
+}  // namespace vismap::testing_support
