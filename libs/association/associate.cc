@@ -16,7 +16,7 @@ namespace {
 void FindPairs(const FrameCounts& counts, const LabelMatching& matching, const MapView& map,
                const AssociationOptions& options, FrameAssociation& association) {
   std::map<int, std::vector<SegmentLabel>> sharing;
-  for (const Overlap& overlap : matching.overlaps) {
+  for (const LabelOverlap& overlap : matching.overlaps) {
     const auto points = static_cast<double>(counts.points[static_cast<size_t>(overlap.segment)]);
     if (static_cast<double>(overlap.points) > options.merge_overlap_ratio * points)
       sharing[overlap.segment].push_back(overlap.label);

@@ -22,11 +22,11 @@ class ShiftingOverlaps {
   }
 
   /// The largest overlap above `min_points` whose segment and label are both free; nullptr = none.
-  const Overlap* Largest(int64_t min_points, const LabelMatching& matching,
-                         const std::vector<bool>& labelled) const {
-    const Overlap* best = nullptr;
+  const LabelOverlap* Largest(int64_t min_points, const LabelMatching& matching,
+                              const std::vector<bool>& labelled) const {
+    const LabelOverlap* best = nullptr;
     int64_t most = min_points;
-    for (const Overlap& overlap : overlaps_) {
+    for (const LabelOverlap& overlap : overlaps_) {
       if (overlap.points <= most || labelled[static_cast<size_t>(overlap.segment)] ||
           matching.segment_of.contains(overlap.label)) {
         continue;
@@ -47,18 +47,18 @@ class ShiftingOverlaps {
     }
   }
 
-  std::vector<Overlap> NotEmpty() const {
-    std::vector<Overlap> left;
+  std::vector<LabelOverlap> NotEmpty() const {
+    std::vector<LabelOverlap> left;
     std::copy_if(overlaps_.begin(), overlaps_.end(), std::back_inserter(left),
-                 [](const Overlap& overlap) { return overlap.points > 0; });
+                 [](const LabelOverlap& overlap) { return overlap.points > 0; });
     return left;
   }
 
  private:
-  static bool Before(const Overlap& a, const Overlap& b) {
+  static bool Before(const LabelOverlap& a, const LabelOverlap& b) {
     return a.segment != b.segment ? a.segment < b.segment : a.label < b.label;
   }
-  static bool SamePlace(const Overlap& a, const Overlap& b) {
+  static bool SamePlace(const LabelOverlap& a, const LabelOverlap& b) {
     return a.segment == b.segment && a.label == b.label;
   }
   SegmentLabel Choice(size_t i) const {
@@ -68,8 +68,9 @@ class ShiftingOverlaps {
     const auto owner = matching.segment_of.find(Choice(i));
     return owner != matching.segment_of.end() && owner->second != counts_[i].segment;
   }
-  std::vector<Overlap>::iterator Find(int32_t segment, SegmentLabel label) {
-    return std::lower_bound(overlaps_.begin(), overlaps_.end(), Overlap{segment, label, 0}, Before);
+  std::vector<LabelOverlap>::iterator Find(int32_t segment, SegmentLabel label) {
+    return std::lower_bound(overlaps_.begin(), overlaps_.end(), LabelOverlap{segment, label, 0},
+                            Before);
   }
   void Put(size_t i) {
     if (Choice(i) != SegmentLabel::kNone)
@@ -77,8 +78,8 @@ class ShiftingOverlaps {
   }
 
   const std::vector<ChoiceCount>& counts_;
-  std::vector<size_t> choice_;     // which of its choices each count votes for
-  std::vector<Overlap> overlaps_;  // every pair that may ever have points, ascending
+  std::vector<size_t> choice_;          // which of its choices each count votes for
+  std::vector<LabelOverlap> overlaps_;  // every pair that may ever have points, ascending
 };
 
 }  // namespace
@@ -88,7 +89,7 @@ LabelMatching MatchLabels(const FrameCounts& counts, int64_t min_points) {
   std::vector<bool> labelled(counts.points.size(), false);
   ShiftingOverlaps overlaps(counts);
   for (;;) {
-    const Overlap* best = overlaps.Largest(min_points, matching, labelled);
+    const LabelOverlap* best = overlaps.Largest(min_points, matching, labelled);
     if (best == nullptr) break;
     const auto [segment, label, points] = *best;
     matching.segment_of[label] = segment;

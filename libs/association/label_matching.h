@@ -10,7 +10,7 @@
 namespace vismap {
 
 /// Points of a segment whose voxels vote for a label; the paper's Pi.
-struct Overlap {
+struct LabelOverlap {
   int32_t segment = -1;
   SegmentLabel label = SegmentLabel::kNone;
   int64_t points = 0;
@@ -21,7 +21,7 @@ struct LabelMatching {
   std::map<SegmentLabel, int> segment_of;  ///< label to its segment
   /// With every voxel voting for its strongest label that no other segment got; ascending by
   /// segment, then label; only where there are points.
-  std::vector<Overlap> overlaps;
+  std::vector<LabelOverlap> overlaps;
 };
 
 /// One-to-one matching in descending overlap above `min_points`, voxels falling back to their next

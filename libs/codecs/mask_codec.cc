@@ -9,7 +9,7 @@ namespace vismap {
 namespace {
 
 /// Rows [v0, v1) and columns [u0, u1); empty when nothing was included.
-struct Box {
+struct PixelBox {
   int u0 = INT_MAX, v0 = INT_MAX, u1 = 0, v1 = 0;
 
   void Include(int v_begin, int v_end, int u) {
@@ -21,7 +21,7 @@ struct Box {
   bool empty() const { return u1 == 0; }
 };
 
-Mask EmptyMask(int width, int height, const Box& box) {
+Mask EmptyMask(int width, int height, const PixelBox& box) {
   Mask mask{.image_width = width, .image_height = height, .u0 = 0, .v0 = 0, .inside = {}};
   if (box.empty()) return mask;
   mask.u0 = box.u0;
@@ -53,7 +53,7 @@ void VisitInside(std::span<const uint32_t> runs, int height, const Visit& visit)
 }  // namespace
 
 Mask MaskFromImage(const Image<uint8_t>& image) {
-  Box box;
+  PixelBox box;
   for (int v = 0; v < image.height(); ++v) {
     for (int u = 0; u < image.width(); ++u) {
       if (image(v, u) != 0) box.Include(v, v + 1, u);
@@ -99,7 +99,7 @@ Result<Mask> DecodeMask(std::span<const uint32_t> runs, int width, int height, s
                 std::to_string(width) + "x" + std::to_string(height) + " = " +
                 std::to_string(*pixels));
   }
-  Box box;
+  PixelBox box;
   VisitInside(runs, height, [&](int u, int v0, int v1) { box.Include(v0, v1, u); });
   Mask mask = EmptyMask(width, height, box);
   VisitInside(runs, height, [&](int u, int v0, int v1) {

@@ -22,11 +22,11 @@ struct PixelHit {
 };
 
 /// A view that may be visible in a tile, and a lower bound of its depth there [m].
-struct Candidate {
+struct TileView {
   double nearest = 0;
   int32_t view = kNothing;
 
-  friend auto operator<=>(const Candidate&, const Candidate&) = default;
+  friend auto operator<=>(const TileView&, const TileView&) = default;
 };
 
 /// A small rectangle of pixels. The result is the same as if every ray were cast against all views
@@ -43,7 +43,7 @@ class Tile {
   }
 
   void Cast(const std::vector<ShapeView>& views) {
-    std::vector<Candidate> candidates;
+    std::vector<TileView> candidates;
     for (size_t i = 0; i < views.size(); ++i) {
       if (views[i].pixels.Intersection(rect_).empty()) continue;
       const double nearest = NearestDepth(views[i], camera_, rect_);
@@ -51,7 +51,7 @@ class Tile {
     }
     std::sort(candidates.begin(), candidates.end());
     double deepest = kNoHit;
-    for (const Candidate& candidate : candidates) {
+    for (const TileView& candidate : candidates) {
       if (candidate.nearest > deepest) break;  // this and all later views are hidden
       Cast(views[static_cast<size_t>(candidate.view)], candidate);
       deepest = DeepestHit();
@@ -66,7 +66,7 @@ class Tile {
     return static_cast<size_t>((v - rect_.v0) * kTile + u - rect_.u0);
   }
 
-  void Cast(const ShapeView& view, const Candidate& candidate) {
+  void Cast(const ShapeView& view, const TileView& candidate) {
     const PixelRect part = view.pixels.Intersection(rect_);
     for (int v = part.v0; v < part.v1; ++v) {
       for (int u = part.u0; u < part.u1; ++u) {
