@@ -12,7 +12,8 @@
 namespace vismap {
 namespace {
 
-// Labels that share a segment of this frame, and known pairs that it shows as different segments.
+// Finds pairs of labels that share a segment of this frame, and known pairs that are on different
+// segments.
 void FindPairs(const FrameCounts& counts, const LabelMatching& matching, const MapView& map,
                const AssociationOptions& options, FrameAssociation& association) {
   std::map<int, std::vector<SegmentLabel>> sharing;
@@ -29,7 +30,7 @@ void FindPairs(const FrameCounts& counts, const LabelMatching& matching, const M
     }
   }
   association.together.assign(together.begin(), together.end());
-  // Only pairs of this frame's labels: the map may know many more.
+  // The map may know many more pairs than those of the labels in this frame.
   const auto& pairs = map.labels.pairs();
   for (const auto& [label, segment] : matching.segment_of) {
     for (auto known = pairs.lower_bound({label, SegmentLabel::kNone});
@@ -40,8 +41,8 @@ void FindPairs(const FrameCounts& counts, const LabelMatching& matching, const M
   }
 }
 
-// Which instance each detection of the frame is: one-to-one, by the summed evidence of its
-// segments' labels.
+// Matches the detections of the frame to instances, one to one, by the evidence of the labels of
+// their segments. Detections that are left get new instances.
 void MatchInstances(const SegmentedFrame& frame, const MapView& map,
                     FrameAssociation& association) {
   std::map<std::pair<int, InstanceId>, double> evidence;
@@ -51,7 +52,7 @@ void MatchInstances(const SegmentedFrame& frame, const MapView& map,
     const SegmentLabel label = association.segments[s].label;
     if (segment.detection == DetectionIndex::kNone || label == SegmentLabel::kNone) continue;
     detections.insert(Raw(segment.detection));
-    if (Raw(label) >= Raw(map.labels.next_label())) continue;  // new in this frame
+    if (Raw(label) >= Raw(map.labels.next_label())) continue;  // new, so without evidence
     for (const auto& [instance, amount] : map.labels.Record(label).instance_evidence) {
       evidence[{Raw(segment.detection), instance}] += static_cast<double>(amount) * segment.pixels;
     }
@@ -62,6 +63,7 @@ void MatchInstances(const SegmentedFrame& frame, const MapView& map,
   std::map<int, InstanceId> instance_of;
   std::set<InstanceId> used;
   for (const auto& [amount, detection, instance] : ranked) {
+    // Without evidence, or one of the two is matched already.
     if (amount >= 0 || instance_of.contains(detection) || used.contains(instance)) continue;
     instance_of[detection] = instance;
     used.insert(instance);
@@ -80,10 +82,10 @@ void MatchInstances(const SegmentedFrame& frame, const MapView& map,
   }
 }
 
-// Segments of a detection whose points mostly vote for a label that went to another one.
+// Finds the segments that a mask has cut out of the label of another segment.
 void FindCuts(const SegmentedFrame& frame, const FrameCounts& counts, const LabelMatching& matching,
               FrameAssociation& association) {
-  std::map<std::pair<int32_t, SegmentLabel>, int64_t> held;  // by the strongest vote of each voxel
+  std::map<std::pair<int32_t, SegmentLabel>, int64_t> held;  // points by strongest label of a voxel
   for (const ChoiceCount& count : counts.choices) {
     const DetectionIndex detection = frame.segments[static_cast<size_t>(count.segment)].detection;
     if (detection != DetectionIndex::kNone) held[{count.segment, count.choices[0]}] += count.points;
@@ -91,6 +93,7 @@ void FindCuts(const SegmentedFrame& frame, const FrameCounts& counts, const Labe
   for (const auto& [key, points] : held) {
     const auto segment = static_cast<size_t>(key.first);
     const auto owner = matching.segment_of.find(key.second);
+    // No segment got the label, it is on half of the points at most, or the segment has no label.
     if (owner == matching.segment_of.end() || 2 * points <= counts.points[segment] ||
         association.segments[segment].label == SegmentLabel::kNone)
       continue;

@@ -16,42 +16,45 @@ struct MapView {
   const LabelTable& labels;
 };
 
-/// Which persistent segments and instances the frame's segments are.
+/// The labels and instances of the map to which the frame's segments belong.
 struct FrameAssociation {
   struct Segment {
-    SegmentLabel label = SegmentLabel::kNone;  ///< kNone: too few points in range to say
-    InstanceId instance = InstanceId::kNone;
-    /// The label that most of the segment's points vote for, though another segment got it, with
-    /// another detection or none: a mask has cut this one out of it. kNone mostly.
+    SegmentLabel label = SegmentLabel::kNone;  ///< kNone = too few points in range
+    InstanceId instance = InstanceId::kNone;   ///< kNone = no detection
+    /// The label out of which a mask has cut the segment: more than half of the points lie on
+    /// voxels where it is the strongest, but another segment, with another detection or none, got
+    /// it. kNone for most segments.
     SegmentLabel cut_from = SegmentLabel::kNone;
   };
   std::vector<Segment> segments;  ///< indexed by SegmentIndex
-  /// Alive labels (a < b) that lay together on one frame segment, and those seen as separate
-  /// segments.
+  /// Pairs (a < b) of alive labels that share a segment of the frame, and known pairs that are on
+  /// two segments; both ascending.
   std::vector<std::pair<SegmentLabel, SegmentLabel>> together, apart;
-  SegmentLabel next_label{1};  ///< next free ids after this frame
-  InstanceId next_instance{1};
+  SegmentLabel next_label{1};   ///< the next free label after this frame
+  InstanceId next_instance{1};  ///< the next free instance after this frame
 };
 
 struct AssociationOptions {
-  int min_overlap_points = 20;  ///< tau_pi of the paper: more points than this, or a new label
-  /// A point counts for a label if |sdf| at its voxel is below this. The published code's 1 loses
-  /// labels when poses are off by more than a voxel.
+  /// tau_pi of the paper: a segment gets a label of the map only with more points on it than this.
+  int min_overlap_points = 20;
+  /// A point counts for the labels of its voxel if |signed distance| there is below this. The
+  /// published code's 1 loses labels when poses are off by more than a voxel.
   double max_distance_voxels = 2.0;
-  int pixel_stride = 2;  ///< every n-th pixel each way is looked up; counts are scaled by n^2
-  double min_range =
-      0.1;  ///< nearer and farther points are not looked up, as they are not integrated [m]
-  double max_range = 5.0;
-  double merge_overlap_ratio =
-      0.2;  ///< a label covering this part of a segment was seen together with its others
+  /// Every n-th pixel of every n-th row is looked up; min_overlap_points is divided by n^2.
+  int pixel_stride = 2;
+  double min_range = 0.1;  ///< nearer depth is not looked up, since it is not integrated [m]
+  double max_range = 5.0;  ///< nor is depth beyond this [m]
+  /// Labels with more than this share of a segment's points were seen together.
+  double merge_overlap_ratio = 0.2;
 };
 
-/// All problems of the options, as sentences; empty = fine.
+/// All problems of the options, one sentence each; empty = valid.
 std::vector<std::string> Validate(const AssociationOptions& options);
 
-/// Matches the frame's segments to the map's labels and its detections to the map's instances
-/// (Grinvald 2019, Sec. III-C). One-to-one, greedy by summed evidence; ties to the lower segment,
-/// then the lower label.
+/// Matches the frame's segments to the map's labels, and its detections to the map's instances
+/// (Grinvald 2019, Sec. III-C; libs/METHOD.md, "Association"). Both are matched one to one, the
+/// pair with the largest overlap or evidence first; ties go to the lower segment or detection, then
+/// to the lower label or instance.
 FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,
                            const AssociationOptions& options);
 

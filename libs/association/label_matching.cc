@@ -5,23 +5,25 @@
 namespace vismap {
 namespace {
 
-/// The overlaps while labels are being taken: each count of points sits at one choice of its voxels
-/// and moves on when that is taken, so that nothing is ever counted again.
-class ShiftingOverlaps {
+/// The overlaps while labels are assigned. Each count of points belongs to one choice of its
+/// voxels, and passes to the next one when another segment gets that label; no point is counted
+/// again.
+class CurrentOverlaps {
  public:
-  explicit ShiftingOverlaps(const FrameCounts& counts) : counts_(counts.choices) {
+  explicit CurrentOverlaps(const FrameCounts& counts) : counts_(counts.choices) {
     for (const ChoiceCount& count : counts_) {
       for (const SegmentLabel label : count.choices) {
         if (label != SegmentLabel::kNone) overlaps_.push_back({count.segment, label, 0});
       }
     }
     std::sort(overlaps_.begin(), overlaps_.end(), Before);
-    overlaps_.erase(std::unique(overlaps_.begin(), overlaps_.end(), SamePlace), overlaps_.end());
+    overlaps_.erase(std::unique(overlaps_.begin(), overlaps_.end(), SamePair), overlaps_.end());
     choice_.assign(counts_.size(), 0);
-    for (size_t i = 0; i < counts_.size(); ++i) Put(i);
+    for (size_t i = 0; i < counts_.size(); ++i) AddPoints(i);
   }
 
-  /// The largest overlap above `min_points` whose segment and label are both free; nullptr = none.
+  /// The largest overlap above `min_points` of a segment and a label that are both not matched;
+  /// nullptr = none.
   const LabelOverlap* Largest(int64_t min_points, const LabelMatching& matching,
                               const std::vector<bool>& labelled) const {
     const LabelOverlap* best = nullptr;
@@ -37,13 +39,13 @@ class ShiftingOverlaps {
     return best;
   }
 
-  /// `label` now belongs to `segment`: the points of all others vote for what comes next.
-  void Take(SegmentLabel label, int32_t segment, const LabelMatching& matching) {
+  /// Gives `label` to `segment`: points of other segments that chose it pass to their next choice.
+  void Assign(SegmentLabel label, int32_t segment, const LabelMatching& matching) {
     for (size_t i = 0; i < counts_.size(); ++i) {
       if (counts_[i].segment == segment || Choice(i) != label) continue;
       Find(counts_[i].segment, label)->points -= counts_[i].points;
-      while (Choice(i) != SegmentLabel::kNone && TakenByAnother(i, matching)) ++choice_[i];
-      Put(i);
+      while (Choice(i) != SegmentLabel::kNone && BelongsToOther(i, matching)) ++choice_[i];
+      AddPoints(i);
     }
   }
 
@@ -58,13 +60,13 @@ class ShiftingOverlaps {
   static bool Before(const LabelOverlap& a, const LabelOverlap& b) {
     return a.segment != b.segment ? a.segment < b.segment : a.label < b.label;
   }
-  static bool SamePlace(const LabelOverlap& a, const LabelOverlap& b) {
+  static bool SamePair(const LabelOverlap& a, const LabelOverlap& b) {
     return a.segment == b.segment && a.label == b.label;
   }
   SegmentLabel Choice(size_t i) const {
     return choice_[i] < kVoteSlots ? counts_[i].choices[choice_[i]] : SegmentLabel::kNone;
   }
-  bool TakenByAnother(size_t i, const LabelMatching& matching) const {
+  bool BelongsToOther(size_t i, const LabelMatching& matching) const {
     const auto owner = matching.segment_of.find(Choice(i));
     return owner != matching.segment_of.end() && owner->second != counts_[i].segment;
   }
@@ -72,14 +74,14 @@ class ShiftingOverlaps {
     return std::lower_bound(overlaps_.begin(), overlaps_.end(), LabelOverlap{segment, label, 0},
                             Before);
   }
-  void Put(size_t i) {
+  void AddPoints(size_t i) {
     if (Choice(i) != SegmentLabel::kNone)
       Find(counts_[i].segment, Choice(i))->points += counts_[i].points;
   }
 
   const std::vector<ChoiceCount>& counts_;
-  std::vector<size_t> choice_;          // which of its choices each count votes for
-  std::vector<LabelOverlap> overlaps_;  // every pair that may ever have points, ascending
+  std::vector<size_t> choice_;          // the present choice of each count
+  std::vector<LabelOverlap> overlaps_;  // every pair that can have points, ascending
 };
 
 }  // namespace
@@ -87,14 +89,14 @@ class ShiftingOverlaps {
 LabelMatching MatchLabels(const FrameCounts& counts, int64_t min_points) {
   LabelMatching matching;
   std::vector<bool> labelled(counts.points.size(), false);
-  ShiftingOverlaps overlaps(counts);
+  CurrentOverlaps overlaps(counts);
   for (;;) {
     const LabelOverlap* best = overlaps.Largest(min_points, matching, labelled);
     if (best == nullptr) break;
     const auto [segment, label, points] = *best;
     matching.segment_of[label] = segment;
     labelled[static_cast<size_t>(segment)] = true;
-    overlaps.Take(label, segment, matching);
+    overlaps.Assign(label, segment, matching);
   }
   matching.overlaps = overlaps.NotEmpty();
   return matching;

@@ -9,24 +9,24 @@
 
 namespace vismap {
 
-/// Points of a segment whose voxels vote for a label; the paper's Pi.
+/// Number of points of a segment whose voxels choose a label; the paper's Pi.
 struct LabelOverlap {
   int32_t segment = -1;
   SegmentLabel label = SegmentLabel::kNone;
   int64_t points = 0;
 };
 
-/// Which label each segment got, and what was left to say.
+/// The labels that segments got.
 struct LabelMatching {
-  std::map<SegmentLabel, int> segment_of;  ///< label to its segment
-  /// With every voxel voting for its strongest label that no other segment got; ascending by
-  /// segment, then label; only where there are points.
+  std::map<SegmentLabel, int> segment_of;
+  /// Final overlaps: every voxel chooses its strongest label that no other segment got. Ascending
+  /// by segment, then label; without empty ones.
   std::vector<LabelOverlap> overlaps;
 };
 
-/// One-to-one matching in descending overlap above `min_points`, voxels falling back to their next
-/// choice once a label is taken by another segment; ties to the lower segment, then the lower
-/// label.
+/// Matches segments and labels one to one. The pair with the largest overlap above `min_points`
+/// goes first, ties to the lower segment, then the lower label. Then points of other segments whose
+/// voxels chose this label pass to the next choice of their voxel, and so on.
 LabelMatching MatchLabels(const FrameCounts& counts, int64_t min_points);
 
 }  // namespace vismap

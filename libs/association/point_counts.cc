@@ -10,13 +10,13 @@
 namespace vismap {
 namespace {
 
-constexpr int kBandRows = 16;  // sampled ones; fixed, though the sums do not depend on it
+constexpr int kBandRows = 16;  // sampled rows that one thread counts at a time
 
 /// A sampled pixel with depth and segment, and the voxel that it lies in.
 struct Sample {
   int32_t segment = -1;
   int32_t offset = 0;                     // in the block
-  const SurfaceVoxels* voxels = nullptr;  // none where the map has no surface
+  const SurfaceVoxels* voxels = nullptr;  // nullptr where the map has no surface
 };
 
 Choices VoxelChoices(const SurfaceVoxels& voxels, int offset, const LabelTable& labels) {
@@ -40,7 +40,7 @@ Choices VoxelChoices(const SurfaceVoxels& voxels, int offset, const LabelTable& 
   return choices;
 }
 
-/// Sorts, and sums those with the same key.
+/// Sorts the counts and adds up those with the same key.
 void SortAndSum(std::vector<ChoiceCount>* counts) {
   std::sort(counts->begin(), counts->end());
   size_t kept = 0;
@@ -54,7 +54,7 @@ void SortAndSum(std::vector<ChoiceCount>* counts) {
   counts->resize(kept);
 }
 
-/// Looks up the sampled pixels of some rows.
+/// Looks up the sampled pixels of a frame, row by row.
 class PointLookup {
  public:
   PointLookup(const SegmentedFrame& frame, const MapView& map, const AssociationOptions& options)
@@ -79,7 +79,7 @@ class PointLookup {
   }
 
  private:
-  /// Finds the voxels, and asks for their memory, so that it is there when they are read.
+  /// Finds the voxels of one row, and prefetches them for Evaluate.
   void Locate(int v, SurfaceReader* reader, std::vector<Sample>* samples) const {
     const PinholeCamera& camera = frame_.frame.header.camera;
     const SegmentIndex* segments = frame_.image.index.row(v);
@@ -115,7 +115,7 @@ class PointLookup {
   }
 
   void Evaluate(const std::vector<Sample>& samples, FrameCounts* counts) const {
-    const Sample* last = nullptr;  // the one before, of which `choices` are
+    const Sample* last = nullptr;  // the sample before, whose voxel has `choices`
     Choices choices{};
     for (const Sample& sample : samples) {
       ++counts->points[static_cast<size_t>(sample.segment)];
@@ -134,7 +134,7 @@ class PointLookup {
     }
   }
 
-  /// The choices of a voxel near a surface; none for others.
+  /// The choices of a voxel near the surface; none for other voxels.
   Choices Read(const Sample& sample) const {
     const SurfaceVoxels& voxels = *sample.voxels;
     const auto i = static_cast<size_t>(sample.offset);

@@ -9,10 +9,11 @@
 
 namespace vismap {
 
-/// The labels that a voxel votes for, strongest first; kNone pads.
+/// The labels with votes at a voxel, strongest first, then kNone. Votes of merged labels are
+/// summed; ties go to the lower label.
 using Choices = std::array<SegmentLabel, kVoteSlots>;
 
-/// How many sampled points of a segment fell on voxels with these choices.
+/// Number of sampled points of a segment on voxels with these choices.
 struct ChoiceCount {
   int32_t segment = -1;
   Choices choices{};
@@ -26,13 +27,13 @@ struct ChoiceCount {
   }
 };
 
-/// What the frame's points say.
+/// All points of a frame, counted.
 struct FrameCounts {
   std::vector<ChoiceCount> choices;  ///< each key once, ascending
-  std::vector<int64_t> points;       ///< per segment, sampled points in range
+  std::vector<int64_t> points;       ///< per segment: sampled points in range
 };
 
-/// Looks up the voxel of every sampled pixel, once.
+/// Looks up the voxel of every sampled pixel with depth in range and a segment, once.
 FrameCounts CountPoints(const SegmentedFrame& frame, const MapView& map,
                         const AssociationOptions& options);
 

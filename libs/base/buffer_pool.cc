@@ -9,11 +9,11 @@ namespace {
 
 constexpr std::align_val_t kAlignment{64};
 constexpr size_t kPage = 4096;
-constexpr size_t kSmallestPooled = 16 * kPage;  // what malloc keeps by itself is left to it
+constexpr size_t kSmallestPooled = 16 * kPage;  // below it malloc keeps memory by itself
 constexpr size_t kMaxPooled = size_t{256} << 20;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kPools = false;  // a pool would hide the use of buffers that were given back
+constexpr bool kPools = false;  // a pool would hide the use of released buffers
 #else
 constexpr bool kPools = true;
 #endif
@@ -24,7 +24,8 @@ bool IsPooled(size_t bytes) { return kPools && bytes >= kSmallestPooled; }
 
 class Pool {
  public:
-  void* Take(size_t bytes) {
+  /// nullptr when the pool has no buffer of this size.
+  void* Pop(size_t bytes) {
     const std::lock_guard lock(mutex_);
     const auto found = free_.find(bytes);
     if (found == free_.end() || found->second.empty()) return nullptr;
@@ -33,7 +34,8 @@ class Pool {
     held_ -= bytes;
     return buffer;
   }
-  bool Keep(void* buffer, size_t bytes) noexcept {
+  /// False when the pool is full; the caller then still owns the buffer.
+  bool Push(void* buffer, size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     if (held_ + bytes > kMaxPooled) return false;
     try {
@@ -51,7 +53,7 @@ class Pool {
   size_t held_ = 0;
 };
 
-// Never destroyed: images of static lifetime may be given back after everything else has gone.
+// Never destroyed, since an image of static lifetime may be destroyed last.
 Pool& ThePool() {
   static Pool& pool = *new Pool;
   return pool;
@@ -59,15 +61,15 @@ Pool& ThePool() {
 
 }  // namespace
 
-void* TakeBuffer(size_t bytes) {
+void* AllocateBuffer(size_t bytes) {
   if (!IsPooled(bytes)) return ::operator new(bytes, kAlignment);
   const size_t rounded = Rounded(bytes);
-  void* buffer = ThePool().Take(rounded);
+  void* buffer = ThePool().Pop(rounded);
   return buffer != nullptr ? buffer : ::operator new(rounded, kAlignment);
 }
 
-void ReturnBuffer(void* buffer, size_t bytes) noexcept {
-  if (IsPooled(bytes) && ThePool().Keep(buffer, Rounded(bytes))) return;
+void ReleaseBuffer(void* buffer, size_t bytes) noexcept {
+  if (IsPooled(bytes) && ThePool().Push(buffer, Rounded(bytes))) return;
   ::operator delete(buffer, kAlignment);
 }
 

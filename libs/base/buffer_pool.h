@@ -8,16 +8,16 @@
 
 namespace vismap {
 
-/// Memory of at least `bytes`, aligned to 64. Large buffers come from a pool of those given back,
-/// so that a pipeline that makes the same images for every frame asks the system for none once it
-/// is warm (a fresh page costs more than what is computed into it). Any thread; throws
+/// Memory of at least `bytes`, aligned to 64 bytes. Large buffers come from a pool of released
+/// ones: a pipeline that makes the same images for every frame soon needs no new memory of the
+/// system, whose fresh pages cost more time than most computations on them. Thread-safe; throws
 /// std::bad_alloc.
-void* TakeBuffer(size_t bytes);
-/// Gives back what TakeBuffer returned for the same `bytes`.
-void ReturnBuffer(void* buffer, size_t bytes) noexcept;
+void* AllocateBuffer(size_t bytes);
+/// Releases what AllocateBuffer returned for the same `bytes`.
+void ReleaseBuffer(void* buffer, size_t bytes) noexcept;
 
-/// Allocator for vectors of pixels and the like, see TakeBuffer. Elements that are not given a
-/// value are left as they are where their type allows it: resize() does not fill with zeros.
+/// Allocator of AllocateBuffer for vectors, mostly of pixels. resize() leaves new elements of a
+/// type like float uninitialised instead of filling them with zeros.
 template <typename T>
 struct PooledAllocator {
   using value_type = T;
@@ -28,9 +28,9 @@ struct PooledAllocator {
 
   T* allocate(size_t count) {
     if (count > std::numeric_limits<size_t>::max() / sizeof(T)) throw std::bad_array_new_length();
-    return static_cast<T*>(TakeBuffer(count * sizeof(T)));
+    return static_cast<T*>(AllocateBuffer(count * sizeof(T)));
   }
-  void deallocate(T* buffer, size_t count) noexcept { ReturnBuffer(buffer, count * sizeof(T)); }
+  void deallocate(T* buffer, size_t count) noexcept { ReleaseBuffer(buffer, count * sizeof(T)); }
 
   template <typename U>
   void construct(U* place) noexcept(noexcept(U())) {

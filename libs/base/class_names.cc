@@ -7,7 +7,7 @@
 namespace vismap {
 namespace {
 
-// COCO, "stuff things" paper: ids 1..91; those without annotations in COCO 2017 keep their names.
+// COCO ids 1..91; ids without annotations in COCO 2017 have the names of the paper "COCO-Stuff".
 constexpr std::array<std::string_view, 92> kNames{"unknown",      "person",         "bicycle",
                                                   "car",          "motorcycle",     "airplane",
                                                   "bus",          "train",          "truck",

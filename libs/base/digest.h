@@ -9,8 +9,8 @@
 
 namespace vismap {
 
-/// Streaming 128-bit content hash (XXH3). Two maps are called equal when their digests are. Not
-/// cryptographic.
+/// Hash of a stream of values, 128 bits (XXH3), not cryptographic. Maps with equal digests count as
+/// equal.
 class Digest {
  public:
   Digest();
@@ -20,12 +20,12 @@ class Digest {
 
   void AddBytes(const void* data, size_t size);
 
-  /// Adds the object representation of a value without padding (integers, enums, floats).
+  /// Adds the bytes of a value as they are in memory.
   template <typename T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void Add(T value) { AddBytes(&value, sizeof(value)); }
 
-  /// 32 lower-case hexadecimal digits of everything added so far.
+  /// The digest of everything added so far: 32 lower-case hexadecimal digits.
   std::string Hex() const;
 
  private:
@@ -33,7 +33,7 @@ class Digest {
   std::unique_ptr<State> state_;
 };
 
-/// 64-bit XXH3 of a byte range; the checksum of bulk messages and map files.
+/// XXH3 of bytes, 64 bits: the checksum of large messages and map files.
 uint64_t Checksum64(std::span<const uint8_t> bytes);
 
 }  // namespace vismap

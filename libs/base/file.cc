@@ -12,7 +12,7 @@
 namespace vismap {
 namespace {
 
-// Closes what it holds, whichever way a function is left.
+// Closes a file descriptor at the end of its scope.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -38,8 +38,8 @@ tl::unexpected<Error> SystemFault(const std::filesystem::path& path, const char*
               std::to_string(code) + ")");
 }
 
-// Unlike std::tmpnam, in the same folder (rename does not cross file systems) and unique per
-// process and call.
+// A name in the same folder, since rename does not work across file systems; unique per process and
+// call.
 std::filesystem::path TemporaryName(const std::filesystem::path& path) {
   static std::atomic<uint32_t> counter{0};
   return path.string() + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
@@ -64,12 +64,12 @@ Result<void> WriteAndSync(const std::filesystem::path& path, std::span<const uin
   return {};
 }
 
-// The rename itself is on disk only once its folder is.
+// Flushes the folder of a file: only then a rename is on disk.
 Result<void> SyncFolder(const std::filesystem::path& path) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() < 0) return SystemFault(folder, "open the folder");
-  // Some file systems cannot sync a folder and say EINVAL; nothing more can be done there.
+  // EINVAL: the file system cannot flush folders; nothing more can be done there.
   if (::fsync(directory.get()) != 0 && errno != EINVAL) return SystemFault(folder, "flush");
   return {};
 }
@@ -100,7 +100,7 @@ Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, ui
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return SystemFault(path, "open");
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) return SystemFault(path, "look at");
+  if (::fstat(file.get(), &status) != 0) return SystemFault(path, "read the size");
   if (!S_ISREG(status.st_mode)) return Fail(path.string() + ": expected a regular file");
   const auto size = static_cast<uint64_t>(status.st_size);
   if (size > max_bytes) {
@@ -113,7 +113,7 @@ Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, ui
     const ssize_t got = ::read(file.get(), bytes.data() + filled, bytes.size() - filled);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return SystemFault(path, "read");
-    if (got == 0) break;  // it shrank while being read
+    if (got == 0) break;  // the file shrank meanwhile
     filled += static_cast<size_t>(got);
   }
   bytes.resize(filled);

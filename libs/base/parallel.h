@@ -14,7 +14,7 @@
 
 namespace vismap {
 
-/// Limits the threads that parallel loops may use, for as long as it lives.
+/// Limits the number of threads of parallel loops during its own lifetime.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads)
@@ -25,15 +25,15 @@ class ThreadLimit {
   tbb::global_control control_;
 };
 
-/// Calls `body(i)` once for every i in [0, count), in parallel. The bodies may write only to places
-/// that belong to their own index, so that the result is the same for any number of threads.
-/// `grain` = indices handed out at a time.
+/// Calls `body(i)` once for every i in [0, count), in parallel. A call may write only to data of
+/// its own index, so that the result is the same for any number of threads. `grain`: how many
+/// indices a thread gets at a time.
 template <typename Body>
 void ParallelFor(size_t count, size_t grain, const Body& body) {
   const size_t step = grain < 1 ? 1 : grain;
 #if defined(__SANITIZE_THREAD__)
-  // The thread sanitizer cannot see how TBB, which is not compiled with it, orders its threads: it
-  // would report every loop. So these loops run in two threads that it knows.
+  // TBB is not compiled with the thread sanitizer, which therefore cannot see how TBB orders its
+  // threads and would report every loop. So the loop runs in two threads of its own.
   std::atomic<size_t> next = 0;
   const auto work = [&] {
     for (size_t from; (from = next.fetch_add(step)) < count;) {
@@ -51,8 +51,8 @@ void ParallelFor(size_t count, size_t grain, const Body& body) {
 #endif
 }
 
-/// Calls `body(from, to)` for every `size` indices of [0, count), the last time for what is left,
-/// in parallel: for bodies that keep something from one index to the next. See ParallelFor.
+/// Calls `body(from, to)` in parallel for groups of `size` indices of [0, count); the last group
+/// may be smaller. For bodies that reuse something from one index for the next. See ParallelFor.
 template <typename Body>
 void ParallelForGroups(size_t count, size_t size, const Body& body) {
   ParallelFor((count + size - 1) / size, 1, [&](size_t group) {

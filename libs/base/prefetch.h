@@ -4,14 +4,14 @@
 
 namespace vismap {
 
-/// Asks memory for the cache line at an address, which may be any.
+/// Prefetches the cache line of an address. Any address is allowed.
 inline void PrefetchLine(const void* address) {
   __builtin_prefetch(address);
-  // GCC takes a function that does nothing else for one without effect and drops the calls of it.
+  // Without this, GCC takes the function for one without effect and drops its calls.
   asm volatile("");
 }
 
-/// Asks memory for all lines of an array.
+/// Prefetches all cache lines of an array.
 template <typename Array>
 void PrefetchAll(const Array& array) {
   constexpr size_t kLine = 64;

@@ -5,8 +5,8 @@
 
 namespace vismap {
 
-/// Well-mixed 64 bits of a number (splitmix64): random numbers that depend on what they are for
-/// (seed, frame, pixel), not on who asked first, so that any number of threads draws the same.
+/// 64 pseudo-random bits of a number (splitmix64). Random numbers are made from keys such as (seed,
+/// frame, pixel), so that they do not depend on the order of calls or the number of threads.
 inline uint64_t Mix(uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -19,8 +19,8 @@ inline uint64_t Mix(uint64_t a, uint64_t b) { return Mix(Mix(a) ^ b); }
 /// Uniform in [0, 1).
 inline double Uniform(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
-/// Nearly normal with mean 0 and deviation 1, within +-6: the sum of 12 uniform numbers less 6.
-/// Needs no logarithm, whose last bits differ between C libraries.
+/// Nearly normally distributed, with mean 0 and standard deviation 1, within +-6: the sum of 12
+/// uniform numbers minus 6. Needs no logarithm, whose last bits differ between C libraries.
 inline double Normal(uint64_t key) {
   uint64_t sum = 0;
   for (int i = 0; i < 3; ++i) {
@@ -30,7 +30,7 @@ inline double Normal(uint64_t key) {
   return (static_cast<double>(sum) + 6) / 65536.0 - 6;
 }
 
-/// A row of random numbers that depends on its key alone.
+/// A sequence of random numbers that depends on its key alone.
 class Dice {
  public:
   explicit Dice(uint64_t key) : key_(key) {}
@@ -39,7 +39,7 @@ class Dice {
     return low + (high - low) * Uniform(Mix(key_, ++drawn_));
   }
   bool Chance(double probability) { return Between(0, 1) < probability; }
-  /// One of 0..count-1.
+  /// Uniform in 0..count-1.
   size_t Of(size_t count) { return Mix(key_, ++drawn_) % count; }
 
  private:

@@ -5,8 +5,8 @@
 
 namespace vismap {
 
-/// Throws std::logic_error("vismap: " + what) unless `condition` holds: the caller broke the
-/// contract, a bug of ours.
+/// Throws std::logic_error("vismap: " + what) unless `condition` holds. For errors of the program
+/// itself; `what` says what must hold.
 inline void Require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(std::string("vismap: ") + what);
 }

@@ -6,14 +6,15 @@
 
 namespace vismap {
 
-/// What the world did wrong: one sentence that names the file, channel or field, what was expected
-/// and what was found.
+/// An error of the input: one sentence that names the file, channel or field, what was expected and
+/// what was found.
 struct Error {
   std::string message;
 };
 
-/// A value, or the sentence that says why there is none. For faults of the world (files, messages,
-/// configs, poses); our own bugs throw (see Require), legitimate absence is std::optional.
+/// A value, or an Error that says why there is none. For faulty input such as files, messages,
+/// configs and poses. Bugs of the program throw instead (see Require); a value that may be absent
+/// is a std::optional.
 template <typename T>
 using Result = tl::expected<T, Error>;
 

@@ -17,9 +17,9 @@ struct FreeTurbo {
 };
 using Turbo = std::unique_ptr<std::remove_pointer_t<tjhandle>, FreeTurbo>;
 
-// The accurate integer transform has the same bits with and without SIMD; a warning means missing
-// or damaged data, which the library would fill with grey; a progressive file of thousands of scans
-// would take minutes.
+// ACCURATEDCT: the result has the same bits with and without SIMD. STOPONWARNING: missing or
+// damaged data is an error instead of grey pixels. LIMITSCANS: a progressive file with thousands of
+// scans is an error, since decoding it would take minutes.
 constexpr int kDecodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
 
 std::string Text(JpegSize size) {
@@ -34,7 +34,7 @@ Result<JpegSize> ReadSize(void* turbo, std::span<const uint8_t> bytes) {
                           &subsampling, &colorspace) != 0) {
     return Fail(std::string("JPEG: header is damaged: ") + tjGetErrorStr2(turbo));
   }
-  // the library calls a header that ends before the frame's size complete
+  // The library accepts a header that ends before the size of the image.
   if (size.width < 1 || size.height < 1) return Fail("JPEG: header is cut off");
   return size;
 }

@@ -10,7 +10,7 @@
 
 namespace vismap {
 
-/// Default upper bound on the pixels of an image that a decoder will make: enough for 4096 x 4096.
+/// Default limit of the number of pixels of a decoded image: 4096 x 4096.
 inline constexpr size_t kMaxDecodedPixels = size_t{1} << 24;
 
 /// Width and height [px] as the JPEG header states them; nothing is decoded.
@@ -24,14 +24,14 @@ struct JpegSize {
 Result<JpegSize> ReadJpegSize(std::span<const uint8_t> bytes);
 
 /// Decodes a JPEG (baseline or progressive, grey or colour) to RGB, the same bits on every machine.
-/// `width`, `height` [px] = the size it must have, 0 = any. Fails, before any pixel is allocated,
-/// on another size or on more than `max_pixels`; fails on truncated or corrupt data, never guesses
-/// the rest.
+/// `width`, `height`: the size that it must have [px], 0 = any. Fails before memory is allocated on
+/// another size and on more than `max_pixels`. Fails on truncated or corrupt data instead of
+/// filling in the rest.
 Result<Image<Rgb8>> DecodeJpeg(std::span<const uint8_t> bytes, int width = 0, int height = 0,
                                size_t max_pixels = kMaxDecodedPixels);
 
 /// Encodes RGB as baseline JPEG 4:2:0; `quality` in [1, 100]. The same image gives the same bytes.
-/// `image` must not be empty nor larger than 65500 px each way.
+/// Width and height of `image` must be 1..65500.
 std::vector<uint8_t> EncodeJpeg(const Image<Rgb8>& image, int quality = 95);
 
 }  // namespace vismap

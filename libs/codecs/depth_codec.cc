@@ -6,8 +6,8 @@ namespace vismap {
 namespace {
 
 // Neighbouring depths differ little, so that the high byte of a zigzag-folded difference is nearly
-// always 0: all low bytes first, then all high bytes, gives zstd long runs. Against PNG and RVL see
-// tests/bench/depth_codec_bench.cc.
+// always 0. All low bytes before all high bytes therefore give zstd long runs.
+// tests/bench/depth_codec_bench.cc compares this with PNG and RVL.
 uint16_t Fold(uint16_t difference) {
   return static_cast<uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xffff : 0));
 }

@@ -17,7 +17,7 @@ void Append(uint32_t number, std::vector<uint8_t>* bytes) {
   bytes->push_back(static_cast<uint8_t>(number));
 }
 
-/// Reads LEB128 numbers; `ok` turns false at the end of the bytes or beyond 32 bits.
+/// Reads LEB128 numbers. `ok` becomes false at the end of the bytes and for numbers above 32 bits.
 struct NumberReader {
   std::span<const uint8_t> bytes;
   bool ok = true;

@@ -11,14 +11,14 @@
 
 namespace vismap {
 
-/// Lossless code of a segment image: run lengths along rows, then zstd. The size is not part of the
-/// code, `segment_count` is. Every index must be kNone or in [0, segment_count), and segment_count
-/// at most the number of pixels.
+/// Compresses a segment image without loss: run lengths along rows, then zstd. The code contains
+/// `segment_count`, but not the size of the image. Every index must be kNone or in [0,
+/// segment_count), and segment_count at most the number of pixels.
 std::vector<uint8_t> EncodeSegmentImage(const SegmentImage& image);
 
 /// Inverse of EncodeSegmentImage for an image of `width` x `height` pixels. Fails on any other
-/// content, on indices outside [0, segment_count) and on more than `max_pixels`; memory is bounded
-/// by the pixels.
+/// content, on indices outside [0, segment_count) and on more than `max_pixels`. Memory is at most
+/// proportional to the number of pixels.
 Result<SegmentImage> DecodeSegmentImage(std::span<const uint8_t> bytes, int width, int height,
                                         size_t max_pixels = kMaxDecodedPixels);
 

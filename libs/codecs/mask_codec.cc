@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-/// Rows [v0, v1) and columns [u0, u1); empty when nothing was included.
+/// Rows [v0, v1) and columns [u0, u1).
 struct PixelBox {
   int u0 = INT_MAX, v0 = INT_MAX, u1 = 0, v1 = 0;
 
@@ -30,7 +30,7 @@ Mask EmptyMask(int width, int height, const PixelBox& box) {
   return mask;
 }
 
-/// Calls visit(u, v_begin, v_end) for the inside pixels of every column that the runs cover.
+/// Calls visit(u, v_begin, v_end) for the pixels inside, part by part of a column.
 template <typename Visit>
 void VisitInside(std::span<const uint32_t> runs, int height, const Visit& visit) {
   const uint64_t rows = static_cast<uint64_t>(height);
@@ -117,7 +117,7 @@ std::string RunsToString(std::span<const uint32_t> runs) {
     while (more) {
       int64_t group = rest & 0x1f;
       rest >>= 5;
-      // the highest bit of the last group is the sign
+      // The highest bit of the last group is the sign.
       more = (group & 0x10) ? rest != -1 : rest != 0;
       if (more) group |= 0x20;
       text.push_back(static_cast<char>(group + '0'));

@@ -14,12 +14,13 @@
 
 namespace vismap {
 
-/// COCO run lengths of a mask over its whole image: column by column (v fastest), alternating
-/// outside, inside, outside, ...; the first run (outside) may be 0. They add up to width * height.
+/// COCO run lengths of a mask over its whole image, column by column: pixels outside, inside,
+/// outside,
+/// ...; the first run may be 0. Their sum is width * height.
 using MaskRuns = std::vector<uint32_t>;
 
-/// The mask of all non-zero pixels of a whole image, cropped to their bounding box; an empty mask
-/// has a 0x0 box at (0, 0).
+/// The mask of all pixels of an image that are not 0, cropped to their bounding box. An empty mask
+/// has a box of 0x0 pixels at (0, 0).
 Mask MaskFromImage(const Image<uint8_t>& image);
 
 /// COCO run lengths of a mask.
@@ -31,12 +32,13 @@ MaskRuns EncodeMask(const Mask& mask);
 Result<Mask> DecodeMask(std::span<const uint32_t> runs, int width, int height,
                         size_t max_pixels = kMaxDecodedPixels);
 
-/// COCO's "compressed" counts: each run, from the fourth on less the run two before, in 5-bit
-/// groups from the lowest with a continuation bit, as characters from '0' on.
+/// COCO's "compressed" counts. From the fourth run on, the run two before is subtracted. Numbers
+/// are written in groups of 5 bits, the lowest first, with a continuation bit, as characters from
+/// '0' on.
 std::string RunsToString(std::span<const uint32_t> runs);
 
-/// Inverse of RunsToString. Fails on foreign characters, a cut-off number, or a run that is
-/// negative or beyond 32 bits.
+/// Inverse of RunsToString. Fails on other characters, a truncated number, and a run that is
+/// negative or above 32 bits.
 Result<MaskRuns> RunsFromString(std::string_view text);
 
 }  // namespace vismap

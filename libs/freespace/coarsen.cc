@@ -17,8 +17,8 @@ struct Overlap {
   uint64_t rows = 0;  ///< the same for rows of a layer: eight bits for each
 };
 
-/// The cells that block `position` (0..factor-1) of a coarse block touches along one axis. A block
-/// need not hold a whole number of cells, nor a cell of blocks.
+/// The cells that block `position` (0..factor-1) of a coarse block touches along one axis. Limits
+/// of cells and of blocks need not coincide.
 struct Overlaps {
   std::array<Overlap, kBlockSide> items;
   size_t size = 0;
@@ -63,8 +63,8 @@ void AddUniform(const Overlaps& xs, const Overlaps& ys, const Overlaps& zs,
   }
 }
 
-/// How many bits of each byte are set. The processors that packages are built for have no
-/// instruction for that.
+/// The number of bits set in each byte. The packages are built for processors that have no
+/// instruction for this.
 constexpr uint64_t BitsPerByte(uint64_t bits) {
   bits -= (bits >> 1) & 0x5555555555555555u;
   bits = (bits & 0x3333333333333333u) + ((bits >> 2) & 0x3333333333333333u);

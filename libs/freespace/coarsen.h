@@ -6,22 +6,22 @@
 
 namespace vismap {
 
-/// How cells of `factor`^3 voxels follow from their voxels: occupied when any voxel is, free when
-/// none is and enough of them are free, else unknown.
+/// A cell of `factor`^3 voxels is occupied when any voxel is occupied, free when none is occupied
+/// and enough voxels are free, else unknown.
 struct CoarsenOptions {
   int factor = 5;              ///< voxels along the edge of a cell, 1..64
-  double free_fraction = 1.0;  ///< part of the voxels that must be free, (0, 1]
+  double free_fraction = 1.0;  ///< share of the voxels that must be free, (0, 1]
 };
 
-/// Block `index` of the coarser map: 8x8x8 cells, made of exactly factor^3 blocks of `fine`.
+/// Block `index` of the coarser map: 8x8x8 cells, made of factor^3 blocks of `fine`.
 BlockOccupancy CoarsenBlock(const OccupancyMap& fine, BlockIndex index,
                             const CoarsenOptions& options);
 
-/// The whole map in coarser cells.
+/// The whole map in larger cells.
 OccupancyMap Coarsen(const OccupancyMap& fine, const CoarsenOptions& options);
 
-/// Brings a coarser map up to date after the given blocks of `fine` changed; returns the blocks of
-/// `coarse` that are different. The same as coarsening everything again.
+/// Updates a coarser map after the given blocks of `fine` changed, so that it is equal to Coarsen
+/// of the whole map. Returns the blocks of `coarse` that changed.
 OccupancyDelta UpdateCoarse(const OccupancyMap& fine, std::span<const BlockIndex> changed,
                             const CoarsenOptions& options, OccupancyMap* coarse);
 

@@ -17,7 +17,7 @@ bool All(const std::array<uint64_t, kWords>& plane, uint64_t word) {
   return std::all_of(plane.begin(), plane.end(), [&](uint64_t w) { return w == word; });
 }
 
-/// Eight bytes of 0 or 1 to eight bits, the first byte lowest.
+/// Packs eight bytes of 0 or 1 to eight bits; the first byte becomes the lowest bit.
 uint64_t PackEight(const uint8_t* bytes) {
   static_assert(std::endian::native == std::endian::little);
   uint64_t eight = 0;
@@ -35,7 +35,7 @@ void Pack(const std::array<uint8_t, kBlockVoxels>& flags, std::array<uint64_t, k
   }
 }
 
-/// A distance of `voxels` voxels in the steps of SurfaceVoxels::distance.
+/// A distance [voxels] in the steps of SurfaceVoxels::distance.
 int16_t DistanceSteps(double voxels, const VoxelGridOptions& grid, double (*round)(double)) {
   const double steps = round(voxels / grid.truncation_voxels * 32767.0);
   return static_cast<int16_t>(std::clamp(steps, -32768.0, 32767.0));

@@ -9,35 +9,34 @@
 
 namespace vismap {
 
-// What lives in this room: the map's free, occupied and unknown space as planners need it, and the
-// octrees made of it. The only user of OctoMap (in .cc files). Published methods threshold the
-// TSDF at its zero crossing; we keep a voxel of safety on both sides of it, which measured better
-// than ray casting into an octree.
+// This room classifies the map into free, occupied and unknown space for planners, and makes
+// octrees of it: libs/METHOD.md, "Free space".
 
 enum class CellState : uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
 
-/// States of the 512 voxels of a block: one bit per voxel (bit = linear index). Never both.
+/// States of the 512 voxels of a block: one bit per voxel, by linear index. No voxel has both.
 struct OccupancyPlanes {
   std::array<uint64_t, kBlockVoxels / 64> free{};
   std::array<uint64_t, kBlockVoxels / 64> occupied{};
   friend bool operator==(const OccupancyPlanes&, const OccupancyPlanes&) = default;
 };
 
-/// Occupancy of one 8x8x8 block: one state everywhere, or planes. Immutable, cheap to copy, and
-/// equal when the states are equal: a block whose voxels all agree is always held as uniform.
+/// Occupancy of one block of 8x8x8 voxels: uniform, or planes. Immutable and cheap to copy. A block
+/// whose voxels all have one state is always uniform, so that blocks are equal if their states are.
 class BlockOccupancy {
  public:
   BlockOccupancy() = default;
   explicit BlockOccupancy(CellState everywhere) : uniform_(everywhere) {}
-  /// Throws when a voxel is both free and occupied.
+  /// Throws std::logic_error when a voxel is both free and occupied.
   explicit BlockOccupancy(const OccupancyPlanes& planes);
 
   bool is_uniform() const { return planes_ == nullptr; }
+  /// Whether all voxels have this state.
   bool is(CellState everywhere) const { return is_uniform() && uniform_ == everywhere; }
   CellState At(int offset) const;
   /// The planes, also of a uniform block.
   OccupancyPlanes Planes() const;
-  /// The planes of a block that is not uniform; nullptr of a uniform one.
+  /// The planes of a block that is not uniform; nullptr for a uniform one.
   const OccupancyPlanes* mixed() const { return planes_.get(); }
   CellState uniform_state() const { return uniform_; }
 
@@ -52,12 +51,12 @@ class BlockOccupancy {
   std::shared_ptr<const OccupancyPlanes> planes_;
 };
 
-/// When a voxel counts as occupied or free. d = signed distance, v = voxel size. What is neither,
-/// or was seen too seldom, is unknown.
+/// When a voxel counts as occupied or free, by its signed distance d and the voxel size v. All
+/// other voxels are unknown. See libs/METHOD.md, "Free space".
 struct OccupancyOptions {
   double occupied_max_voxels = 1.0;  ///< occupied: d <= this many v, also behind the surface
-  double free_min_voxels = 2.0;      ///< free: d >= this many v, or d at the truncation distance
-  /// Frames that must have seen the voxel. Space far from surfaces remembers at most two.
+  double free_min_voxels = 2.0;      ///< free: d >= this many v, or d = the truncation distance
+  /// Frames that must have seen the voxel. Voxels far from surfaces count only to two.
   int min_observations = 2;
 };
 

@@ -12,9 +12,9 @@
 namespace vismap {
 namespace {
 
-// Before compression, little endian: version u8, complete u8, voxel size f64, block count u32;
-// then per block its index (i32 x 3, as differences to the block before), then per block its kind
-// (u8), then the planes of the mixed blocks. Like beside like compresses best.
+// Content before compression, little endian: version u8, complete u8, voxel size f64, number of
+// blocks u32; the index of each block (three i32, as differences to the block before); the kind of
+// each block (u8); the planes of each mixed block. This order compresses best.
 static_assert(std::endian::native == std::endian::little);
 constexpr uint8_t kVersion = 1;
 constexpr uint8_t kMixed = 3;
@@ -28,13 +28,13 @@ void Put(const T& value, std::vector<uint8_t>* out) {
   out->insert(out->end(), bytes, bytes + sizeof(T));
 }
 
-/// Reads values one after another; the caller has checked that they are there.
+/// Reads values one after the other. The caller has checked that there are enough bytes.
 class Cursor {
  public:
   explicit Cursor(std::span<const uint8_t> bytes) : bytes_(bytes) {}
   size_t left() const { return bytes_.size() - at_; }
   template <typename T>
-  T Take() {
+  T Read() {
     Require(left() >= sizeof(T), "the size was checked before reading");
     T value;
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
@@ -52,36 +52,36 @@ bool InRange(BlockIndex index) {
   return fits(index.x) && fits(index.y) && fits(index.z);
 }
 
-/// Wraps instead of overflowing: the bytes may say anything.
+/// a + b, which wraps around instead of overflowing, since the bytes may hold any numbers.
 int32_t Sum(int32_t a, int32_t b) {
   return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
 }
 
-Result<std::vector<BlockIndex>> TakeIndices(size_t count, Cursor* cursor) {
+Result<std::vector<BlockIndex>> ReadIndices(size_t count, Cursor* cursor) {
   std::vector<BlockIndex> indices;
   indices.reserve(count);
   BlockIndex last{};
   for (size_t i = 0; i < count; ++i) {
-    const auto step = cursor->Take<BlockIndex>();
+    const auto step = cursor->Read<BlockIndex>();
     const BlockIndex index{Sum(last.x, step.x), Sum(last.y, step.y), Sum(last.z, step.z)};
-    if (!InRange(index)) return Fail("occupancy delta: a block lies outside the grid");
-    if (i > 0 && !(last < index)) return Fail("occupancy delta: blocks are not in order");
+    if (!InRange(index)) return Fail("occupancy delta: the index of a block is out of range");
+    if (i > 0 && !(last < index)) return Fail("occupancy delta: blocks are not in ascending order");
     indices.push_back(index);
     last = index;
   }
   return indices;
 }
 
-Result<BlockOccupancy> TakeOccupancy(uint8_t kind, Cursor* planes_cursor) {
+Result<BlockOccupancy> ReadOccupancy(uint8_t kind, Cursor* planes_cursor) {
   if (kind < kMixed) return BlockOccupancy(static_cast<CellState>(kind));
-  if (kind > kMixed) return Fail("occupancy delta: unknown kind of block");
+  if (kind > kMixed) return Fail("occupancy delta: a block is of unknown kind");
   if (planes_cursor->left() < sizeof(OccupancyPlanes)) {
     return Fail("occupancy delta: planes are missing");
   }
-  const auto planes = planes_cursor->Take<OccupancyPlanes>();
+  const auto planes = planes_cursor->Read<OccupancyPlanes>();
   for (size_t i = 0; i < planes.free.size(); ++i) {
     if ((planes.free[i] & planes.occupied[i]) != 0) {
-      return Fail("occupancy delta: a voxel is free and occupied");
+      return Fail("occupancy delta: a voxel is both free and occupied");
     }
   }
   BlockOccupancy occupancy(planes);
@@ -121,26 +121,26 @@ Result<OccupancyDelta> DecodeOccupancyDelta(std::span<const uint8_t> bytes,
   const Result<std::vector<uint8_t>> raw = DecompressBytes(bytes, kHeaderBytes, max_decoded_bytes);
   if (!raw) return Fail("occupancy delta: " + raw.error().message);
   Cursor cursor(*raw);
-  const auto version = cursor.Take<uint8_t>();
+  const auto version = cursor.Read<uint8_t>();
   if (version != kVersion) {
     return Fail("occupancy delta: expected version " + std::to_string(kVersion) + ", found " +
                 std::to_string(version));
   }
-  const auto complete = cursor.Take<uint8_t>();
+  const auto complete = cursor.Read<uint8_t>();
   if (complete > 1) return Fail("occupancy delta: 'complete' is neither 0 nor 1");
-  OccupancyDelta delta{cursor.Take<double>(), complete == 1, {}};
+  OccupancyDelta delta{cursor.Read<double>(), complete == 1, {}};
   if (!(delta.voxel_size > 1e-4 && delta.voxel_size < 1e3)) {
     return Fail("occupancy delta: the voxel size is not a plausible length");
   }
-  const size_t count = cursor.Take<uint32_t>();
+  const size_t count = cursor.Read<uint32_t>();
   if (cursor.left() / kBytesPerBlock < count) return Fail("occupancy delta: blocks are missing");
-  const Result<std::vector<BlockIndex>> indices = TakeIndices(count, &cursor);
+  const Result<std::vector<BlockIndex>> indices = ReadIndices(count, &cursor);
   if (!indices) return tl::unexpected(indices.error());
   const std::span<const uint8_t> all(*raw);
   Cursor planes_cursor(all.subspan(kHeaderBytes + count * kBytesPerBlock));
   delta.blocks.reserve(count);
   for (const BlockIndex& index : *indices) {
-    Result<BlockOccupancy> occupancy = TakeOccupancy(cursor.Take<uint8_t>(), &planes_cursor);
+    Result<BlockOccupancy> occupancy = ReadOccupancy(cursor.Read<uint8_t>(), &planes_cursor);
     if (!occupancy) return tl::unexpected(occupancy.error());
     delta.blocks.emplace_back(index, std::move(*occupancy));
   }

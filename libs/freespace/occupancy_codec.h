@@ -9,15 +9,15 @@
 
 namespace vismap {
 
-/// The delta as compressed bytes, for messages and files. The same delta gives the same bytes.
+/// Compresses a delta for messages and files. The same delta gives the same bytes.
 std::vector<uint8_t> EncodeOccupancyDelta(const OccupancyDelta& delta);
 
-/// Bytes that a delta of so many blocks has at most before compression.
+/// The largest size of a delta of so many blocks before compression [bytes].
 size_t MaxOccupancyDeltaBytes(size_t blocks);
 
-/// Safe on bytes from anywhere: whatever does not decode to a valid delta (indices ascending and in
-/// range, no voxel free and occupied, nothing missing or left over) is an error, and never more
-/// than `max_decoded_bytes` are decompressed.
+/// Inverse of EncodeOccupancyDelta. Safe for bytes from any source: fails unless they are a valid
+/// delta, with ascending indices in range, no voxel both free and occupied, and no bytes missing or
+/// left over. Decompresses at most `max_decoded_bytes`.
 Result<OccupancyDelta> DecodeOccupancyDelta(std::span<const uint8_t> bytes,
                                             size_t max_decoded_bytes = size_t{1} << 28);
 

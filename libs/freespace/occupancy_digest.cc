@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-// Another number for each number, without a pattern that sums would keep.
+// Maps every number to another one, so that a second sum is independent of the first.
 uint64_t Scramble(uint64_t x) {
   x = (x ^ x >> 32) * 0xD6E8FEB86659FD93u;
   x = (x ^ x >> 32) * 0xD6E8FEB86659FD93u;

@@ -9,25 +9,25 @@
 
 namespace vismap {
 
-/// Checksum of what is known of one block, and of its place; 0 = nothing is.
+/// Checksum of the index and occupancy of a block; 0 = the block is unknown everywhere.
 uint64_t ChecksumOf(BlockIndex index, const BlockOccupancy& occupancy);
 
-/// Digest of the known blocks of a map, kept up to date block by block: equal for equal content,
-/// whatever way it came about.
+/// Digest of all blocks that are not unknown, updated block by block. It depends on the content
+/// only, not on the order of the updates.
 class OccupancyDigest {
  public:
-  /// A block with one checksum now has another.
+  /// Replaces the checksum of a block, see ChecksumOf.
   void Replace(uint64_t before, uint64_t now);
-  /// Blocks of which anything is known.
+  /// Number of blocks that are not unknown everywhere.
   size_t blocks() const { return blocks_; }
-  /// 32 hexadecimal digits, of cells of this size [m].
+  /// The digest for cells of this size [m]: 32 hexadecimal digits.
   std::string Hex(double cell_size) const;
 
  private:
   void Toggle(uint64_t checksum, bool add);
 
   size_t blocks_ = 0;
-  std::array<uint64_t, 2> sums_{};  // over all blocks, so that order cannot matter
+  std::array<uint64_t, 2> sums_{};  // over all blocks; sums do not depend on the order
 };
 
 }  // namespace vismap

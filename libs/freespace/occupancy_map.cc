@@ -11,12 +11,12 @@ namespace {
 
 const BlockOccupancy kUnknownBlock;
 
-/// Range of set bits of an OR of words, as [first, last + 1).
+/// The lowest set bit, and the highest one plus 1.
 std::pair<int, int> BitRange(uint64_t bits) {
   return {std::countr_zero(bits), 64 - std::countl_zero(bits)};
 }
 
-/// Box of the known cells within a block, in 0..8.
+/// The box of the known cells of a block, in coordinates 0..8 of the block.
 OccupancyBox KnownInBlock(const BlockOccupancy& occupancy) {
   if (occupancy.is_uniform()) return {{0, 0, 0}, {8, 8, 8}};
   uint64_t layers = 0;

@@ -13,58 +13,57 @@
 
 namespace vismap {
 
-/// What changed in an OccupancyMap, or all of it.
+/// The changes of an OccupancyMap, or all of it.
 struct OccupancyDelta {
   double voxel_size = 0;  ///< [m]
-  bool complete = false;  ///< blocks that are not listed are unknown
-  /// Ascending by index; uniform unknown = nothing is known of the block any more.
+  bool complete = false;  ///< true = blocks that are not listed are unknown
+  /// Ascending by index. A block may have become unknown everywhere.
   std::vector<std::pair<BlockIndex, BlockOccupancy>> blocks;
   friend bool operator==(const OccupancyDelta&, const OccupancyDelta&) = default;
 };
 
-/// Cells min <= cell < max along each axis.
+/// The cells with min <= cell < max along each axis.
 struct OccupancyBox {
   VoxelIndex min, max;
   friend bool operator==(const OccupancyBox&, const OccupancyBox&) = default;
 };
 
-/// Grows a box so that it holds another; none holds nothing.
+/// Extends a box so that it contains `more`; nullopt is the empty box.
 void Extend(const OccupancyBox& more, std::optional<OccupancyBox>* box);
 
-/// The smallest box around the cells of a block that are not unknown, which there must be.
+/// The smallest box around the cells of a block that are not unknown; there must be at least one.
 OccupancyBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy);
 
-/// Occupancy of the whole map, by blocks of 8x8x8 cells. A cell is a voxel of the map, or a larger
-/// cube where a coarser map was made of it. Kept up to date by deltas: from a SemanticMap in the
-/// same process, or from another process.
+/// Occupancy of a whole map in blocks of 8x8x8 cells. A cell is a voxel of the map, or a larger
+/// cube after Coarsen. Updated from a SemanticMap, or by the deltas of another OccupancyMap.
 class OccupancyMap {
  public:
   /// `cell_size` [m].
   explicit OccupancyMap(double cell_size) : cell_size_(cell_size) {}
 
   double cell_size() const { return cell_size_; }
-  size_t size() const { return blocks_.size(); }  ///< blocks of which anything is known
+  size_t size() const { return blocks_.size(); }  ///< blocks that are not unknown everywhere
   const BlockTable<BlockOccupancy>& blocks() const { return blocks_; }
   std::vector<BlockIndex> SortedIndices() const { return blocks_.SortedIndices(); }
 
   const BlockOccupancy& At(BlockIndex index) const;
   CellState At(VoxelIndex cell) const { return At(BlockOf(cell)).At(OffsetInBlock(cell)); }
-  /// The cell that contains a point [m].
+  /// The state of the cell that contains a point [m].
   CellState At(const Eigen::Vector3d& p_W) const;
 
-  /// Returns whether the block was different before.
+  /// Returns whether this changed the block.
   bool Set(BlockIndex index, const BlockOccupancy& occupancy);
 
-  /// Classifies the given blocks of the map again and returns those that turned out different.
-  /// Throws when the voxel sizes differ.
+  /// Classifies the given blocks of the map and returns those that changed. Throws std::logic_error
+  /// when the voxel sizes differ.
   OccupancyDelta Update(const SemanticMap& map, std::span<const BlockIndex> changed,
                         const OccupancyOptions& options);
 
-  /// Takes over a delta made by another OccupancyMap. Fails when it is of another voxel size,
-  /// unless it is complete.
+  /// Applies a delta of another OccupancyMap. Fails when it has another voxel size and is not
+  /// complete.
   Result<void> Apply(const OccupancyDelta& delta);
 
-  /// 32 hexadecimal digits: equal for equal content, whatever way it came about. Constant time.
+  /// Digest of the content, 32 hexadecimal digits; takes constant time.
   std::string Digest() const { return digest_.Hex(cell_size_); }
 
   /// The smallest box around all cells that are not unknown; nullopt when there are none.
@@ -76,11 +75,11 @@ class OccupancyMap {
   OccupancyDigest digest_;
 };
 
-/// What is known of each of the given blocks of a map.
+/// The occupancy of the given blocks of a map.
 OccupancyDelta ClassifyBlocks(const SemanticMap& map, std::span<const BlockIndex> blocks,
                               const OccupancyOptions& options);
 
-/// The occupancy of all of a map.
+/// The occupancy of a whole map.
 OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options);
 
 }  // namespace vismap

@@ -11,26 +11,26 @@
 
 namespace vismap {
 
-/// Tells which blocks of a growing map changed their occupancy, and when, without a copy of it: of
-/// each block it holds a checksum and a revision, 12 bytes where an OccupancyMap holds up to 170.
+/// Finds the blocks of a map whose occupancy changes, and remembers at which revision. It holds a
+/// checksum and a revision per block, 12 bytes, instead of the up to 170 bytes of an OccupancyMap.
 class OccupancyWatch {
  public:
   explicit OccupancyWatch(const OccupancyOptions& options) : options_(options) {}
 
-  /// Forgets everything.
+  /// Removes all blocks.
   void Clear();
-  /// Classifies the given blocks of the map again, notes its revision with those that turned out
-  /// different, and returns them.
+  /// Classifies the given blocks of the map, returns those whose occupancy changed, and records the
+  /// revision of the map for them.
   OccupancyDelta Update(const SemanticMap& map, std::span<const BlockIndex> changed);
-  /// Blocks that changed after a revision, ascending.
+  /// The blocks that changed after a revision, ascending.
   std::vector<BlockIndex> ChangedAfter(int64_t revision) const;
-  /// Of which anything is known.
+  /// Number of blocks that are not unknown everywhere.
   size_t size() const { return digest_.blocks(); }
   /// The same as that of an OccupancyMap with the same content.
   std::string Digest(double cell_size) const { return digest_.Hex(cell_size); }
 
  private:
-  // Of four-byte parts, so that none of the many is padded.
+  // Members of four bytes, so that an entry needs no padding.
   struct Entry {
     uint32_t revision = 0;  // of its last change
     std::array<uint32_t, 2> checksum{};

@@ -15,11 +15,10 @@
 
 namespace vismap {
 
-/// What becomes of space that the map knows nothing of. FCL, and planners on top of it, take an
-/// absent node for free.
+/// How unknown space is written. Collision checkers like FCL treat space without a node as free.
 enum class UnknownPolicy : uint8_t {
-  kAbsent = 0,    ///< no node: honest
-  kOccupied = 1,  ///< occupied, inside the bounds of the tree: what a collision checker needs
+  kAbsent = 0,    ///< without nodes, as OctoMap defines it
+  kOccupied = 1,  ///< as occupied within the bounds of the tree, for collision checkers
 };
 
 struct OctreeOptions {
@@ -27,46 +26,46 @@ struct OctreeOptions {
   /// multiple of at least 5 cm.
   double resolution = 0;
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
-  double free_fraction = 1.0;  ///< part of a leaf's voxels that must be free, (0, 1]
-  /// Only leaves within this box [m]; nothing = the box around all that is known.
+  double free_fraction = 1.0;  ///< share of a leaf's voxels that must be free, (0, 1]
+  /// Bounds of the tree [m]; nullopt = the box around all known cells.
   std::optional<Eigen::AlignedBox3d> bounds_W;
 };
 
-/// A whole OctoMap file, text header included, and what it is.
+/// A whole OctoMap file with its text header, and its properties.
 struct OctreeBytes {
   std::vector<uint8_t> bytes;
   double resolution = 0;  ///< edge of a leaf [m]
   int64_t nodes = 0;      ///< inner nodes and leaves; 0 = empty tree
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
-  Eigen::AlignedBox3d bounds_W;  ///< the region that the tree speaks about [m]; empty = none
+  Eigen::AlignedBox3d bounds_W;  ///< bounds of the tree [m]; empty for an empty tree
 };
 
-/// Edge of a leaf, and how many voxels that is.
+/// The size of leaves.
 struct OctreeGrid {
-  int factor = 0;
-  double resolution = 0;  ///< [m]
+  int factor = 0;         ///< voxels along the edge of a leaf
+  double resolution = 0;  ///< edge of a leaf [m]
 };
 
-/// Resolves OctreeOptions::resolution. Fails, naming the nearest one possible, when it is not a
-/// whole multiple of the voxel size.
+/// The grid for a voxel size [m] and OctreeOptions::resolution [m]. Fails when the resolution is
+/// not a whole multiple of the voxel size; the Error names the nearest possible one.
 Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
 
-/// The map as an OctoMap `.bt` stream. A leaf is occupied when any of its voxels is, free when
-/// enough of them are free and none is occupied, and else unknown. Fails on a resolution that does
-/// not fit, or a map too large for OctoMap's 65536 leaves along an axis.
+/// The map as an OctoMap `.bt` stream. A leaf is occupied when any of its voxels is occupied, free
+/// when none is occupied and enough voxels are free, else unknown. Fails on a resolution that is no
+/// multiple of the voxel size, and on a map with more than OctoMap's 65536 leaves along an axis.
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
 
-/// Writes the stream to a file, all or nothing; the directory must exist.
+/// Writes the stream to a file, see WriteFileAtomically; the folder must exist.
 Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree);
 
-/// What a `.bt` stream holds.
+/// Properties of a `.bt` stream.
 struct OctreeStreamInfo {
   double resolution = 0;  ///< edge of a leaf [m]
   int64_t nodes = 0;      ///< inner nodes and leaves
 };
 
-/// Checks every byte of a stream (header, depth, node count, nothing missing, nothing left over)
-/// without building the tree: needs no memory. `name` stands in the error.
+/// Checks a whole `.bt` stream without building the tree: header, depth, number of nodes, no bytes
+/// missing or left over. `name` begins the message of an error.
 Result<OctreeStreamInfo> CheckOctree(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace vismap

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kLevels = kOctreeBlockLevels - kOctreeCubeLevels;
 
-/// Bits of a number of kLevels bits, three apart.
+/// Moves bit i of a number of kLevels bits to bit 3 i.
 uint64_t Spread3(uint64_t value) {
   uint64_t spread = 0;
   for (int bit = 0; bit < kLevels; ++bit) spread |= ((value >> bit) & 1) << (3 * bit);
@@ -21,7 +21,7 @@ class Assembler {
   Assembler(const OccupancyBox& box, UnknownPolicy unknown)
       : box_(box), closed_(unknown == UnknownPolicy::kOccupied) {}
 
-  /// The tree itself: as a subtree it does not count its root.
+  /// The whole tree. A subtree does not count its own root, so the root is counted here.
   NodeWriter Run(std::span<const PlacedSubtree> parts) {
     size_t size = 0;
     for (const PlacedSubtree& part : parts) size += part.subtree->bytes.size();
@@ -55,8 +55,8 @@ class Assembler {
     return writer_.Finish(start, code);
   }
 
-  /// A cube of which nothing is known, cut by the bounds. All along a side of the bounds these are
-  /// the same.
+  /// The subtree of an unknown cube at a side of the bounds. Cubes that the bounds cut in the same
+  /// way have the same subtree.
   const Subtree& Empty(const OctreeCube& cube) {
     const OccupancyBox part = Intersect(cube.Box(), box_);
     const auto from_corner = [&](VoxelIndex cell) {
@@ -73,7 +73,7 @@ class Assembler {
   OccupancyBox box_;
   bool closed_;
   NodeWriter writer_;
-  std::deque<std::pair<OccupancyBox, Subtree>> empty_;  // at most 27: one for each way to be cut
+  std::deque<std::pair<OccupancyBox, Subtree>> empty_;  // by shape of the cut, at most 27
 };
 
 }  // namespace

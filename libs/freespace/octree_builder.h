@@ -7,19 +7,19 @@
 
 namespace vismap {
 
-/// Makes octrees of a map that changes, for the price of what changed: the same, byte for byte, as
-/// BuildOctree of the whole map. Holds the map in cells of the leaf size.
+/// Makes octrees of a map that changes, in time proportional to the changes. The bytes are the same
+/// as those of BuildOctree for the whole map. Holds the map in cells of the size of leaves.
 class OctreeBuilder {
  public:
-  /// For a map with voxels of `voxel_size` [m]. `options.unknown` has no meaning here. Fails on a
-  /// resolution that does not fit the voxels, or a free_fraction outside (0, 1].
+  /// For a map with voxels of `voxel_size` [m]. `options.unknown` is not used. Fails on a
+  /// resolution that is no multiple of the voxel size, and on a free_fraction outside (0, 1].
   static Result<OctreeBuilder> Make(double voxel_size, const OctreeOptions& options);
 
-  /// Takes over the blocks of `map` that are different from the last time, or may be, in any order.
-  /// At first: all of them. Throws when the voxel size is another.
+  /// Updates the leaves from the blocks of `map` that may have changed since the last call, in any
+  /// order; the first call needs all blocks. Throws std::logic_error on another voxel size.
   void Update(const OccupancyMap& map, std::span<const BlockIndex> changed);
 
-  /// The octree of the map as at the last Update. Fails as BuildOctree does.
+  /// The octree of the map at the last Update. Fails as BuildOctree does.
   Result<OctreeBytes> Build(UnknownPolicy unknown);
 
   int64_t encoded_cubes() const { return cache_.encoded(); }  ///< see OctreeCache

@@ -106,7 +106,7 @@ void OctreeCache::EncodeChanged(const OccupancyMap& leaves, const OccupancyBox& 
   };
   std::vector<Task> tasks;
   for (auto& [order, cube] : cubes_) {
-    // Where unknown space is absent, bounds that leave all that is known change nothing.
+    // If unknown space gets no nodes, only the known cells within the bounds matter.
     const bool closed = unknown == UnknownPolicy::kOccupied;
     const OccupancyBox part = Intersect(closed ? cube.place.Box() : cube.known, box);
     Written* written = &cube.written[static_cast<size_t>(unknown)];

@@ -7,16 +7,17 @@
 
 namespace vismap {
 
-// OctoMap's key space: 2^16 leaves along each axis, the origin in the middle. One of our blocks of
-// 8^3 leaves is a node three levels above the leaves. All coordinates here count leaves.
+// OctoMap's key space has 2^16 leaves along each axis, with the origin in the middle. A block of
+// 8^3 leaves is a node three levels above the leaves. All coordinates in this file are in leaves.
 
 /// Levels from a block up to the root.
 inline constexpr int kOctreeBlockLevels = 13;
-/// Half the key space, in blocks and in leaves.
+/// Half the edge of the key space [blocks].
 inline constexpr int32_t kOctreeBlockOffset = 1 << (kOctreeBlockLevels - 1);
+/// Half the edge of the key space [leaves].
 inline constexpr int32_t kOctreeCellOffset = kBlockSide * kOctreeBlockOffset;
 
-/// An octree node: the cube of leaves that it stands for.
+/// The cube of leaves that a node of the octree covers.
 struct OctreeCube {
   VoxelIndex min;
   int32_t size = 0;  ///< leaves along an edge, a power of two
@@ -24,7 +25,7 @@ struct OctreeCube {
   static OctreeCube Everything() {
     return {{-kOctreeCellOffset, -kOctreeCellOffset, -kOctreeCellOffset}, 2 * kOctreeCellOffset};
   }
-  /// One of the eight halves along each axis, in OctoMap's order: x fastest.
+  /// One of the eight children, in OctoMap's order: x fastest.
   OctreeCube Child(int child) const {
     const int32_t half = size / 2;
     return {{min.x + (child & 1) * half, min.y + ((child >> 1) & 1) * half,
@@ -34,7 +35,7 @@ struct OctreeCube {
   OccupancyBox Box() const { return {min, {min.x + size, min.y + size, min.z + size}}; }
 };
 
-/// The cells that are in both; the default box when there are none.
+/// The cells in both boxes; OccupancyBox{} when there are none.
 inline OccupancyBox Intersect(const OccupancyBox& a, const OccupancyBox& b) {
   const OccupancyBox both{
       {std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},

@@ -24,8 +24,7 @@ std::array<uint64_t, 8> CellsInside(const OctreeCube& block, const OccupancyBox&
   return cells;
 }
 
-/// Cells (2x, 2y, 2z) to (2x+1, 2y+1, 2z+1) of a plane as eight bits in OctoMap's order of
-/// children.
+/// The bits of cells (2x, 2y, 2z) to (2x+1, 2y+1, 2z+1) of a plane, in OctoMap's order of children.
 uint32_t Eight(const std::array<uint64_t, 8>& plane, int x, int y, int z) {
   uint32_t bits = 0;
   for (int layer = 0; layer < 2; ++layer) {
@@ -81,7 +80,7 @@ class SubtreeEncoder {
     return EmitGroups(planes);
   }
 
-  /// The two inner levels of a block, and its cells.
+  /// Writes the two inner levels of a block, and its cells.
   NodeState EmitGroups(const OccupancyPlanes& planes) {
     const size_t start = writer_.Reserve();
     uint32_t code = 0;
@@ -129,7 +128,7 @@ Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const 
                       UnknownPolicy unknown) {
   SubtreeEncoder encoder(leaves, box, unknown);
   const NodeState state = encoder.EmitNode(cube);
-  // The copy has no spare capacity: thousands of these are kept.
+  // Copied, since a copy has no spare capacity and thousands of subtrees are kept.
   return {state, encoder.writer().nodes(), encoder.writer().bytes()};
 }
 

@@ -8,33 +8,33 @@
 
 namespace vismap {
 
-/// What a parent's two bits say of a child in a `.bt` stream.
+/// The state of a child in a `.bt` stream: two bits in its parent.
 enum class NodeState : uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2, kInner = 3 };
 
-/// A node and all below it. In a `.bt` stream these bytes stand together, wherever the node is, so
-/// that they can be kept and copied.
+/// A node and all nodes below it. In a `.bt` stream their bytes are contiguous and do not depend on
+/// the position of the node, so that they can be kept and copied.
 struct Subtree {
   NodeState state = NodeState::kUnknown;
   int64_t nodes = 0;           ///< nodes below this one
   std::vector<uint8_t> bytes;  ///< empty unless kInner
 };
 
-/// Writes the nodes of a tree depth first, as OctoMap does: two bytes per inner node, two bits per
-/// child, before the children's own nodes. A node whose children are all free, or all occupied,
-/// becomes a leaf on the way back up, which is OctoMap's pruning.
+/// Writes the nodes of a tree depth first, as OctoMap does: two bytes per inner node with two bits
+/// per child, then the nodes of the children. A node whose children are all free or all occupied
+/// becomes a leaf, which is OctoMap's pruning.
 class NodeWriter {
  public:
-  /// Begins a node, before its children are written.
+  /// Reserves the bytes of a node, before its children are written, and returns their position.
   size_t Reserve() {
     bytes_.resize(bytes_.size() + 2);
     return bytes_.size() - 2;
   }
 
-  /// Fills in a node's two bytes, or takes them back when it needs none. `code` = the states of its
-  /// children, see Code.
+  /// Writes the bytes of a node at `start`, or removes them when the node is a leaf. `code`: the
+  /// states of its children, see Code.
   NodeState Finish(size_t start, uint32_t code);
 
-  /// Writes a node with all below it.
+  /// Appends a node with all nodes below it.
   NodeState Append(const Subtree& subtree) {
     bytes_.insert(bytes_.end(), subtree.bytes.begin(), subtree.bytes.end());
     nodes_ += subtree.nodes;
@@ -45,7 +45,8 @@ class NodeWriter {
     return static_cast<uint32_t>(state) << (2 * child);
   }
 
-  void CountRoot() { ++nodes_; }  ///< which no node has as a child
+  /// Adds the root to the number of nodes: as no node's child it was not counted.
+  void CountRoot() { ++nodes_; }
   void ReserveBytes(size_t size) { bytes_.reserve(size); }
   const std::vector<uint8_t>& bytes() const { return bytes_; }
   int64_t nodes() const { return nodes_; }  ///< children of the nodes written so far
@@ -55,8 +56,8 @@ class NodeWriter {
   int64_t nodes_ = 0;
 };
 
-/// The node of a block or of a larger cube within `box`. `leaves` = cells of the leaf size; nullptr
-/// = nothing is known.
+/// The node of a block or of a larger cube, within `box`. `leaves`: the map in cells of the size of
+/// leaves; nullptr = unknown everywhere.
 Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const OccupancyBox& box,
                       UnknownPolicy unknown);
 

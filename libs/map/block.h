@@ -15,14 +15,14 @@ inline constexpr int kBlockSide = 8;
 inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
 inline constexpr int kVoteSlots = 3;
 
-/// Position of a block in the grid of blocks: it covers voxels [8 i, 8 i + 8) along each axis of W.
+/// Position of a block in the grid of blocks: it covers voxels 8 i to 8 i + 7 along each axis of W.
 struct BlockIndex {
   int32_t x = 0, y = 0, z = 0;
   friend auto operator<=>(const BlockIndex&, const BlockIndex&) = default;
 };
 
-/// Position of a voxel in W: it covers [i v, (i + 1) v) along each axis, v = voxel size; its centre
-/// is (i + 0.5) v.
+/// Position of a voxel in the grid of voxels: it covers [i v, (i + 1) v) along each axis of W, v =
+/// voxel size [m]; its centre is at (i + 0.5) v.
 struct VoxelIndex {
   int32_t x = 0, y = 0, z = 0;
   friend auto operator<=>(const VoxelIndex&, const VoxelIndex&) = default;
@@ -34,10 +34,10 @@ constexpr int LinearIndex(int x, int y, int z) { return x + kBlockSide * (y + kB
 constexpr BlockIndex BlockOf(VoxelIndex v) { return {v.x >> 3, v.y >> 3, v.z >> 3}; }
 constexpr int OffsetInBlock(VoxelIndex v) { return LinearIndex(v.x & 7, v.y & 7, v.z & 7); }
 
-/// A set of a block's voxels, one bit each: a layer along z is a word, bit = x + 8 y.
+/// A set of voxels of a block, one bit each: word z holds the layer at z, bit x + 8 y.
 using VoxelBits = std::array<uint64_t, kBlockVoxels / 64>;
 
-/// Hash for block-keyed tables. Its order must never reach an output: sort first.
+/// Hash for tables with blocks as keys. The order of such a table must never reach an output.
 struct BlockIndexHash {
   size_t operator()(const BlockIndex& b) const {
     uint64_t h = static_cast<uint32_t>(b.x) * 0x9E3779B185EBCA87ull;
@@ -47,25 +47,26 @@ struct BlockIndexHash {
   }
 };
 
-/// Evidence that a voxel belongs to a segment: how many frames said so. label kNone = empty slot.
+/// Votes of a voxel for a label, one per frame. kNone = empty slot.
 struct LabelVote {
   SegmentLabel label = SegmentLabel::kNone;
   uint8_t votes = 0;
 };
 
-/// Dense voxels of a block that a surface passes through or near (within the truncation distance).
+/// All voxels of a block that a surface passes through, or near to: within the truncation distance.
 struct SurfaceVoxels {
-  // From slabs of their own: packed voxels, which come and go beside them, would else leave gaps in
-  // the heap that nothing fits into.
+  // These come from slabs of their own: on the common heap they would leave gaps when they are
+  // packed, into which nothing fits.
   static void* operator new(size_t size);
   static void operator delete(void* voxels) noexcept;
 
-  /// Truncated signed distance in steps of truncation / 32767; positive toward the camera.
+  /// Truncated signed distance in steps of truncation / 32767; positive in front of the
+  /// surface.
   std::array<int16_t, kBlockVoxels> distance{};
   /// Integration weight in steps of 1/kWeightScale (1 = one observation at 1 m); 0 = never
   /// observed.
   std::array<uint16_t, kBlockVoxels> weight{};
-  /// Number of frames that observed the voxel, saturating at 255.
+  /// Number of frames that observed the voxel, at most 255.
   std::array<uint8_t, kBlockVoxels> observations{};
   std::array<Rgb8, kBlockVoxels> color{};
 
@@ -84,8 +85,8 @@ struct SurfaceVoxels {
 
 inline constexpr float kWeightScale = 128.0F;
 
-/// Which voxels of a block were seen empty, for blocks far from any surface: one bit per voxel (bit
-/// = linear index), at least once and at least twice. 128 bytes instead of 7 kB.
+/// The voxels of a block far from all surfaces that were seen empty at least once, and at least
+/// twice: one bit each, by linear index. 128 bytes instead of 7 kB.
 struct FreeVoxels {
   VoxelBits once{};
   VoxelBits twice{};
@@ -99,9 +100,9 @@ struct FreeVoxels {
   friend bool operator==(const FreeVoxels&, const FreeVoxels&) = default;
 };
 
-/// The voxels of a block near a surface: as they are, or, while no camera looks at them, packed
-/// into a fifth of the memory. Says the same either way; what reads must go through a SurfaceReader
-/// (volume/surface_reader.h), what changes must Unpack first.
+/// Owns the voxels of a block near a surface: as they are or, while no camera sees them, packed to
+/// about a fifth of their size without loss. To read them use a SurfaceReader
+/// (map/surface_reader.h); to change them call Unpack first.
 class SurfaceHolder {
  public:
   SurfaceHolder() = default;
@@ -111,36 +112,36 @@ class SurfaceHolder {
     return *this;
   }
 
-  /// There are voxels, packed or not.
+  /// Whether there are voxels, packed or not.
   explicit operator bool() const { return voxels_ != nullptr || packed_ != nullptr; }
   bool packed() const { return packed_ != nullptr; }
-  /// The voxels; nullptr when packed, or when there are none.
+  /// The voxels; nullptr when they are packed or there are none.
   const SurfaceVoxels* get() const { return voxels_.get(); }
-  /// Only while not packed.
+  /// Only for voxels that are not packed.
   SurfaceVoxels& operator*() const { return *voxels_; }
   SurfaceVoxels* operator->() const { return voxels_.get(); }
 
-  /// Does nothing when packed, or when there are no voxels.
+  /// Does nothing when the voxels are packed or there are none.
   void Pack();
-  /// Does nothing unless packed.
+  /// Does nothing unless the voxels are packed.
   void Unpack();
-  /// A copy of packed voxels. Throws unless packed.
+  /// Unpacks a copy. Throws std::logic_error unless the voxels are packed.
   void CopyTo(SurfaceVoxels* voxels) const;
-  /// Bytes that the packed voxels take; 0 unless packed.
+  /// Size of the packed voxels [bytes]; 0 unless they are packed.
   size_t packed_bytes() const;
 
  private:
   std::unique_ptr<SurfaceVoxels> voxels_;
-  std::unique_ptr<uint8_t[]> packed_;  // its size in the first two bytes, see surface_holder.cc
+  std::unique_ptr<uint8_t[]> packed_;  // the first two bytes hold its size, see surface_holder.cc
 };
 
-/// One block of the map. Exactly one of three: near a surface (`surface` set); partly seen empty
-/// (`free` set); seen empty everywhere, at least twice (`all_free`). A block that the map does not
-/// hold is unseen.
+/// One block of the map, of one of three kinds: near a surface (`surface`), partly seen empty
+/// (`free`), or seen empty everywhere at least twice (`all_free`). Blocks that the map does not
+/// hold are unseen.
 struct Block {
   SurfaceHolder surface;
   std::unique_ptr<FreeVoxels> free;
-  uint32_t last_used = 0;  ///< revision of the map that last looked at the surface, for packing
+  uint32_t last_used = 0;  ///< revision that last changed the surface; 0 = none since it was packed
   bool all_free = false;
 };
 

@@ -5,9 +5,9 @@
 namespace vismap {
 namespace {
 
-static_assert(kRimBelow == 1 && kRimAbove == 2, "the masks below are of these");
+static_assert(kRimBelow == 1 && kRimAbove == 2, "the masks below are for these");
 
-// Of the 64 voxels of a layer, those that the neighbours at -1, 0 and 1 along an axis see.
+// Of the 64 voxels of a layer, those in the block at -1, 0 and 1 along an axis or in its rim.
 constexpr std::array<uint64_t, 3> kSeenAlongX = {0x0303030303030303, ~uint64_t{0},
                                                  0x8080808080808080};
 constexpr std::array<uint64_t, 3> kSeenAlongY = {0xFFFF, ~uint64_t{0}, uint64_t{0xFF} << 56};

@@ -13,10 +13,10 @@
 
 namespace vismap {
 
-/// A value for each of some blocks. Frames touch blocks by neighbourhoods, in tables far larger
-/// than a cache: values stand in memory by cubes of 4^3 blocks, and only the cubes are hashed, so
-/// that neighbours share a look-up's cache misses. References live until their block is erased.
-/// Reading is safe from several threads, changing is not.
+/// Holds a value per block. Blocks are stored in cubes of 4x4x4, and only the cubes are hashed:
+/// frames use blocks in neighbourhoods, so that neighbours share the cache misses of one look-up.
+/// References stay valid until their block is erased. Several threads may read at the same time;
+/// nothing may use the table while one changes it.
 template <typename Value>
 class BlockTable {
   static constexpr int32_t kSide = 4;  // blocks along the edge of a cube: one bit each in a word
@@ -27,8 +27,8 @@ class BlockTable {
   };
 
  public:
-  /// Finds values of one block after the other: those in the same cube as the last one without
-  /// hashing. While it is in use, no block may be created or erased. One per thread.
+  /// Finds the values of many blocks, faster than Find: a block in the same cube as the last one
+  /// needs no hashing. While it is in use, no block may be created or erased. One per thread.
   class Reader {
    public:
     explicit Reader(const BlockTable& table) : table_(table) {}
@@ -48,7 +48,7 @@ class BlockTable {
    private:
     const BlockTable& table_;
     BlockIndex place_;
-    const Cube* cube_ = nullptr;  // nullptr = there is none
+    const Cube* cube_ = nullptr;  // at place_; nullptr = there is none
     bool started_ = false;
   };
 
@@ -65,7 +65,7 @@ class BlockTable {
     return const_cast<Value*>(static_cast<const BlockTable*>(this)->Find(index));
   }
 
-  /// The value of a block; a new one, as Value() makes it, when it has none.
+  /// The value of a block; Value() is added when it has none.
   Value& FindOrCreate(BlockIndex index) {
     auto found = cubes_.find(CubeOf(index));
     if (found == cubes_.end())
@@ -93,7 +93,8 @@ class BlockTable {
     return true;
   }
 
-  /// Calls `visit(BlockIndex, const Value&)` for each, in no order that may reach an output.
+  /// Calls `visit(BlockIndex, const Value&)` for each block, in an order that must not reach an
+  /// output.
   template <typename Visit>
   void ForEach(const Visit& visit) const {
     for (const auto& [place, cube] : cubes_) {
@@ -115,14 +116,14 @@ class BlockTable {
     return indices;
   }
 
-  /// Bytes held, without what values own elsewhere.
+  /// Size of the table [bytes], without memory that values own elsewhere.
   size_t bytes() const {
     return cubes_.size() * sizeof(Cube) + cubes_.bucket_count() * (sizeof(BlockIndex) + 16);
   }
 
  private:
   static BlockIndex CubeOf(BlockIndex index) { return {index.x >> 2, index.y >> 2, index.z >> 2}; }
-  // What ascends side by side stands side by side.
+  // In ascending order of the blocks.
   static int SlotOf(BlockIndex index) {
     return (index.z & 3) | (index.y & 3) << 2 | (index.x & 3) << 4;
   }

@@ -7,7 +7,7 @@
 namespace vismap {
 namespace {
 
-// The key with the most evidence; ties go to the lower key, since maps iterate in ascending order.
+// The key with the most evidence; ties go to the lower key.
 template <typename Key>
 std::pair<Key, float> Strongest(const std::map<Key, float>& evidence) {
   std::pair<Key, float> best{Key{}, 0.0F};
@@ -100,7 +100,7 @@ SegmentLabel LabelTable::Merge(SegmentLabel a, SegmentLabel b) {
     to.instance_evidence[instance] += amount;
   for (const auto& [class_id, amount] : from.class_evidence) to.class_evidence[class_id] += amount;
 
-  std::vector<std::pair<SegmentLabel, PairEvidence>> inherited;  // partner of the dead one
+  std::vector<std::pair<SegmentLabel, PairEvidence>> inherited;  // by partner of the dead label
   for (auto pair = pairs_.begin(); pair != pairs_.end();) {
     const auto [x, y] = pair->first;
     if (x != dead && y != dead) {
@@ -111,7 +111,7 @@ SegmentLabel LabelTable::Merge(SegmentLabel a, SegmentLabel b) {
     pair = pairs_.erase(pair);
   }
   for (const auto& [partner, evidence] : inherited) {
-    if (partner == survivor) continue;
+    if (partner == survivor) continue;  // the pair of the two merged labels
     PairEvidence& sum = pairs_[std::minmax(survivor, partner)];
     sum.together += evidence.together;
     sum.apart += evidence.apart;

@@ -11,16 +11,15 @@
 
 namespace vismap {
 
-/// What the map has learnt of one segment label over time.
+/// What the map knows of one segment label.
 struct LabelRecord {
-  SegmentLabel merged_into =
-      SegmentLabel::kNone;                  ///< kNone = alive; otherwise this record is empty
-  uint32_t frames = 0;                      ///< F(l): frames in which it was observed
-  uint32_t frames_with_detector = 0;        ///< of those, frames that a detector had looked at
-  uint64_t pixels = 0;                      ///< sum over those frames of its size in the image
-  int64_t first_utime = 0, last_utime = 0;  ///< [us]
-  uint32_t cleared_voxels = 0;  ///< of its surface that were seen empty since it was last observed
-  int64_t cleared_utime = 0;    ///< when last; 0 = none were [us]
+  SegmentLabel merged_into = SegmentLabel::kNone;  ///< kNone = alive; else the record is empty
+  uint32_t frames = 0;                             ///< F(l): frames in which it was observed
+  uint32_t frames_with_detector = 0;        ///< of `frames`, those that a detector had looked at
+  uint64_t pixels = 0;                      ///< its size in the image, summed over `frames` [px]
+  int64_t first_utime = 0, last_utime = 0;  ///< of the first and last of `frames` [us]
+  uint32_t cleared_voxels = 0;  ///< voxels of its surface carved away since it was last observed
+  int64_t cleared_utime = 0;    ///< of the last frame that carved one; 0 = none [us]
   std::map<InstanceId, float> instance_evidence;  ///< the paper's Phi(l, m)
   std::map<ClassId, float> class_evidence;        ///< the paper's Psi(l, c)
   friend bool operator==(const LabelRecord&, const LabelRecord&) = default;
@@ -40,24 +39,23 @@ struct PairEvidence {
   friend bool operator==(const PairEvidence&, const PairEvidence&) = default;
 };
 
-/// All segment labels of a map with their counts, and which of them turned out to be the same.
-/// Labels are 1, 2, ...
+/// All segment labels of a map, 1, 2, ..., with their records, and which labels have been merged.
 class LabelTable {
  public:
-  /// The label that `label` was merged into, directly or by steps; itself when alive. kNone stays
-  /// kNone.
+  /// The alive label that `label` was merged into, in one or more steps; `label` itself when it is
+  /// alive or kNone.
   SegmentLabel Canonical(SegmentLabel label) const;
-  /// The record of an alive label. Throws on unknown or merged labels.
+  /// The record of an alive label. Throws std::logic_error for an unknown or merged label.
   const LabelRecord& Record(SegmentLabel label) const;
   LabelRecord& MutableRecord(SegmentLabel label);
 
-  /// Read-out of a label (resolved to its canonical one first).
+  /// Read-out of a label, or of the one that it was merged into.
   LabelReading Read(SegmentLabel label) const;
 
-  /// Evidence for each class, per instance: the class evidence of its labels, weighted by their
-  /// mean size in the image.
+  /// Evidence for each class per instance: the class evidence of the labels that are read out as
+  /// it, weighted by their mean size in the image [px].
   std::map<InstanceId, std::map<ClassId, float>> InstanceClassEvidence() const;
-  /// The class of every instance that some label is read out as: the strongest of its evidence.
+  /// The class with most evidence of every instance that a label is read out as.
   std::map<InstanceId, ClassId> InstanceClasses() const;
 
   SegmentLabel next_label() const { return static_cast<SegmentLabel>(records_.size() + 1); }
@@ -66,14 +64,14 @@ class LabelTable {
   void GrowLabels(SegmentLabel next);
   void GrowInstances(InstanceId next);
 
-  /// Merges two alive labels: the larger id dies, all counts go to the survivor, which is returned.
+  /// Merges two alive labels: all counts of the larger id are added to those of the smaller one,
+  /// the survivor, which is returned.
   SegmentLabel Merge(SegmentLabel a, SegmentLabel b);
 
   /// Labels that are alive, ascending.
   std::vector<SegmentLabel> Alive() const;
-  const std::vector<LabelRecord>& records() const {
-    return records_;
-  }  ///< record of label l at l - 1
+  /// The record of label l is at l - 1.
+  const std::vector<LabelRecord>& records() const { return records_; }
 
   /// Keyed by (smaller, larger) alive label.
   const std::map<std::pair<SegmentLabel, SegmentLabel>, PairEvidence>& pairs() const {
@@ -81,12 +79,12 @@ class LabelTable {
   }
   PairEvidence& MutablePair(SegmentLabel a, SegmentLabel b);
 
-  /// Which alive labels masks show as one thing.
+  /// The bonds that masks make between alive labels.
   const MaskBonds& bonds() const { return bonds_; }
   MaskBonds& MutableBonds() { return bonds_; }
 
-  /// Fraction of observed frames below which an instance is not read out (published code: 0.1 of
-  /// the other frames).
+  /// A label is read out as an instance if its evidence for it exceeds this share of the rest of
+  /// its frames with a detector (published code: 0.1 of the rest of all frames).
   float min_instance_ratio = 0.1F;
 
   /// Replaces everything: for loading a saved map.

@@ -10,17 +10,17 @@
 
 namespace vismap {
 
-/// One camera pose that went into a map.
+/// The camera pose of one integrated frame.
 struct CameraPose {
   int64_t utime = 0;  ///< [us]
   CameraId camera_id{0};
   Pose T_W_C = Pose::Identity();
 };
 
-/// What is saved beside the map itself.
+/// What a map file holds beside the map.
 struct MapMetadata {
   std::string map_id;
-  std::string config;      ///< protobuf text that the map was made with
+  std::string config;      ///< protobuf text of the config that the map was made with
   std::string created_by;  ///< program and version
   std::map<ClassId, std::string> class_names;
   std::vector<CameraPose> trajectory;  ///< in the order of integration

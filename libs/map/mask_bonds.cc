@@ -10,7 +10,7 @@ float Bounded(float bond) { return std::clamp(bond, -MaskBonds::kMost, MaskBonds
 
 }  // namespace
 
-void MaskBonds::Note(std::span<const MaskedLabel> seen) {
+void MaskBonds::AddFrame(std::span<const MaskedLabel> seen) {
   for (size_t i = 0; i < seen.size(); ++i) {
     for (size_t j = i + 1; j < seen.size(); ++j) {
       const MaskedLabel &a = seen[i], &b = seen[j];
@@ -43,7 +43,7 @@ void MaskBonds::Merge(SegmentLabel dead, SegmentLabel survivor) {
     bond = pairs_.erase(bond);
   }
   for (const auto& [partner, amount] : inherited) {
-    if (partner == survivor) continue;
+    if (partner == survivor) continue;  // the bond between the two merged labels
     float& bond = pairs_[std::minmax(partner, survivor)];
     bond = Bounded(bond + amount);
   }

@@ -8,30 +8,33 @@
 
 namespace vismap {
 
-/// A label of the map that lies under a mask of a frame.
+/// A label of the map under a mask of a frame.
 struct MaskedLabel {
   SegmentLabel label = SegmentLabel::kNone;
   DetectionIndex detection = DetectionIndex::kNone;
-  float evidence = 0;  ///< how surely, [0, 1]
+  float evidence = 0;  ///< score of the detection x overlap of mask and segment, [0, 1]
 };
 
-/// Whether masks show labels as one thing or as several. The bond of two labels grows by the weaker
-/// evidence of both in every frame that has them under one mask, and shrinks by it in every frame
-/// that has them under two. It stays within +-kMost, so that no early frames, however many, are
-/// beyond what later ones can say. A frame in which one of them has no mask says nothing.
+/// How strongly masks bind labels to each other: positive = masks show them as one object, negative
+/// = as several. Every frame changes the bond B of two labels, with e = the smaller of their
+/// evidence:
+///   both under one mask:     B <- min(B + e, kMost)
+///   under different masks:   B <- max(B - e, -kMost), if they have been under one mask before
+///   one of them under none:  B stays
+/// The limit keeps early frames, however many, from outweighing later ones.
 class MaskBonds {
  public:
   using Pair = std::pair<SegmentLabel, SegmentLabel>;  // the smaller first
   static constexpr float kMost = 5;
 
-  /// Labels under the masks of one frame, each label once.
-  void Note(std::span<const MaskedLabel> seen);
-  /// 0 for labels that were never under one mask.
+  /// Updates the bonds between the labels under the masks of one frame, each label once.
+  void AddFrame(std::span<const MaskedLabel> seen);
+  /// The bond of two labels; 0 if they were never under one mask.
   float Between(SegmentLabel a, SegmentLabel b) const;
-  /// All bonds of `dead` go to `survivor`.
+  /// Adds all bonds of `dead` to those of `survivor`.
   void Merge(SegmentLabel dead, SegmentLabel survivor);
 
-  /// Of all labels that were under one mask once.
+  /// The bonds of all pairs that have been under one mask.
   const std::map<Pair, float>& pairs() const { return pairs_; }
   /// Replaces everything: for loading a saved map.
   static MaskBonds Restore(std::map<Pair, float> pairs);

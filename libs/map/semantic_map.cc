@@ -17,8 +17,8 @@ void AppendBytes(const void* data, size_t size, std::vector<uint8_t>& bytes) {
   bytes.insert(bytes.end(), first, first + size);
 }
 
-// Votes are written as labels, not as palette entries, and unseen voxels as zeros, so that two
-// blocks that say the same have the same bytes.
+// Votes are written as labels, not as palette entries, so that blocks with the same content have
+// the same bytes.
 void AppendSurface(const SurfaceVoxels& voxels, std::vector<uint8_t>& bytes) {
   AppendBytes(voxels.distance.data(), sizeof(voxels.distance), bytes);
   AppendBytes(voxels.weight.data(), sizeof(voxels.weight), bytes);
@@ -60,7 +60,7 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
   digest.Add(record.pixels);
   digest.Add(record.first_utime);
   digest.Add(record.last_utime);
-  if (record.cleared_voxels > 0) {  // maps from before there was carving keep their hash
+  if (record.cleared_voxels > 0) {  // so that maps made without carving keep their hash
     digest.Add(record.cleared_voxels);
     digest.Add(record.cleared_utime);
   }
@@ -79,8 +79,8 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
 }  // namespace
 
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes) {
-  // Free of branches: which of several labels is ahead cannot be foreseen. A label that comes
-  // twice has its sum both times. More votes first, then the lower label.
+  // Without branches, since the processor cannot predict which label leads. A label that is there
+  // twice has its sum both times. More votes rank first, then the lower label.
   uint64_t best = 0;
   for (const LabelVote& vote : votes) {
     uint64_t sum = 0;

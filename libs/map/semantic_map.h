@@ -10,22 +10,24 @@
 namespace vismap {
 
 /// The map: surface, free space and label votes (voxels), and what is known of each label (labels).
-/// Changed only by IntegrateFrame (mapping/integrate.h); everything else reads it.
+/// Only IntegrateFrame (mapping/integrate.h) changes it.
 struct SemanticMap {
   explicit SemanticMap(const VoxelGridOptions& grid) : voxels(grid) {}
 
   VoxelMap voxels;
   LabelTable labels;
-  int64_t revision = 0;                                     ///< +1 for every integrated frame
-  int64_t last_utime = 0;                                   ///< of the newest integrated frame [us]
-  Eigen::Vector3d last_camera_W = Eigen::Vector3d::Zero();  ///< where its camera stood [m]
+  int64_t revision = 0;    ///< +1 per integrated frame
+  int64_t last_utime = 0;  ///< latest time of an integrated frame [us]
+  /// Position of the camera of the frame that was integrated last [m].
+  Eigen::Vector3d last_camera_W = Eigen::Vector3d::Zero();
 };
 
-/// The winner among votes for canonical labels, which may repeat.
+/// The label with most votes, ties to the lower label; kNone without votes. Labels must be alive
+/// and may repeat: their votes are summed.
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes);
 
-/// Digest of everything that the map says (grid, voxels, votes, labels, revision), independent of
-/// memory layout and of the number of threads: equal maps, equal hashes.
+/// Hash of the whole content of a map: grid, voxels, votes, labels, revision. It does not depend on
+/// the layout in memory or the number of threads: equal maps have equal hashes.
 std::string HashMap(const SemanticMap& map);
 
 }  // namespace vismap

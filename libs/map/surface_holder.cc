@@ -10,9 +10,9 @@
 namespace vismap {
 namespace {
 
-// Packed: the size of what zstd made of the content, two bytes; that. Content: a bit per voxel that
-// holds anything; the palette's size and labels; and for those voxels one plane of bytes after the
-// other.
+// Packed voxels: two bytes with the size of the zstd frame, then the frame. Its content: one bit
+// per voxel that is not all zero; the size of the palette, one byte, and its labels; then for the
+// voxels with a bit 14 planes of bytes, one after the other.
 constexpr size_t kMaskBytes = kBlockVoxels / 8;
 constexpr size_t kPlanes = 14;
 constexpr size_t kMaxContent = kMaskBytes + 1 + 255 * sizeof(SegmentLabel) + kPlanes * kBlockVoxels;
@@ -90,7 +90,7 @@ void ReadContent(const Content& content, SurfaceVoxels* voxels) {
   }
 }
 
-// zstd's working memory is a megabyte: one per thread is enough.
+// One context per thread, since it takes a megabyte.
 struct FreeContext {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
@@ -117,7 +117,7 @@ void SurfaceHolder::Pack() {
   std::array<uint8_t, ZSTD_COMPRESSBOUND(kMaxContent)> packed;
   const size_t length =
       ZSTD_compressCCtx(Compressor(), packed.data(), packed.size(), content.data(), size, kLevel);
-  Require(!ZSTD_isError(length) && length < 65536, "zstd packs what fits into its bound");
+  Require(!ZSTD_isError(length) && length < 65536, "zstd fits into its own bound");
   packed_.reset(new uint8_t[kSizeBytes + length]);
   packed_[0] = static_cast<uint8_t>(length & 255);
   packed_[1] = static_cast<uint8_t>(length >> 8);
@@ -126,11 +126,11 @@ void SurfaceHolder::Pack() {
 }
 
 void SurfaceHolder::CopyTo(SurfaceVoxels* voxels) const {
-  Require(packed_ != nullptr, "only packed voxels are copied out");
+  Require(packed_ != nullptr, "CopyTo is for packed voxels");
   Content content;
   const size_t size = ZSTD_decompressDCtx(Decompressor(), content.data(), content.size(),
                                           packed_.get() + kSizeBytes, packed_bytes() - kSizeBytes);
-  Require(!ZSTD_isError(size), "zstd unpacks what it has packed");
+  Require(!ZSTD_isError(size), "zstd unpacks its own frame");
   ReadContent(content, voxels);
 }
 

@@ -8,16 +8,16 @@
 
 namespace vismap {
 
-/// Reads the voxels of blocks, packed or not, without changing the map. Keeps copies of the packed
-/// ones. One per thread of work; the map must not change while it is in use.
+/// Reads the voxels of blocks, packed or not, without changing the map, and keeps copies of packed
+/// ones. One per thread; the map must not change while it is in use.
 class SurfaceReader {
  public:
-  /// The voxels of a block near a surface, nullptr of others. Valid until Trim.
+  /// The voxels of a block near a surface; nullptr for other blocks. Valid until Trim.
   const SurfaceVoxels* Read(const Block& block) {
     return block.surface.packed() ? ReadPacked(block) : block.surface.get();
   }
 
-  /// Forgets all copies but the `keep` newest.
+  /// Drops all copies but the `keep` newest.
   void Trim(size_t keep = 0);
 
  private:

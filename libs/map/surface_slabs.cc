@@ -8,7 +8,7 @@ namespace vismap {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSlabs = false;  // they would hide the use of what was given back
+constexpr bool kSlabs = false;  // slabs would hide the use of voxels after their deletion
 #else
 constexpr bool kSlabs = true;
 #endif
@@ -17,21 +17,22 @@ constexpr size_t kPerSlab = 64;
 
 class Slabs {
  public:
-  void* Take() {
+  void* Allocate() {
     const std::lock_guard lock(mutex_);
     if (free_.empty()) AddSlab();
     void* voxels = free_.back();
     free_.pop_back();
     return voxels;
   }
-  void Return(void* voxels) noexcept {
+  void Release(void* voxels) noexcept {
     const std::lock_guard lock(mutex_);
-    free_.push_back(voxels);  // has room for all, see AddSlab
+    free_.push_back(voxels);  // never allocates, see AddSlab
   }
 
  private:
   void AddSlab() {
     ++slabs_;
+    // Room for all voxels of all slabs, so that Release cannot throw.
     free_.reserve(slabs_ * kPerSlab);
     auto* slab = static_cast<std::byte*>(::operator new(kPerSlab * sizeof(SurfaceVoxels)));
     for (size_t i = kPerSlab; i > 0; --i) free_.push_back(slab + (i - 1) * sizeof(SurfaceVoxels));
@@ -42,7 +43,7 @@ class Slabs {
   size_t slabs_ = 0;
 };
 
-// Never destroyed: maps of static lifetime may go after everything else.
+// Never destroyed, since a map of static lifetime may be destroyed last.
 Slabs& TheSlabs() {
   static Slabs& slabs = *new Slabs;
   return slabs;
@@ -51,12 +52,12 @@ Slabs& TheSlabs() {
 }  // namespace
 
 void* SurfaceVoxels::operator new(size_t size) {
-  return kSlabs && size == sizeof(SurfaceVoxels) ? TheSlabs().Take() : ::operator new(size);
+  return kSlabs && size == sizeof(SurfaceVoxels) ? TheSlabs().Allocate() : ::operator new(size);
 }
 
 void SurfaceVoxels::operator delete(void* voxels) noexcept {
   if (kSlabs) {
-    TheSlabs().Return(voxels);
+    TheSlabs().Release(voxels);
   } else {
     ::operator delete(voxels);
   }

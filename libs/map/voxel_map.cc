@@ -7,15 +7,15 @@
 
 namespace vismap {
 
-void VoxelMap::NoteUse(BlockIndex index, Block& block, uint32_t now) {
+void VoxelMap::MarkUsed(BlockIndex index, Block& block, uint32_t now) {
   if (block.last_used == 0) unpacked_.push_back(index);
   block.last_used = now;
 }
 
 void VoxelMap::PackUnused(uint32_t before, size_t most) {
-  constexpr size_t kLookedAt = 2048;  // at most, so that no frame has to wait for many
+  constexpr size_t kMaxChecked = 2048;  // blocks per call, so that no frame waits long
   std::vector<Block*> to_pack;
-  for (size_t looked = 0; looked < kLookedAt && unpacked_.size() > most; ++looked) {
+  for (size_t checked = 0; checked < kMaxChecked && unpacked_.size() > most; ++checked) {
     if (next_to_pack_ >= unpacked_.size()) next_to_pack_ = 0;
     Block* block = FindMutable(unpacked_[next_to_pack_]);
     if (block != nullptr && block->last_used >= before) {

@@ -23,8 +23,8 @@ BlockKind KindOf(const Block& block) {
   return block.all_free ? BlockKind::kAllFree : BlockKind::kUnseen;
 }
 
-/// The low bytes of all weights, then the high ones: that takes half as long to compress, and less
-/// space. The other fields do not gain by it.
+/// The low bytes of all weights, then the high ones: they compress in half the time, to less. Other
+/// fields do not gain by this.
 using SplitWeights = std::array<uint8_t, 2 * kBlockVoxels>;
 
 SplitWeights Split(const std::array<uint16_t, kBlockVoxels>& weights) {
@@ -44,8 +44,8 @@ std::array<uint16_t, kBlockVoxels> Join(const SplitWeights& split) {
   return weights;
 }
 
-/// Calls `field(member)` for every other fixed-size member of surface voxels, in the order of the
-/// file.
+/// Calls `field(member)` for every member of fixed size of surface voxels except the weights, in
+/// the order of the file.
 template <typename Field>
 void ForEachField(const Field& field) {
   field(&SurfaceVoxels::distance);
@@ -68,18 +68,18 @@ class Writer {
     bytes_.insert(bytes_.end(), bytes, bytes + sizeof(T));
   }
   void Reserve(size_t size) { bytes_.reserve(size); }
-  std::vector<uint8_t> Take() { return std::move(bytes_); }
+  std::vector<uint8_t> Finish() { return std::move(bytes_); }
 
  private:
   std::vector<uint8_t> bytes_;
 };
 
-/// Reads values one after another; remembers whether there was enough.
+/// Reads values one after the other. After a read beyond the end, is_short() is true.
 class Reader {
  public:
   explicit Reader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
   template <typename T>
-  void Take(T* value) {
+  void Read(T* value) {
     if (bytes_.size() < sizeof(T)) {
       short_ = true;
       return;
@@ -105,7 +105,8 @@ Result<void> CheckVotes(const SurfaceVoxels& voxels, size_t labels) {
   for (const auto& slots : voxels.slot_label) {
     for (const uint8_t entry : slots) highest = std::max(highest, entry);
   }
-  if (highest > voxels.palette.size()) return Fail("a vote has no palette entry");
+  if (highest > voxels.palette.size())
+    return Fail("a vote has an entry that is not in the palette");
   for (const SegmentLabel label : voxels.palette) {
     if (label == SegmentLabel::kNone || Raw(label) > labels) {
       return Fail("a vote is for segment label " + std::to_string(Raw(label)) + " of " +
@@ -115,35 +116,36 @@ Result<void> CheckVotes(const SurfaceVoxels& voxels, size_t labels) {
   return {};
 }
 
-Result<void> TakePalettes(const std::vector<SurfaceVoxels*>& surfaces, size_t labels,
+Result<void> ReadPalettes(const std::vector<SurfaceVoxels*>& surfaces, size_t labels,
                           Reader* reader) {
   for (SurfaceVoxels* voxels : surfaces) {
     uint8_t size = 0;
-    reader->Take(&size);
+    reader->Read(&size);
     voxels->palette.resize(size);
-    for (SegmentLabel& label : voxels->palette) reader->Take(&label);
+    for (SegmentLabel& label : voxels->palette) reader->Read(&label);
     if (reader->is_short()) return Fail("palettes are missing");
     if (Result<void> checked = CheckVotes(*voxels, labels); !checked) return checked;
   }
   return {};
 }
 
-Result<void> TakeIndices(Reader* reader, std::vector<IndexedBlock>* blocks) {
+Result<void> ReadIndices(Reader* reader, std::vector<IndexedBlock>* blocks) {
   for (size_t i = 0; i < blocks->size(); ++i) {
     BlockIndex& index = (*blocks)[i].first;
-    reader->Take(&index);
-    if (!InRange(index)) return Fail("a block lies outside the grid");
-    if (i > 0 && !((*blocks)[i - 1].first < index)) return Fail("blocks are not in order");
+    reader->Read(&index);
+    if (!InRange(index)) return Fail("the index of a block is out of range");
+    if (i > 0 && !((*blocks)[i - 1].first < index))
+      return Fail("blocks are not in ascending order");
   }
   return {};
 }
 
-Result<void> TakeKinds(Reader* reader, std::vector<IndexedBlock>* blocks,
+Result<void> ReadKinds(Reader* reader, std::vector<IndexedBlock>* blocks,
                        std::vector<SurfaceVoxels*>* surfaces, std::vector<FreeVoxels*>* frees) {
   for (auto& [index, block] : *blocks) {
     BlockKind kind = BlockKind::kUnseen;
-    reader->Take(&kind);
-    if (kind > BlockKind::kAllFree) return Fail("unknown kind of block");
+    reader->Read(&kind);
+    if (kind > BlockKind::kAllFree) return Fail("a block is of unknown kind");
     block.all_free = kind == BlockKind::kAllFree;
     if (kind == BlockKind::kSurface) {
       auto voxels = std::make_unique<SurfaceVoxels>();
@@ -153,7 +155,7 @@ Result<void> TakeKinds(Reader* reader, std::vector<IndexedBlock>* blocks,
       block.free = std::make_unique<FreeVoxels>();
       frees->push_back(block.free.get());
     }
-    // Voxels are created only as far as there are bytes to fill them.
+    // Checked per block, so that voxels are never allocated without bytes to fill them.
     if (reader->left() < surfaces->size() * kSurfaceBytes + frees->size() * sizeof(FreeVoxels)) {
       return Fail("voxels are missing");
     }
@@ -199,7 +201,7 @@ std::vector<uint8_t> EncodeBlocks(const VoxelMap& map, std::span<const BlockInde
   for (const Block* block : blocks) {
     if (block->free) writer.Put(*block->free);
   }
-  return writer.Take();
+  return writer.Finish();
 }
 
 Result<std::vector<IndexedBlock>> DecodeBlocks(std::span<const uint8_t> bytes, size_t blocks,
@@ -207,27 +209,27 @@ Result<std::vector<IndexedBlock>> DecodeBlocks(std::span<const uint8_t> bytes, s
   if (blocks > bytes.size() / (sizeof(BlockIndex) + 1)) return Fail("blocks are missing");
   Reader reader(bytes);
   std::vector<IndexedBlock> decoded(blocks);
-  if (Result<void> taken = TakeIndices(&reader, &decoded); !taken) {
-    return tl::unexpected(taken.error());
+  if (Result<void> read = ReadIndices(&reader, &decoded); !read) {
+    return tl::unexpected(read.error());
   }
   std::vector<SurfaceVoxels*> surfaces;
   std::vector<FreeVoxels*> frees;
-  if (Result<void> taken = TakeKinds(&reader, &decoded, &surfaces, &frees); !taken) {
-    return tl::unexpected(taken.error());
+  if (Result<void> read = ReadKinds(&reader, &decoded, &surfaces, &frees); !read) {
+    return tl::unexpected(read.error());
   }
   for (SurfaceVoxels* voxels : surfaces) {
     SplitWeights split{};
-    reader.Take(&split);
+    reader.Read(&split);
     voxels->weight = Join(split);
   }
   ForEachField([&](auto member) {
-    for (SurfaceVoxels* voxels : surfaces) reader.Take(&(voxels->*member));
+    for (SurfaceVoxels* voxels : surfaces) reader.Read(&(voxels->*member));
   });
   if (reader.is_short()) return Fail("voxels are missing");
-  if (Result<void> taken = TakePalettes(surfaces, labels, &reader); !taken) {
-    return tl::unexpected(taken.error());
+  if (Result<void> read = ReadPalettes(surfaces, labels, &reader); !read) {
+    return tl::unexpected(read.error());
   }
-  for (FreeVoxels* voxels : frees) reader.Take(voxels);
+  for (FreeVoxels* voxels : frees) reader.Read(voxels);
   if (reader.is_short()) return Fail("free voxels are missing");
   if (reader.left() != 0) return Fail("bytes are left after the blocks");
   return decoded;

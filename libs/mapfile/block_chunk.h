@@ -12,15 +12,16 @@ namespace vismap::mapfile {
 
 using IndexedBlock = std::pair<BlockIndex, Block>;
 
-/// How many of the blocks from `indices` on go into one chunk: as many as make a chunk of a size
-/// that compresses well and spreads over threads. Depends on nothing but the blocks.
+/// How many of the blocks, from the first one on, go into one chunk: about half a megabyte, which
+/// compresses well and gives all threads work. Depends on the blocks only.
 size_t ChunkLength(const VoxelMap& map, std::span<const BlockIndex> indices);
 
-/// Blocks as plain bytes, like beside like: indices, kinds, then field by field over all blocks.
+/// Blocks as bytes that compress well: the indices of all blocks, then their kinds, then each field
+/// of the voxels for all blocks.
 std::vector<uint8_t> EncodeBlocks(const VoxelMap& map, std::span<const BlockIndex> indices);
 
-/// The other way. `labels` = number of labels of the map: no vote may be for another. Fails on
-/// everything that EncodeBlocks cannot have written.
+/// Inverse of EncodeBlocks for this number of `blocks`. `labels`: number of labels of the map;
+/// votes must be for these. Fails on everything that EncodeBlocks cannot have written.
 Result<std::vector<IndexedBlock>> DecodeBlocks(std::span<const uint8_t> bytes, size_t blocks,
                                                size_t labels);
 

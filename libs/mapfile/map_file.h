@@ -12,9 +12,9 @@
 
 namespace vismap {
 
-// What lives in this room: saved maps, the only user of their protobuf (.cc files). A file is a
-// version, a stream of checksummed protobuf records with the blocks compressed in chunks, and at
-// the end what must have come before. The same map and metadata give the same bytes.
+// This room saves and loads maps. A file is a format version, then protobuf records with checksums:
+// header, labels, blocks in compressed chunks, and an end record with the counts and the map's
+// hash. The same map and metadata give the same bytes.
 
 struct SaveInfo {
   std::filesystem::path path;  ///< absolute
@@ -28,16 +28,16 @@ struct LoadedMap {
   std::string map_hash;
 };
 
-/// Writes the map, all or nothing (see WriteFileAtomically); the folder must exist.
+/// Writes the map to a file, see WriteFileAtomically; the folder must exist.
 Result<SaveInfo> SaveMap(const SemanticMap& map, const MapMetadata& metadata,
                          const std::filesystem::path& path);
 
-/// Reads a map that goes on exactly as the saved one would have. Everything is checked (version,
-/// checksums, ids, order, counts, and the map's hash), so that a damaged file is an Error that
-/// names the file and what was found, whatever its bytes.
+/// Reads a map. Integrating frames into it gives the same results as into the map that was saved.
+/// Version, checksums, ids, order, counts and the map's hash are checked: a damaged file gives an
+/// Error that names the file and what was found.
 Result<LoadedMap> LoadMap(const std::filesystem::path& path);
 
-/// The same on bytes in memory; `name` stands in the error.
+/// The same in memory. `name` begins the message of an error.
 std::vector<uint8_t> EncodeMap(const SemanticMap& map, const MapMetadata& metadata);
 Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& name);
 

@@ -18,8 +18,8 @@ void PutEvidence(const std::map<Id, float>& evidence, Ids* ids, Amounts* amounts
 }
 
 template <typename Id, typename Ids, typename Amounts>
-Result<std::map<Id, float>> TakeEvidence(const Ids& ids, const Amounts& amounts) {
-  if (ids.size() != amounts.size()) return Fail("evidence and its ids differ in number");
+Result<std::map<Id, float>> ParseEvidence(const Ids& ids, const Amounts& amounts) {
+  if (ids.size() != amounts.size()) return Fail("the number of ids and of their evidence differ");
   std::map<Id, float> evidence;
   for (int i = 0; i < ids.size(); ++i) {
     if (ids[i] > std::numeric_limits<std::underlying_type_t<Id>>::max()) {
@@ -46,9 +46,9 @@ void PutRecord(const vismap::LabelRecord& record, LabelRecord* proto) {
   PutEvidence(record.class_evidence, proto->mutable_classes(), proto->mutable_class_evidence());
 }
 
-/// `label` = the label whose record it is; one is merged only into lower ones, so that following
-/// them ends.
-Result<vismap::LabelRecord> TakeRecord(const LabelRecord& proto, size_t label) {
+/// `label`: the label of the record. A label is merged only into a lower one, so that following the
+/// merges ends.
+Result<vismap::LabelRecord> ParseRecord(const LabelRecord& proto, size_t label) {
   vismap::LabelRecord record;
   if (proto.merged_into() >= label) return Fail("merged into a higher label");
   record.merged_into = static_cast<SegmentLabel>(proto.merged_into());
@@ -59,10 +59,10 @@ Result<vismap::LabelRecord> TakeRecord(const LabelRecord& proto, size_t label) {
   record.last_utime = proto.last_utime();
   record.cleared_voxels = proto.cleared_voxels();
   record.cleared_utime = proto.cleared_utime();
-  auto instances = TakeEvidence<InstanceId>(proto.instances(), proto.instance_evidence());
+  auto instances = ParseEvidence<InstanceId>(proto.instances(), proto.instance_evidence());
   if (!instances) return tl::unexpected(instances.error());
   record.instance_evidence = std::move(*instances);
-  auto classes = TakeEvidence<ClassId>(proto.classes(), proto.class_evidence());
+  auto classes = ParseEvidence<ClassId>(proto.classes(), proto.class_evidence());
   if (!classes) return tl::unexpected(classes.error());
   record.class_evidence = std::move(*classes);
   return record;
@@ -77,19 +77,19 @@ bool IsAlive(uint32_t label, const Labels& proto) {
 
 /// The labels of a Pair or Bond: alive, the smaller first.
 template <typename TwoLabels>
-Result<std::pair<SegmentLabel, SegmentLabel>> TakeKey(const TwoLabels& two, const Labels& proto) {
+Result<std::pair<SegmentLabel, SegmentLabel>> ParseKey(const TwoLabels& two, const Labels& proto) {
   if (two.first() >= two.second() || !IsAlive(two.first(), proto) ||
       !IsAlive(two.second(), proto)) {
     return Fail("labels " + std::to_string(two.first()) + " and " + std::to_string(two.second()) +
-                " are no pair");
+                " are not a pair of alive labels in ascending order");
   }
   return std::pair{static_cast<SegmentLabel>(two.first()), static_cast<SegmentLabel>(two.second())};
 }
 
-Result<PairMap> TakePairs(const Labels& proto) {
+Result<PairMap> ParsePairs(const Labels& proto) {
   PairMap pairs;
   for (const Pair& pair : proto.pairs()) {
-    const auto key = TakeKey(pair, proto);
+    const auto key = ParseKey(pair, proto);
     if (!key) return tl::unexpected(key.error());
     if (!std::isfinite(pair.together()) || !std::isfinite(pair.apart())) {
       return Fail("evidence of a pair is not a finite number");
@@ -100,10 +100,10 @@ Result<PairMap> TakePairs(const Labels& proto) {
   return pairs;
 }
 
-Result<MaskBonds> TakeBonds(const Labels& proto) {
+Result<MaskBonds> ParseBonds(const Labels& proto) {
   std::map<MaskBonds::Pair, float> bonds;
   for (const Bond& bond : proto.bonds()) {
-    const auto key = TakeKey(bond, proto);
+    const auto key = ParseKey(bond, proto);
     if (!key) return tl::unexpected(key.error());
     if (!(std::abs(bond.bond()) <= MaskBonds::kMost)) return Fail("a bond is out of range");
     if (!bonds.empty() && !(bonds.rbegin()->first < *key)) return Fail("bonds are not ascending");
@@ -120,8 +120,8 @@ void PutPose(const vismap::CameraPose& pose, CameraPose* proto) {
   }
 }
 
-Result<vismap::CameraPose> TakePose(const CameraPose& proto) {
-  if (proto.t_w_c_size() != 12) return Fail("a pose has not 12 numbers");
+Result<vismap::CameraPose> ParsePose(const CameraPose& proto) {
+  if (proto.t_w_c_size() != 12) return Fail("a pose does not have 12 numbers");
   vismap::CameraPose pose;
   pose.utime = proto.utime();
   pose.camera_id = static_cast<CameraId>(proto.camera_id());
@@ -132,7 +132,7 @@ Result<vismap::CameraPose> TakePose(const CameraPose& proto) {
   return pose;
 }
 
-Result<VoxelGridOptions> TakeGrid(const Header& proto) {
+Result<VoxelGridOptions> ParseGrid(const Header& proto) {
   const VoxelGridOptions grid{proto.voxel_size_m(), proto.truncation_voxels()};
   if (!(grid.voxel_size > 1e-4 && grid.voxel_size < 10)) {
     return Fail("the voxel size is not a plausible length");
@@ -143,15 +143,16 @@ Result<VoxelGridOptions> TakeGrid(const Header& proto) {
   return grid;
 }
 
-Result<Eigen::Vector3d> TakeCamera(const Header& proto) {
-  if (proto.last_camera_w_m_size() != 3) return Fail("the last camera has not 3 coordinates");
+Result<Eigen::Vector3d> ParseCamera(const Header& proto) {
+  if (proto.last_camera_w_m_size() != 3)
+    return Fail("the last camera position does not have 3 coordinates");
   const Eigen::Vector3d camera_W(proto.last_camera_w_m(0), proto.last_camera_w_m(1),
                                  proto.last_camera_w_m(2));
-  if (!camera_W.allFinite()) return Fail("the last camera is not finite");
+  if (!camera_W.allFinite()) return Fail("the last camera position is not finite");
   return camera_W;
 }
 
-Result<MapMetadata> TakeMetadata(const Header& proto) {
+Result<MapMetadata> ParseMetadata(const Header& proto) {
   MapMetadata metadata;
   metadata.map_id = proto.map_id();
   metadata.config = proto.config();
@@ -163,7 +164,7 @@ Result<MapMetadata> TakeMetadata(const Header& proto) {
     metadata.class_names[static_cast<ClassId>(name.class_id())] = name.name();
   }
   for (const CameraPose& proto_pose : proto.trajectory()) {
-    Result<vismap::CameraPose> pose = TakePose(proto_pose);
+    Result<vismap::CameraPose> pose = ParsePose(proto_pose);
     if (!pose) return tl::unexpected(pose.error());
     metadata.trajectory.push_back(*pose);
   }
@@ -211,11 +212,11 @@ void ToProto(const LabelTable& labels, Labels* proto) {
 }
 
 Result<LoadedMap> FromProto(const Header& proto) {
-  const Result<VoxelGridOptions> grid = TakeGrid(proto);
+  const Result<VoxelGridOptions> grid = ParseGrid(proto);
   if (!grid) return tl::unexpected(grid.error());
-  const Result<Eigen::Vector3d> camera_W = TakeCamera(proto);
+  const Result<Eigen::Vector3d> camera_W = ParseCamera(proto);
   if (!camera_W) return tl::unexpected(camera_W.error());
-  Result<MapMetadata> metadata = TakeMetadata(proto);
+  Result<MapMetadata> metadata = ParseMetadata(proto);
   if (!metadata) return tl::unexpected(metadata.error());
   LoadedMap loaded{SemanticMap(*grid), std::move(*metadata), {}};
   loaded.map.revision = proto.revision();
@@ -228,15 +229,15 @@ Result<LabelTable> FromProto(const Labels& proto) {
   std::vector<vismap::LabelRecord> records;
   for (const LabelRecord& proto_record : proto.records()) {
     const size_t label = records.size() + 1;
-    Result<vismap::LabelRecord> record = TakeRecord(proto_record, label);
+    Result<vismap::LabelRecord> record = ParseRecord(proto_record, label);
     if (!record) {
       return Fail("segment label " + std::to_string(label) + ": " + record.error().message);
     }
     records.push_back(std::move(*record));
   }
-  Result<PairMap> pairs = TakePairs(proto);
+  Result<PairMap> pairs = ParsePairs(proto);
   if (!pairs) return tl::unexpected(pairs.error());
-  Result<MaskBonds> bonds = TakeBonds(proto);
+  Result<MaskBonds> bonds = ParseBonds(proto);
   if (!bonds) return tl::unexpected(bonds.error());
   if (!std::isfinite(proto.min_instance_ratio())) return Fail("min_instance_ratio is not finite");
   LabelTable labels =

@@ -10,10 +10,12 @@ namespace vismap::mapfile {
 class Header;
 class Labels;
 
-/// Values to protobuf and back. The way back checks every field and says what is wrong.
+/// Conversion to protobuf and back. FromProto checks every field; the Error says which one is
+/// wrong.
 void ToProto(const SemanticMap& map, const MapMetadata& metadata, Header* proto);
 void ToProto(const LabelTable& labels, Labels* proto);
-Result<LoadedMap> FromProto(const Header& proto);  ///< a map without blocks and labels
+/// The map without blocks and labels.
+Result<LoadedMap> FromProto(const Header& proto);
 Result<LabelTable> FromProto(const Labels& proto);
 
 }  // namespace vismap::mapfile

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are little endian");
 
-// The line break tells files that were copied as text.
+// Its line break shows whether a file was copied as text.
 constexpr std::string_view kMagic = "VISMAP\r\n";
 constexpr size_t kPrefixBytes = 12;
 constexpr size_t kRecordHeadBytes = 16;
@@ -57,31 +57,32 @@ void AppendRecord(RecordKind kind, std::span<const uint8_t> content, std::vector
 
 Result<std::vector<Record>> SplitRecords(std::span<const uint8_t> file) {
   if (file.size() < kPrefixBytes || !std::equal(kMagic.begin(), kMagic.end(), file.begin())) {
-    return Fail("expected a vismap map, found something else");
+    return Fail("it is not a map file of vismap");
   }
   uint32_t version = 0;
   std::memcpy(&version, file.data() + kMagic.size(), sizeof(version));
   if (version != kFormatVersion) {
     return Fail("expected map format " + std::to_string(kFormatVersion) + ", found " +
                 std::to_string(version) +
-                (version > kFormatVersion ? "; a newer vismap wrote it" : ""));
+                (version > kFormatVersion ? "; a newer version of vismap wrote it" : ""));
   }
   std::vector<Record> records;
   for (size_t at = kPrefixBytes; at < file.size();) {
     const std::string place = "record " + std::to_string(records.size() + 1) + " at byte " +
                               std::to_string(at) + " of " + std::to_string(file.size());
-    if (file.size() - at < kRecordHeadBytes) return Fail(place + " is cut");
+    if (file.size() - at < kRecordHeadBytes) return Fail(place + " is truncated");
     RecordHead head;
     uint64_t checksum = 0;
     std::memcpy(&head, file.data() + at, sizeof(head));
     std::memcpy(&checksum, file.data() + at + sizeof(head), sizeof(checksum));
     at += kRecordHeadBytes;
     if (file.size() - at < head.length) {
-      return Fail(place + " is cut: it says " + std::to_string(head.length) + " bytes, found " +
-                  std::to_string(file.size() - at));
+      return Fail(place + " is truncated: expected " + std::to_string(head.length) +
+                  " bytes, found " + std::to_string(file.size() - at));
     }
     const std::span<const uint8_t> content = file.subspan(at, head.length);
-    if (ChecksumOf(head, content) != checksum) return Fail(place + " is damaged: wrong checksum");
+    if (ChecksumOf(head, content) != checksum)
+      return Fail(place + " is damaged: its checksum is wrong");
     records.push_back({static_cast<RecordKind>(head.kind), content});
     at += head.length;
   }

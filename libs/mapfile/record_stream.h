@@ -8,13 +8,13 @@
 
 namespace vismap::mapfile {
 
-/// What a record holds.
+/// The content of a record.
 enum class RecordKind : uint32_t { kHeader = 1, kLabels = 2, kBlocks = 3, kEnd = 4 };
 
-/// Version of the format. A reader takes no other.
+/// Version of the format. A reader accepts no other one.
 inline constexpr uint32_t kFormatVersion = 1;
 
-/// The start of every map file: eight bytes of name, a version (u32).
+/// The start of every map file: a name of eight bytes and the version (u32).
 std::vector<uint8_t> FilePrefix();
 
 /// Appends a record: kind (u32), length (u32), checksum over both and the content (u64), content.
@@ -23,10 +23,11 @@ void AppendRecord(RecordKind kind, std::span<const uint8_t> content, std::vector
 
 struct Record {
   RecordKind kind = RecordKind::kEnd;
-  std::span<const uint8_t> content;  ///< part of the bytes that were split
+  std::span<const uint8_t> content;  ///< part of the bytes given to SplitRecords
 };
 
-/// All records of a file. Fails on a foreign file, another version, a cut or a wrong checksum.
+/// All records of a file. Fails on another kind of file, another version, a truncated file and a
+/// wrong checksum.
 Result<std::vector<Record>> SplitRecords(std::span<const uint8_t> file);
 
 }  // namespace vismap::mapfile

@@ -7,13 +7,13 @@
 namespace vismap {
 namespace {
 
-// The depth less the margin: never beyond what was measured.
-float Less(float depth, const ClearDepthOptions& options) {
+// The depth less the margin, at least 0.
+float LessMargin(float depth, const ClearDepthOptions& options) {
   const auto sigma = static_cast<float>(options.noise.AxialSigma(static_cast<double>(depth)));
   return std::max(depth - std::max(options.margin, options.sigmas * sigma), 0.0F);
 }
 
-// The nearest depth in the tile and those around; 0 = not sure.
+// The nearest depth in a tile and those around it; 0 = nothing is sure, see ClearDepth.
 float NearestAround(const Image<DepthRange>& tiles, int x, int y) {
   if (!tiles(y, x).complete) return 0;
   float nearest = tiles(y, x).nearest;
@@ -39,7 +39,7 @@ Image<float> ClearDepth(const DepthPyramid& pyramid, int width, int height,
     for (int x = 0; x < tiles.width(); ++x) {
       const float nearest = NearestAround(tiles, x, y);
       std::fill(first + x * kSide, first + std::min((x + 1) * kSide, width),
-                nearest > 0 ? Less(nearest, options) : 0.0F);
+                nearest > 0 ? LessMargin(nearest, options) : 0.0F);
     }
     for (int v = v0 + 1; v < std::min(v0 + kSide, height); ++v)
       std::copy(first, first + width, clear.row(v));

@@ -6,17 +6,19 @@
 
 namespace vismap {
 
-/// How much nearer than the measured depths space counts as clear.
+/// How much nearer than the measured depth space must be to count as empty for sure: by the larger
+/// of the two.
 struct ClearDepthOptions {
-  float margin = 0.04F;  ///< at least [m]
-  float sigmas = 4;      ///< and so many standard deviations of the depth
+  float margin = 0.04F;  ///< [m]
+  float sigmas = 4;      ///< standard deviations of the depth
   DepthNoiseModel noise = KinectNoise();
 };
 
-/// Up to which depth space is surely empty at each pixel [m]; 0 = nothing is sure. `pyramid` is
-/// that of the frame's depth. Pixels beside a nearer surface, at its edge, have the clear depth of
-/// that: mixed pixels, thin things and small errors of the pose cut nothing away. A tile of 4x4
-/// pixels that has one without return is not sure, nor is one beside a tile without any.
+/// The depth up to which space is surely empty, height x width [m]; 0 = none is. All pixels of a
+/// tile of 4x4 have the same: the smallest depth in the tile and the eight around it, less a
+/// margin. So mixed pixels at edges, thin objects and small errors of the pose carve nothing. It is
+/// 0 for a tile with a pixel without return, and beside a tile without any return. `pyramid`: of
+/// the frame's depth.
 Image<float> ClearDepth(const DepthPyramid& pyramid, int width, int height,
                         const ClearDepthOptions& options);
 

@@ -8,7 +8,8 @@
 namespace vismap {
 namespace {
 
-// Tiles looked at along an axis, less one: more bound tighter, and take longer.
+// At most this many tiles plus one are read along an axis: more tiles bound tighter, but take
+// longer.
 constexpr int kMaxSpan = 4;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -6,25 +6,25 @@
 
 namespace vismap {
 
-/// Nearest and farthest depth over a rectangle of pixels.
+/// Nearest and farthest depth in a rectangle of pixels.
 struct DepthRange {
   float nearest = 0;      ///< [m]; +infinity when no pixel is valid
   float farthest = 0;     ///< [m]; -infinity when no pixel is valid
   bool complete = false;  ///< every pixel of the rectangle has a depth
 };
 
-/// Minimum and maximum of a depth image over 4x4-pixel tiles and their powers of two: bounds the
-/// depth in any rectangle by looking at no more than 25 tiles.
+/// Minimum and maximum of a depth image over tiles of 4x4 pixels, 8x8 pixels, and so on: bounds the
+/// depth in any rectangle by reading at most 25 tiles.
 class DepthPyramid {
  public:
-  /// `depth` in metres, NaN = no return.
+  /// `depth`: height x width [m], NaN = no return.
   explicit DepthPyramid(const Image<float>& depth);
 
-  /// Bounds over the pixels [u0, u1] x [v0, v1], which must lie in the image. Conservative: pixels
-  /// nearby may be included.
+  /// Bounds of the depth in columns u0 to u1 and rows v0 to v1, all of them included, which must
+  /// lie in the image. The bounds may include pixels nearby.
   DepthRange Bound(int u0, int v0, int u1, int v1) const;
 
-  /// Pixels (u, v) lie in tile (v >> kTileShift, u >> kTileShift).
+  /// Pixel (u, v) lies in the tile in row v >> kTileShift and column u >> kTileShift.
   static constexpr int kTileShift = 2;
   const Image<DepthRange>& tiles() const { return levels_.front(); }
 

@@ -10,8 +10,8 @@
 namespace vismap {
 namespace {
 
-// Sets the bits of `seen` in the free-space record; returns the voxels for which that changed
-// anything. A full record becomes all_free.
+// Counts the voxels in `seen` as seen empty once more; returns those whose bits changed. A block
+// whose voxels were all seen empty twice becomes all_free.
 VoxelBits MarkFree(const VoxelBits& seen, Block& block) {
   VoxelBits changed{};
   if (block.all_free) return changed;
@@ -33,7 +33,7 @@ VoxelBits MarkFree(const VoxelBits& seen, Block& block) {
   return changed;
 }
 
-// A surface came near: the free-space record becomes dense voxels that remember how often they were
+// The voxels of a block of free space that a surface comes near to: they keep how often they were
 // seen empty.
 std::unique_ptr<SurfaceVoxels> Densify(const Block& block) {
   auto voxels = std::make_unique<SurfaceVoxels>();
@@ -66,7 +66,8 @@ void ForEach(const VoxelBits& bits, const Visit& visit) {
   }
 }
 
-// Of a voxel's distance, in truncations: what is farther from the surface goes by itself.
+// Voxels at this distance from the surface or farther are not carved [truncations]: there the mean
+// itself soon becomes that of free space.
 constexpr float kCarvedPart = 0.75F;
 
 CarvingLimits LimitsOf(const IntegrationOptions& options, const VoxelGridOptions& grid) {
@@ -76,7 +77,7 @@ CarvingLimits LimitsOf(const IntegrationOptions& options, const VoxelGridOptions
           .keep = static_cast<float>(options.carve_keep),
           .slope = static_cast<float>(options.carve_slope),
           .max_distance = kCarvedPart * truncation,
-          .min_measured = 0.99F * std::min(margin, truncation)};  // less for rounding
+          .min_measured = 0.99F * std::min(margin, truncation)};  // 1 % less, for rounding
 }
 
 SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, size_t i) {
@@ -121,7 +122,7 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
                   .noise = options.noise});
 }
 
-VoxelBits FrameProjection::CarveWhatIsPassed(const ProjectedVoxels& projected,
+VoxelBits FrameProjection::CarvePassedVoxels(const ProjectedVoxels& projected,
                                              VoxelSamples& samples, SurfaceVoxels& voxels) const {
   if (clear_depth_.empty() || !MayCarve(samples, limits_.truncation, carving_, voxels)) return {};
   alignas(64) VoxelArray<float> clear;
@@ -136,7 +137,7 @@ void FrameProjection::BlendColors(const VoxelSamples& samples, const VoxelArray<
   ForEach(VoxelsWith(samples.flags, kTakesColor), [&](size_t i) {
     const Rgb8 seen = image[pixel[i]];
     Rgb8& color = voxels.color[i];
-    // A voxel that was only seen from farther off has no colour yet.
+    // Black stands for no colour yet: the voxel was only seen from where it took no colour.
     const float share = color == Rgb8{} ? 1.0F : shares[i];
     color = {Blend(color.r, seen.r, share), Blend(color.g, seen.g, share),
              Blend(color.b, seen.b, share)};
@@ -151,11 +152,11 @@ int64_t FrameProjection::Vote(const VoxelSamples& samples, const VoxelArray<int3
   uint8_t entry = 0;
   ForEach(VoxelsWith(samples.flags, kTakesVote), [&](size_t i) {
     const SegmentIndex segment = frame_.image.index.data()[pixel[i]];
-    if (segment == SegmentIndex::kNone) return;
+    if (segment == SegmentIndex::kNone) return;  // the pixel is on no segment
     const SegmentLabel label = labels_.of_segment[static_cast<size_t>(Raw(segment))];
     if (label == SegmentLabel::kNone || (has_kept && IsHeldByKept(voxels, i))) return;
     const SegmentLabel cut_from = labels_.cuts.CutFrom(static_cast<size_t>(Raw(segment)));
-    if (cut_from != SegmentLabel::kNone) TakeVotesFrom(cut_from, voxels, i);
+    if (cut_from != SegmentLabel::kNone) RemoveVotes(cut_from, voxels, i);
     if (label != last) {
       entry = PaletteEntry(voxels, label);
       last = label;
@@ -171,7 +172,8 @@ bool FrameProjection::HasKeptLabels(const SurfaceVoxels& voxels) const {
                      [this](SegmentLabel label) { return labels_.cuts.IsKept(label); });
 }
 
-// Where others have more votes, the label may be no more than the rim of a sloppy mask.
+// Whether a protected label leads at a voxel: it has at least two votes, and no other label has
+// more. Where others have more, it may be only the rim of an inexact mask.
 bool FrameProjection::IsHeldByKept(const SurfaceVoxels& voxels, size_t voxel) const {
   const auto& votes = voxels.slot_votes[voxel];
   const uint8_t most = std::max<uint8_t>(*std::max_element(votes.begin(), votes.end()), 2);
@@ -182,8 +184,8 @@ bool FrameProjection::IsHeldByKept(const SurfaceVoxels& voxels, size_t voxel) co
   return false;
 }
 
-// One stays, so that the voxel still knows the label.
-void FrameProjection::TakeVotesFrom(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const {
+// Takes votes from a label, but leaves it one, so that the voxel does not lose it.
+void FrameProjection::RemoveVotes(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const {
   for (size_t slot = 0; slot < kVoteSlots; ++slot) {
     const LabelVote vote = voxels.Vote(static_cast<int>(voxel), static_cast<int>(slot));
     if (vote.votes == 0 || labels_.table.Canonical(vote.label) != label) continue;
@@ -196,9 +198,9 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& pro
                                                       SurfaceVoxels& voxels) const {
   const VoxelBits said = VoxelsWith(samples.flags, kNearSurface | kSeenFree);
   Outcome outcome{.affected = AffectedBy(said)};
-  if (!outcome.changed()) return outcome;
+  if (!outcome.changed()) return outcome;  // the frame shows no voxel of this block
   for (const uint64_t word : said) outcome.voxels_updated += std::popcount(word);
-  const VoxelBits turning = CarveWhatIsPassed(projected, samples, voxels);
+  const VoxelBits turning = CarvePassedVoxels(projected, samples, voxels);
   alignas(64) VoxelArray<float> shares;
   FuseDistances(samples, limits_.truncation, weights_, voxels, shares);
   ForEach(turning, [&](size_t i) {
@@ -216,7 +218,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockVisibility
     static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
     return {.affected = AffectedBy(MarkFree(kAll, block))};
   }
-  if (const SurfaceVoxels* there = block.surface.get()) {  // comes while voxels are projected
+  if (const SurfaceVoxels* there = block.surface.get()) {  // loads while voxels are projected
     PrefetchAll(there->distance);
     PrefetchAll(there->weight);
     PrefetchAll(there->observations);
@@ -234,8 +236,8 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockVisibility
   VoxelSamples samples;
   JudgeVoxels(voxels, depth, limits_, samples);
   const uint8_t said = UnionOf(samples.flags);
-  if (said == 0) return {};
-  if (!block.surface && !(said & kNearSurface)) {
+  if (said == 0) return {};  // all voxels are out of view, hidden or out of range
+  if (!block.surface && !(said & kNearSurface)) {  // free space only
     return {.affected = AffectedBy(MarkFree(VoxelsWith(samples.flags, kSeenFree), block))};
   }
   if (const SurfaceVoxels* there = block.surface.get()) {
@@ -251,7 +253,7 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockVisibility
   block.free.reset();
   block.all_free = false;
   Outcome outcome = FuseSurface(voxels, samples, *block.surface);
-  outcome.affected = kAllNeighbours;  // what was seen empty has other weights now
+  outcome.affected = kAllNeighbours;  // voxels seen empty have got other weights than before
   return outcome;
 }
 

@@ -12,39 +12,40 @@
 
 namespace vismap {
 
-/// A frame prepared for fusing blocks: images, projection, and what the options mean in the units
-/// of voxels.
+/// A frame prepared for fusing it into blocks: its images, its projection, and the options in the
+/// units in which voxels are stored.
 class FrameProjection {
  public:
-  /// What stands for the segments of the frame in the map.
+  /// The map's labels, as far as votes need them.
   struct Labels {
-    std::vector<SegmentLabel> of_segment;
+    std::vector<SegmentLabel> of_segment;  ///< kNone = the segment has no label
     const MaskCuts& cuts;
     const LabelTable& table;
   };
-  /// `pyramid`: of the frame's depth. All must outlive this.
+  /// `pyramid`: of the frame's depth. The frame, and what `labels` refers to, must outlive this
+  /// object.
   FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid, Labels labels,
                   const IntegrationOptions& options, const VoxelGridOptions& grid);
 
-  /// What a frame did to one block.
+  /// What the frame changed in one block; the members mean what those of MapDelta do.
   struct Outcome {
-    NeighbourBits affected = 0;  ///< see MapDelta
+    NeighbourBits affected = 0;
     int64_t voxels_updated = 0;
     int64_t votes_evicted = 0;
-    std::map<SegmentLabel, uint32_t> cleared = {};  ///< see MapDelta
+    std::map<SegmentLabel, uint32_t> cleared = {};
 
     bool changed() const { return affected != 0; }
   };
 
-  /// Projects the voxels of the block at `index` into the frame and updates `block`, which may turn
-  /// from unseen to seen empty to surface. `wholly_free` skips the projection: every voxel was seen
-  /// empty.
+  /// Projects the voxels of the block at `index` into the frame and updates `block`, which may
+  /// change from unseen to free space, and from either to surface. Voxels of a block without
+  /// surface are not projected when `view` is kWhollyFree: the frame saw all of them empty.
   Outcome Fuse(BlockIndex index, BlockVisibility view, Block& block) const;
 
  private:
   Outcome FuseSurface(const ProjectedVoxels& projected, VoxelSamples& samples,
                       SurfaceVoxels& voxels) const;
-  VoxelBits CarveWhatIsPassed(const ProjectedVoxels& projected, VoxelSamples& samples,
+  VoxelBits CarvePassedVoxels(const ProjectedVoxels& projected, VoxelSamples& samples,
                               SurfaceVoxels& voxels) const;
   void BlendColors(const VoxelSamples& samples, const VoxelArray<int32_t>& pixel,
                    const VoxelArray<float>& shares, SurfaceVoxels& voxels) const;
@@ -52,7 +53,7 @@ class FrameProjection {
                SurfaceVoxels& voxels) const;
   bool HasKeptLabels(const SurfaceVoxels& voxels) const;
   bool IsHeldByKept(const SurfaceVoxels& voxels, size_t voxel) const;
-  void TakeVotesFrom(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const;
+  void RemoveVotes(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const;
 
   const SegmentedFrame& frame_;
   Labels labels_;
@@ -63,7 +64,7 @@ class FrameProjection {
   MeasurementLimits limits_;
   WeightLimits weights_;
   CarvingLimits carving_;
-  Image<float> clear_depth_;  // empty without carving
+  Image<float> clear_depth_;  // see ClearDepth; empty without carving
 };
 
 }  // namespace vismap

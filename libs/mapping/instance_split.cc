@@ -7,10 +7,9 @@
 namespace vismap {
 namespace {
 
-/// The labels of an instance in two parts.
+/// The labels of an instance, divided between two of them.
 struct Sides {
   std::vector<SegmentLabel> first, second;
-  std::vector<SegmentLabel> unbound;  // to either
 };
 
 float BondTo(const std::vector<SegmentLabel>& side, SegmentLabel label, const MaskBonds& bonds) {
@@ -19,10 +18,11 @@ float BondTo(const std::vector<SegmentLabel>& side, SegmentLabel label, const Ma
   return sum;
 }
 
-// The most decided label first; ties to the first side and the lower label.
+// The label whose bonds differ most between the sides goes first, ties to the lower label, since
+// its bonds then count for the rest. Labels without a difference join no side.
 Sides Divide(SegmentLabel a, SegmentLabel b, std::vector<SegmentLabel> others,
              const MaskBonds& bonds) {
-  Sides sides{{a}, {b}, {}};
+  Sides sides{{a}, {b}};
   while (!others.empty()) {
     auto next = others.begin();
     float most = 0;
@@ -32,15 +32,14 @@ Sides Divide(SegmentLabel a, SegmentLabel b, std::vector<SegmentLabel> others,
       most = lean;
       next = other;
     }
-    if (most == 0) break;
+    if (most == 0) break;  // no label that is left has bonds to decide by
     (most > 0 ? sides.first : sides.second).push_back(*next);
     others.erase(next);
   }
-  sides.unbound = std::move(others);
   return sides;
 }
 
-// How much of an instance there is in a label: its evidence times the label's mean size.
+// Evidence of a label for an instance, weighted by the label's mean size in the image [px].
 double Amount(const LabelRecord& record, InstanceId instance) {
   const auto found = record.instance_evidence.find(instance);
   if (found == record.instance_evidence.end()) return 0;
@@ -63,7 +62,8 @@ std::vector<SegmentLabel> LabelsOf(InstanceId instance, const LabelTable& labels
   return found;
 }
 
-// The instance with the most evidence on this side that is nobody's yet; ties to the lower one.
+// The instance for which this side has most evidence among those that no label reads out as, ties
+// to the lower one; a new instance when there is none.
 InstanceId InstanceFor(const std::vector<SegmentLabel>& side, InstanceId from, LabelTable* labels) {
   std::map<InstanceId, double> amounts;
   for (const SegmentLabel label : side) {
@@ -87,7 +87,7 @@ InstanceId InstanceFor(const std::vector<SegmentLabel>& side, InstanceId from, L
 InstanceSplit Split(InstanceId instance, SegmentLabel a, SegmentLabel b, LabelTable* labels) {
   std::vector<SegmentLabel> others = LabelsOf(instance, *labels);
   std::erase_if(others, [&](SegmentLabel label) { return label == a || label == b; });
-  Sides sides = Divide(a, b, std::move(others), labels->bonds());
+  const Sides sides = Divide(a, b, std::move(others), labels->bonds());
   const bool first_leaves =
       Amount(sides.first, instance, *labels) < Amount(sides.second, instance, *labels);
   const std::vector<SegmentLabel>& leaving = first_leaves ? sides.first : sides.second;
@@ -104,7 +104,7 @@ InstanceSplit Split(InstanceId instance, SegmentLabel a, SegmentLabel b, LabelTa
 
 std::vector<InstanceSplit> SplitInstances(std::span<const MaskedLabel> seen, double split_frames,
                                           LabelTable* labels) {
-  labels->MutableBonds().Note(seen);
+  labels->MutableBonds().AddFrame(seen);
   std::vector<InstanceSplit> splits;
   if (split_frames <= 0) return splits;
   for (size_t i = 0; i < seen.size(); ++i) {

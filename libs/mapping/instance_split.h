@@ -7,19 +7,22 @@
 
 namespace vismap {
 
-/// One instance that turned out to be two things.
+/// An instance that turned out to cover two objects.
 struct InstanceSplit {
-  InstanceId from{};  ///< which the side with more evidence keeps
-  InstanceId to{};    ///< of the other side
+  InstanceId from{};  ///< stays with the labels that have more evidence for it
+  InstanceId to{};    ///< the instance of the other labels from now on
   friend bool operator==(const InstanceSplit&, const InstanceSplit&) = default;
 };
 
-/// Takes note of the masks of a frame, and splits every instance of which these masks show two
-/// labels apart whose bond (see MaskBonds) has come down to -`split_frames`; 0 = never. Its other
-/// labels go to that one of the two that they are bound to more; those bound to neither stay with
-/// the id. The side that leaves gets an instance that masks have given to it alone already, or else
-/// a new one, and takes its evidence along. What one bad mask, or many, glued together comes apart
-/// so, without regard to how long it was thought to be one.
+/// Updates the bonds of the table (see MaskBonds) with the labels under the masks of one frame,
+/// then splits instances that cover two objects, mostly because an earlier mask covered both. Not
+/// in the paper; see "Splitting instances" in libs/METHOD.md, "Labels and instances".
+///
+/// An instance is split when two of its labels lie under different masks of this frame and their
+/// bond is at most -`split_frames`; 0 = never. Each of its other labels joins the one of the two to
+/// which it has the stronger bonds; labels without bonds to either keep the instance. The side with
+/// less evidence for the instance leaves it and takes this evidence along: to the instance for
+/// which its labels have most evidence among those that no label reads out as, else to a new one.
 std::vector<InstanceSplit> SplitInstances(std::span<const MaskedLabel> seen, double split_frames,
                                           LabelTable* labels);
 

@@ -11,35 +11,36 @@
 namespace vismap {
 namespace {
 
-// Frames that a block must have been out of view before it may be packed.
+// A block is packed only after this many frames without a change to it.
 constexpr uint32_t kPackAfter = 5;
 
-// Phi, Psi and F of the paper (Sec. III-D), weighted by how sure the detector was and how well its
-// mask fits.
+// Adds the frame to the counts F, Phi and Psi of the paper (Sec. III-D). Phi and Psi grow by the
+// detection's score times the overlap of mask and segment.
 void CountEvidence(const SegmentedFrame& frame, const FrameAssociation& association,
                    LabelTable& labels) {
   labels.GrowLabels(association.next_label);
   labels.GrowInstances(association.next_instance);
   for (size_t s = 0; s < frame.segments.size(); ++s) {
     const FrameAssociation::Segment& match = association.segments[s];
-    if (match.label == SegmentLabel::kNone) continue;
+    if (match.label == SegmentLabel::kNone) continue;  // too few points in range
     const FrameSegment& segment = frame.segments[s];
     LabelRecord& record = labels.MutableRecord(match.label);
     const int64_t utime = frame.frame.header.utime;
     record.first_utime = record.frames == 0 ? utime : std::min(record.first_utime, utime);
     record.last_utime = record.frames == 0 ? utime : std::max(record.last_utime, utime);
     ++record.frames;
-    record.cleared_voxels = 0;  // it is there
+    record.cleared_voxels = 0;  // the frame shows that the object is still there
     record.cleared_utime = 0;
     if (frame.had_detections) ++record.frames_with_detector;
     record.pixels += static_cast<uint64_t>(segment.pixels);
-    if (match.instance == InstanceId::kNone) continue;
+    if (match.instance == InstanceId::kNone) continue;  // no detection
     const float evidence = segment.score * segment.overlap;
     record.instance_evidence[match.instance] += evidence;
     record.class_evidence[segment.class_id] += evidence;
   }
 }
 
+// Splits instances of which the masks of this frame show two objects.
 void SeparateObjects(const SegmentedFrame& frame, const FrameAssociation& association,
                      double split_frames, LabelTable& labels, MapDelta& delta) {
   std::vector<MaskedLabel> seen;
@@ -54,13 +55,13 @@ void SeparateObjects(const SegmentedFrame& frame, const FrameAssociation& associ
 
 struct WorkItem {
   VisibleBlock target;
-  Block* block = nullptr;  // in the map; nullptr = not there yet, then `fresh` is filled
+  Block* block = nullptr;  // in the map; nullptr = not there yet, then `fresh` is used
   Block fresh;
   FrameProjection::Outcome outcome;
 };
 
-// Blocks are looked up before and inserted after the parallel part, so that no thread ever sees the
-// table change.
+// Blocks are looked up before the parallel part and inserted after it, since the table must not
+// change while threads use it.
 void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBlock>& visible,
                 uint32_t revision, VoxelMap& voxels, MapDelta& delta) {
   std::vector<WorkItem> work(visible.size());
@@ -73,17 +74,13 @@ void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBloc
     Block& block = item.block != nullptr ? *item.block : item.fresh;
     item.outcome = projection.Fuse(item.target.index, item.target.view, block);
   });
-  for (const WorkItem& item : work) {  // before insertions move blocks about
-    if (item.block != nullptr && item.outcome.changed() && item.block->surface)
-      voxels.NoteUse(item.target.index, *item.block, revision);
-  }
   for (WorkItem& item : work) {
     if (!item.outcome.changed()) continue;
     if (item.block == nullptr) {
-      Block& block = voxels.FindOrCreate(item.target.index);
-      block = std::move(item.fresh);
-      if (block.surface) voxels.NoteUse(item.target.index, block, revision);
+      item.block = &voxels.FindOrCreate(item.target.index);
+      *item.block = std::move(item.fresh);
     }
+    if (item.block->surface) voxels.MarkUsed(item.target.index, *item.block, revision);
     delta.changed_blocks.push_back(item.target.index);
     delta.affected.push_back(item.outcome.affected);
     delta.voxels_updated += item.outcome.voxels_updated;
@@ -92,7 +89,7 @@ void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBloc
   }
 }
 
-void NoteCleared(const MapDelta& delta, int64_t utime, LabelTable& labels) {
+void AddCleared(const MapDelta& delta, int64_t utime, LabelTable& labels) {
   for (const auto& [label, count] : delta.cleared) {
     LabelRecord& record = labels.MutableRecord(labels.Canonical(label));
     record.cleared_voxels += count;
@@ -105,11 +102,12 @@ bool BelongToDifferentObjects(SegmentLabel a, SegmentLabel b, const LabelTable& 
   return x != y && x != InstanceId::kNone && y != InstanceId::kNone;
 }
 
-// Labels that keep lying together on one segment, and seldom apart, are one piece of surface; but
-// where only masks tell them apart, a frame without says nothing.
+// Merges labels that were on one segment in enough more frames than on two: they are one piece of
+// surface. Pairs with a protected label are not counted: without a mask, depth shows both as one
+// segment in every frame.
 void MergeLabels(const FrameAssociation& association, const MaskCuts& cuts, double merge_frames,
                  LabelTable& labels, MapDelta& delta) {
-  if (merge_frames <= 0) return;
+  if (merge_frames <= 0) return;  // merging is off
   std::vector<std::pair<SegmentLabel, SegmentLabel>> together = association.together;
   std::erase_if(together, [&](const auto& pair) {
     return cuts.IsKept(pair.first) || cuts.IsKept(pair.second);
@@ -118,7 +116,7 @@ void MergeLabels(const FrameAssociation& association, const MaskCuts& cuts, doub
   for (const auto& [a, b] : association.apart) labels.MutablePair(a, b).apart += 1;
   for (const auto& pair : together) {
     const SegmentLabel a = labels.Canonical(pair.first), b = labels.Canonical(pair.second);
-    if (a == b) continue;
+    if (a == b) continue;  // an earlier pair has merged them
     const PairEvidence& evidence = labels.MutablePair(a, b);
     if (evidence.together - evidence.apart < merge_frames || BelongToDifferentObjects(a, b, labels))
       continue;
@@ -188,7 +186,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
                                    map->voxels.options());
   const auto may_change = [&](const VisibleBlock& target) {
     if (target.view == BlockVisibility::kMixed) return true;
-    // Seen empty once more: nothing that a block without surface could still learn.
+    // The whole block was seen empty: nothing new for a block that is free everywhere already.
     const Block* block = map->voxels.Find(target.index);
     return block == nullptr || !block->all_free;
   };
@@ -197,7 +195,7 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
              map->voxels, delta);
   if (revision > kPackAfter)
     map->voxels.PackUnused(revision - kPackAfter, static_cast<size_t>(options.max_unpacked_blocks));
-  NoteCleared(delta, header.utime, map->labels);
+  AddCleared(delta, header.utime, map->labels);
   MergeLabels(association, cuts, options.merge_frames, map->labels, delta);
 
   map->last_utime = std::max(map->last_utime, header.utime);

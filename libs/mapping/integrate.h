@@ -14,71 +14,78 @@
 
 namespace vismap {
 
-/// What one frame changed.
+/// What one frame changed in the map.
 struct MapDelta {
   int64_t revision = 0;  ///< of the map after the frame
-  std::vector<BlockIndex>
-      changed_blocks;  ///< ascending; surface, labels or free space differ from before
-  std::vector<NeighbourBits> affected;  ///< of each of them: AffectedBy the voxels that changed
+  /// Blocks whose surface, votes or free space changed, ascending.
+  std::vector<BlockIndex> changed_blocks;
+  /// Per changed block: the blocks around it whose mesh depends on the changed voxels, see
+  /// AffectedBy.
+  std::vector<NeighbourBits> affected;
   std::vector<std::pair<SegmentLabel, SegmentLabel>> merged;  ///< (dead, survivor), in order
   std::vector<InstanceSplit> split;                           ///< in order
   int64_t voxels_updated = 0;
-  int64_t votes_evicted = 0;  ///< label votes lost to full slots
-  /// Voxels of each label that were inside or on a surface and turned out to be free; ascending.
+  int64_t votes_evicted = 0;  ///< label votes that found all slots of their voxel taken
+  /// Per label: voxels on or behind its surface that carving turned into free space.
   std::map<SegmentLabel, uint32_t> cleared;
 
   BlockChanges changes() const { return {changed_blocks, affected}; }
 };
 
 struct IntegrationOptions {
-  double min_range = 0.1;         ///< nearer returns are ignored [m along z]
-  double max_range = 5.0;         ///< farther returns leave no surface, only free space [m along z]
+  double min_range = 0.1;         ///< nearer depth is ignored [m along z]
+  double max_range = 5.0;         ///< farther depth leaves no surface, only free space [m along z]
   double free_space_range = 5.0;  ///< free space is recorded up to here [m along z]
-  bool free_space = true;     ///< record seen-empty space; without it the map knows only surfaces
-  double max_weight = 300.0;  ///< weight cap of a voxel, below 511; 1 = one observation at 1 m
-  /// Blocks near surfaces that are kept as they are (7 kB each); of more, those out of view are
-  /// packed into a fifth of that. Costs no exactness.
+  bool free_space = true;         ///< false = the map holds surfaces only
+  double max_weight = 300.0;      ///< cap of a voxel's weight, 1..511; 1 = one observation at 1 m
+  /// Blocks with surface voxels that stay unpacked (7 kB each). When there are more, blocks that
+  /// are out of view are packed to about a fifth, without loss.
   int max_unpacked_blocks = 8000;
-  /// Labels are voted for within this distance of the surface. With 1, what is only seen at a slant
-  /// or from afar stays without label, and rims go to whoever's votes reach them.
+  /// Pixels vote for their label up to this distance from the surface. With 1, surface that is only
+  /// seen at a slant or from afar gets no label, or that of its neighbour.
   double vote_distance_voxels = 1.5;
-  double merge_frames =
-      3.0;  ///< net frames seen together after which two labels are merged; 0 = never
-  double split_frames =
-      2.0;  ///< net frames under different masks after which an instance is split; 0 = never
+  /// Two labels are merged once they were on one segment in this many more frames than on two; 0 =
+  /// never.
+  double merge_frames = 3.0;
+  /// An instance is split once the bond of two of its labels is at most minus this, see
+  /// SplitInstances; 0 = never.
+  double split_frames = 2.0;
 
-  /// Evidence of masks, in frames times score, from which on a label stands: frames that do not
-  /// show it apart do not vote on its voxels (see MaskCuts); 0 = never.
+  /// A label with more evidence of masks than this [frames x score x overlap] is protected from
+  /// frames that do not show it, see MaskCuts; 0 = never.
   double mask_evidence = 2.0;
-  int cut_votes = 2;  ///< a vote of such a label, where a mask cuts it out of another one, takes so
-                      ///< many from that one
+  /// Where a mask cuts a protected label out of another one, each vote for it takes so many votes
+  /// from the other.
+  int cut_votes = 2;
 
-  // Carving: what was removed or moved goes when the camera sees past where it stood. A voxel that
-  // rays clearly pass first only loses weight; its distance changes once little weight is left. So
-  // a few wrong frames move no surface, and the heaviest one is gone after
-  // ln(max_weight / weight of a frame) / -ln(carve_keep) + carve_frames + 2 frames.
-  double carve_frames = 2.0;  ///< weight left, in frames like the present one; 0 = no carving
-  /// A voxel far before any surface keeps no more weight than so many frames like the present one,
-  /// so that what is put there later appears as fast; 0 = no such limit.
+  // Carving: a surface that was removed or moved disappears once the camera measures depth clearly
+  // behind it. Such a frame only reduces the weight of a heavy voxel; the distance changes once
+  // little weight is left. So a few wrong frames move no surface, and even the heaviest one is gone
+  // after ln(max_weight / weight of a frame) / -ln(carve_keep) + carve_frames + 2 frames.
+  /// The weight is reduced to this many times the weight of the present frame; 0 = no carving.
+  double carve_frames = 2.0;
+  double carve_keep = 0.2;  ///< share of its weight that a heavy voxel keeps per frame, (0, 1)
+  /// The measured depth must lie behind the voxel by at least this ...
+  double carve_margin_voxels = 4.0;
+  /// ... and by this many standard deviations of the depth, see `noise` ...
+  double carve_sigmas = 4.0;
+  /// ... and farther by this many times the voxel's own distance: a ray that is nearly parallel to
+  /// a surface may pass in front of it.
+  double carve_slope = 8.0;
+  DepthNoiseModel noise = KinectNoise();  ///< of the sensor; only AxialSigma is used
+
+  /// A voxel whose mean distance is at least 0.9 truncations keeps no more weight than this many
+  /// frames like the present one, so that an object put there later appears as fast; 0 = no limit.
   double free_frames = 10.0;
-  double carve_keep = 0.2;           ///< share of its weight that a voxel keeps each time, (0, 1)
-  double carve_margin_voxels = 4.0;  ///< rays must end so far behind the voxel ...
-  double carve_sigmas = 4.0;         ///< ... and so many deviations of the depth, see `noise`
-  double carve_slope = 8.0;  ///< ... and so much farther per metre of its distance: a ray closer to
-                             ///< parallel to the surface may have missed it
-  DepthNoiseModel noise = KinectNoise();  ///< of the sensor; its disparity steps do not count
 };
 
-/// All problems of the options, as sentences; empty = fine.
+/// All problems of the options, one sentence each; empty = valid.
 std::vector<std::string> Validate(const IntegrationOptions& options);
 
-/// The only function that changes a map: fuses one associated frame (Grinvald 2019, Sec. III-D).
-/// Every voxel of the visible blocks is projected into the image once; the result does not depend
-/// on the number of threads.
-///
-/// Departures from the published code: labels are voted for once per voxel and frame and only near
-/// the surface, and not against what only masks can show; full vote slots evict; counts move along
-/// when labels merge; merging weighs evidence against as well as for.
+/// Fuses one associated frame into the map (Grinvald 2019, Sec. III-D). No other function changes a
+/// map. Every voxel of the visible blocks is projected into the image once; the result does not
+/// depend on the number of threads. Formulas and departures from the published code:
+/// libs/METHOD.md, "Integration" and "Labels and instances".
 MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
                         const IntegrationOptions& options, SemanticMap* map);
 

@@ -7,29 +7,33 @@
 
 namespace vismap {
 
-/// What masks of earlier frames say against votes of this one. A thing that only masks tell from
-/// what it lies on (a book on a table) is under none in most frames, and then its surface would
-/// vote for the other: but a missing mask is no evidence. Not in the paper.
+/// Protects labels that only masks can separate from their surroundings, such as a book on a table:
+/// depth shows no edge between them, so in every frame without a mask of the book the segment of
+/// the table covers both, and its votes would take over the book's voxels. But a missing mask is no
+/// evidence against the book. Not in the paper; see "Kept labels" in libs/METHOD.md, "Labels and
+/// instances".
 class MaskCuts {
  public:
-  /// `labels`: before the frame adds to them; must stay as they are. Labels with more evidence of
-  /// masks than `min_evidence`, and in a quarter of the frames that a detector looked at, count;
-  /// 0 = none does.
+  /// `labels`: the table before the evidence of this frame is added. A label is protected when its
+  /// class evidence, summed over the classes, exceeds `min_evidence` [frames x score x overlap] and
+  /// is at least a quarter of its frames with a detector. 0 = no label is protected.
   MaskCuts(const FrameAssociation& association, const LabelTable& labels, double min_evidence);
 
-  /// Whether masks have shown a label, canonical or merged, which this frame does not show: where a
-  /// voxel votes for it most, the frame has nothing to say, nor whether others are the same as it.
+  /// Whether a label, alive or merged, is protected and on no segment of this frame. Then the frame
+  /// adds no votes at voxels where the label leads, and no evidence for merging it with another.
   bool IsKept(SegmentLabel label) const {
     return Raw(label) < kept_.size() && kept_[Raw(label)] != 0;
   }
+  /// Whether there is such a label.
   bool any_kept() const { return any_kept_; }
-  /// The canonical label out of which a mask has cut a segment again; kNone = none.
+  /// The alive label that a mask has cut this segment out of, when the segment's own label is
+  /// protected; kNone = none.
   SegmentLabel CutFrom(size_t segment) const { return cut_from_[segment]; }
 
  private:
   bool any_kept_ = false;
-  std::vector<uint8_t> kept_;  // by label
-  std::vector<SegmentLabel> cut_from_;
+  std::vector<uint8_t> kept_;           // by label
+  std::vector<SegmentLabel> cut_from_;  // by segment
 };
 
 }  // namespace vismap

@@ -29,7 +29,7 @@ class Descent {
 
   // Appends the visible blocks of the cube of 2^level blocks whose lowest block is `low`.
   void Visit(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
-    const BlockVisibility view = Look(low, level);
+    const BlockVisibility view = Classify(low, level);
     if (view == BlockVisibility::kNothing) return;
     if (level == 0) {
       Emit({low, view}, visible);
@@ -62,13 +62,14 @@ class Descent {
     }
   }
 
-  // What the frame can say of a cube, judged by its bounding box along the camera's axes.
-  BlockVisibility Look(BlockIndex low, int level) const {
+  // What the frame can change in a cube, judged by its bounding box along the camera's axes.
+  BlockVisibility Classify(BlockIndex low, int level) const {
     const double edge = options_.block_size * (1 << level);
     const Eigen::Vector3d center_W = Eigen::Vector3d(low.x, low.y, low.z) * options_.block_size +
                                      Eigen::Vector3d::Constant(edge / 2);
     const Eigen::Vector3d p = T_C_W_ * center_W;
-    // The frame speaks of voxels by their centres; a tenth of one is left for rounding.
+    // The centres of the cube's voxels span a voxel less than its edge; a tenth of a voxel is added
+    // for rounding.
     const double reach = edge - 0.9 * options_.block_size / kBlockSide;
     for (const Side& side : sides_) {
       if (side.normal_C.dot(p) + side.extent * reach < 0) return BlockVisibility::kNothing;
@@ -77,9 +78,9 @@ class Descent {
     const double z_near = p.z() - half.z(), z_far = p.z() + half.z();
     if (z_far < options_.min_range || z_near > range_ + options_.truncation)
       return BlockVisibility::kNothing;
+    // Cubes around the camera cannot be projected.
     if (z_near < 0.02)
-      return level == 0 && z_far < 0.02 ? BlockVisibility::kNothing
-                                        : BlockVisibility::kMixed;  // around the camera itself
+      return level == 0 && z_far < 0.02 ? BlockVisibility::kNothing : BlockVisibility::kMixed;
 
     const auto [u_low, u_high] = Extent(p.x(), half.x(), z_near, z_far, camera_.fx, camera_.cx);
     const auto [v_low, v_high] = Extent(p.y(), half.y(), z_near, z_far, camera_.fy, camera_.cy);
@@ -92,6 +93,7 @@ class Descent {
                                             static_cast<int>(std::max(v_low, 0.0)),
                                             static_cast<int>(std::min(u_high + 1, u_last)),
                                             static_cast<int>(std::min(v_high + 1, v_last)));
+    // No pixel has a depth, or the cube is hidden behind all that was measured.
     if (!(depth.farthest > 0) ||
         z_near > static_cast<double>(depth.farthest) + options_.truncation) {
       return BlockVisibility::kNothing;
@@ -104,14 +106,14 @@ class Descent {
                                                 : BlockVisibility::kPartlyFree;
   }
 
-  // A plane through the camera's centre that bounds what it sees.
+  // A plane through the camera's centre at one side of the image.
   struct Side {
-    Eigen::Vector3d normal_C;  // inward, not a unit: per metre of depth in pixels
-    double extent;             // half extent along it of a cube with edge 1
+    Eigen::Vector3d normal_C;  // inward; scaled so that normal_C . p_C / z is in pixels
+    double extent;             // half extent of a cube with edge 1 along normal_C
   };
 
   static std::array<Side, 4> SidesOf(const PinholeCamera& camera, const Eigen::Matrix3d& R_C_W) {
-    constexpr double kMargin = 1;  // half a pixel belongs to the image, the rest is for rounding
+    constexpr double kMargin = 1;  // half a pixel belongs to the image, the rest covers rounding
     const std::array<Eigen::Vector3d, 4> normals{
         Eigen::Vector3d(camera.fx, 0, camera.cx + kMargin),
         Eigen::Vector3d(-camera.fx, 0, camera.width - 1 + kMargin - camera.cx),
@@ -123,7 +125,7 @@ class Descent {
     return sides;
   }
 
-  // Pixel interval that a box can cover along one image axis.
+  // The pixels that a box can cover along one image axis, from and to.
   static std::pair<double, double> Extent(double x, double half, double z_near, double z_far,
                                           double focal, double center) {
     const double low = x - half, high = x + half;

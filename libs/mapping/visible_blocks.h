@@ -10,7 +10,7 @@
 
 namespace vismap {
 
-/// How far from the camera blocks are looked for.
+/// The ranges in which a frame can change blocks.
 struct VisibilityOptions {
   double block_size = 0.08;       ///< [m]
   double truncation = 0.04;       ///< [m]
@@ -20,24 +20,23 @@ struct VisibilityOptions {
   bool free_space = true;
 };
 
-/// What a frame can say of a block.
+/// What a frame can change in a block.
 enum class BlockVisibility : uint8_t {
-  kNothing,     ///< out of view, hidden or out of range
+  kNothing,     ///< nothing: the block is out of view, hidden or out of range
   kMixed,       ///< a surface may pass near it
   kPartlyFree,  ///< no surface is near; voxels that project to measured pixels are seen empty
   kWhollyFree,  ///< no surface is near; all voxels project to measured pixels and are seen empty
 };
 
-/// A block that the frame says something about.
+/// A block that the frame may change.
 struct VisibleBlock {
   BlockIndex index;
   BlockVisibility view = BlockVisibility::kMixed;
 };
 
-/// The blocks that the frame may change, ascending: those that a surface may pass near and those
-/// with seen-empty space. Blocks hidden behind surfaces and outside the view are left out, and
-/// those that `wanted` refuses, which is asked by several threads at once. Found by descending an
-/// octree over the view.
+/// The blocks that the frame may change, ascending: those that a surface may pass near, and those
+/// in which it sees free space. Blocks for which `wanted` returns false are left out; several
+/// threads call it at the same time. Found by descending an octree over the view.
 std::vector<VisibleBlock> FindVisibleBlocks(
     const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,
     const std::function<bool(const VisibleBlock&)>& wanted = [](const VisibleBlock&) {

@@ -1,7 +1,7 @@
 #include "meshing/block_mesher.h"
 
 #include <octomap/octomap_types.h>
-// Needs the types before it.
+// Needs the types of octomap_types.h.
 #include <octomap/MCTables.h>
 
 #include <algorithm>
@@ -14,9 +14,10 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kCopiesKept = 128;  // of packed blocks: neighbours share them
+constexpr size_t kCopiesKept = 128;  // copies of packed blocks, which neighbours share
 
-// Corner order of the tables (Bourke): around the lower face, then around the upper one.
+// The corners of a cell in the order of the tables: around the lower face, then around the upper
+// one.
 constexpr std::array<std::array<int, 3>, 8> kCorner = {
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 constexpr std::array<std::array<size_t, 2>, 12> kEdgeEnds = {{{0, 1},
@@ -32,7 +33,7 @@ constexpr std::array<std::array<size_t, 2>, 12> kEdgeEnds = {{{0, 1},
                                                               {2, 6},
                                                               {3, 7}}};
 
-// The edges of a cell, as steps of slots from its own.
+// The edges of a cell: offsets of their slots from the slot of the cell.
 constexpr std::array<uint16_t, 12> CellEdgeSlots() {
   std::array<uint16_t, 12> slots{};
   for (size_t i = 0; i < slots.size(); ++i) {
@@ -45,13 +46,13 @@ constexpr std::array<uint16_t, 12> CellEdgeSlots() {
 }
 constexpr std::array<uint16_t, 12> kCellEdgeSlot = CellEdgeSlots();
 
-// Slots of edges, or steps between them; as vectors, so that those of a cell are one addition.
+// Several slots of edges as a vector, so that all are computed by one addition.
 using Slots = uint16_t __attribute__((vector_size(16)));
 
-// What a cell adds to the mesh, by which of its corners are behind the surface. Of a fixed size, so
-// that all cells run through the same code: how much one has cannot be foreseen.
+// The triangles of a cell with given corners behind the surface. All recipes have the same size, so
+// that the code for a cell has no branches, which the processor could not predict.
 struct Recipe {
-  std::array<uint16_t, 16> corners{};  // of the triangles: steps of slots from the cell's
+  std::array<uint16_t, 16> corners{};  // of the triangles: offsets from the slot of the cell
   uint16_t corner_count = 0;
 };
 
@@ -59,7 +60,8 @@ Recipe ReadRecipe(const int* row) {
   Recipe recipe;
   uint16_t corners = 0;
   for (; row[corners] >= 0; corners = static_cast<uint16_t>(corners + 3)) {
-    // The tables turn clockwise for corners that are set; ours are set behind the surface.
+    // With corners set behind the surface, the tables' triangles are clockwise seen from free
+    // space.
     for (const auto& [to, from] : {std::pair{0, 0}, std::pair{1, 2}, std::pair{2, 1}})
       recipe.corners[static_cast<size_t>(corners + to)] =
           kCellEdgeSlot[static_cast<size_t>(row[corners + from])];
@@ -68,7 +70,7 @@ Recipe ReadRecipe(const int* row) {
   return recipe;
 }
 
-// The row of the tables for a cube as CrossedEdges numbers it.
+// The row of the tables for a set of corners as CrossedEdges::CubeOf numbers them.
 const int* TableRow(size_t cube) {
   size_t row = 0;
   for (size_t i = 0; i < kCorner.size(); ++i) {
@@ -85,7 +87,7 @@ std::array<Recipe, 256> ReadRecipes() {
 }
 const std::array<Recipe, 256> kRecipes = ReadRecipes();
 
-// The slots of the corners of a cell's triangles; with room for more behind them.
+// Writes the slots of the corners of a cell's triangles. Always writes 16 slots.
 inline void AddCorners(const Recipe& recipe, size_t cell, uint16_t* slots_out) {
   const auto from = static_cast<uint16_t>(cell);
   for (size_t i = 0; i < recipe.corners.size(); i += sizeof(Slots) / sizeof(uint16_t)) {
@@ -125,7 +127,7 @@ bool BlockMesher::MayCrossJumps() const {
 void BlockMesher::Find(BlockIndex block) {
   edges_.Clear();
   walk_.GoTo(block);
-  if (!FindSurfaceCells(walk_, &cells_)) return;
+  if (!FindSurfaceCells(walk_, &cells_)) return;  // no surface in this block
   walk_.FindLower();
   const BlockView* next = walk_.Next();
   if (next != nullptr && next->voxels != nullptr) CellGrid::Prefetch(*next->voxels);
@@ -139,7 +141,7 @@ void BlockMesher::Find(BlockIndex block) {
 
 Mesh BlockMesher::MakeMesh() {
   Mesh mesh;
-  if (edges_.slots().empty()) return mesh;
+  if (edges_.slots().empty()) return mesh;  // no surface in this block
   size_t count = 0;
   edges_.ForEachCell([&](size_t cell) {
     const Recipe& recipe = kRecipes[edges_.CubeOf(cell)];

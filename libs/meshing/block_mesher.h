@@ -11,32 +11,35 @@
 
 namespace vismap {
 
-/// What the meshes of all blocks have in common; must outlive the mesher.
+/// What all blocks of one meshing share; must outlive the meshers.
 struct MeshingJob {
   const BlockViews& views;
   double voxel_size;                  ///< [m]
-  double jump_fraction;               ///< as in MeshingOptions
-  std::span<const ShownLabel> shown;  ///< what labels show
+  double jump_fraction;               ///< see MeshingOptions
+  std::span<const ShownLabel> shown;  ///< by label, see ShowSegments
 };
 
-/// Marching cubes over the 8x8x8 cells of one block after the other, ascending. One per thread of
-/// work.
+/// Marching cubes over the 8x8x8 cells of blocks, one block after the other in ascending order. One
+/// per thread.
 class BlockMesher {
  public:
   explicit BlockMesher(const MeshingJob& job);
 
-  /// Finds the surface of a block.
+  /// Finds the cells and edges of a block that the surface crosses.
   void Find(BlockIndex block);
   BlockIndex block() const { return walk_.block(); }
-  /// The surface that was found. The vertices have what their labels show.
+  /// The mesh of the block that was found last. Each vertex has the ids that its label shows.
   Mesh MakeMesh();
-  /// Where its vertices are, as numbers of EdgeSlot.
+  /// The lattice edge of each of its vertices, see EdgeSlot.
   std::span<const uint16_t> edge_slots() const { return edges_.slots(); }
 
  private:
-  /// A step from well before the surface to well behind it: no surface, but something hidden.
+  /// Whether the distance steps over the edge from at least jump_ to at most -jump_: there is no
+  /// surface between, but space that the camera has not seen.
   bool IsJump(size_t slot) const;
-  bool MayCrossJumps() const;  // a jump goes that far, but not all that do are one
+  /// False when no crossed edge steps as far as a jump.
+  bool MayCrossJumps() const;
+  /// Removes the cells with a jump from the surface.
   void LeaveOutJumps();
 
   const MeshingJob& job_;
@@ -45,9 +48,9 @@ class BlockMesher {
   SurfaceReader reader_;
   CellGrid grid_;
   VertexMaker vertex_maker_;
-  CellBits cells_;  // meshed ones, where there are edges
+  CellBits cells_;  // the cells to mesh; set when there are any
   CrossedEdges edges_;
-  // With room for everything, so that nothing is asked on the way.
+  // Room for the largest mesh of a block, so that no step has to check for room.
   static constexpr size_t kMostTriangles = size_t{5} * kBlockVoxels;
   std::array<uint16_t, 3 * kMostTriangles + 1> corners_;  // slots
   std::array<std::array<uint32_t, 3>, kMostTriangles> triangles_;

@@ -8,12 +8,12 @@ namespace {
 
 constexpr int kRunBits = 6;
 constexpr int32_t kRunMask = (1 << kRunBits) - 1;
-constexpr double kMostRuns = 1 << 16;  // that are in memory though they may be empty
+constexpr double kMostRuns = 1 << 16;  // in a box that is held in memory as a whole
 
 // All runs of a box, numbered ascending.
 class RunBox {
  public:
-  // With the neighbours of some blocks, of which there must be one.
+  // The box around some blocks, at least one, and their neighbours.
   static RunBox Around(std::span<const BlockIndex> blocks) {
     BlockIndex low = blocks.front(), high = low;
     for (const auto& [x, y, z] : blocks) {
@@ -25,7 +25,7 @@ class RunBox {
   }
 
   size_t size() const { return Count(low_.x, high_.x) * step_x(); }
-  bool IsLarge() const {  // without overflow
+  bool IsLarge() const {  // in doubles, which do not overflow
     const auto count = [](int32_t from, int32_t to) {
       return static_cast<double>(Count(from, to));
     };
@@ -162,7 +162,7 @@ BlockSet BlockSet::AffectedBy(std::span<const BlockIndex> changed,
                               std::span<const NeighbourBits> affected) {
   if (changed.empty()) return {};
   const RunBox box = RunBox::Around(changed);
-  if (changed.size() > 1 && box.IsLarge()) {  // far apart; they ascend along x
+  if (changed.size() > 1 && box.IsLarge()) {  // the blocks are far apart: halve the list
     const size_t half = changed.size() / 2;
     return AffectedBy(changed.first(half), affected.first(half))
         .Union(AffectedBy(changed.subspan(half), affected.subspan(half)));
@@ -170,7 +170,7 @@ BlockSet BlockSet::AffectedBy(std::span<const BlockIndex> changed,
   std::vector<uint64_t> runs(box.size());
   for (size_t i = 0; i < changed.size(); ++i) {
     const auto& [x, y, z] = changed[i];
-    // Three neighbours along z are three bits, from the lower one on: mostly of one run.
+    // The three neighbours along z are three bits, mostly in one run.
     const int first = z - 1, shift = first & kRunMask;
     uint64_t* run = &runs[box.At({x - 1, y - 1, first >> kRunBits})];
     NeighbourBits left = affected[i];

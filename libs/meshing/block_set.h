@@ -10,18 +10,18 @@
 
 namespace vismap {
 
-/// A set of blocks, as bits along z: unions and neighbourhoods of thousands of blocks take
-/// microseconds.
+/// A set of blocks, stored as bits along z, so that unions and neighbourhoods of thousands of
+/// blocks take microseconds.
 class BlockSet {
  public:
   BlockSet() = default;
-  /// In any order, any number of times.
+  /// `blocks` in any order, with repetitions.
   explicit BlockSet(std::span<const BlockIndex> blocks);
 
-  /// The blocks whose surface depends on what changed.
+  /// The blocks whose mesh depends on the changes.
   static BlockSet AffectedBy(const BlockChanges& changes);
 
-  /// With every block also those up to `below` lower and `above` higher along each axis; 0 or 1.
+  /// The set and all blocks up to `below` lower or `above` higher along each axis; both 0 or 1.
   BlockSet Grown(int below, int above) const;
   BlockSet Union(const BlockSet& other) const;
   BlockSet Intersection(const BlockSet& other) const;
@@ -36,7 +36,7 @@ class BlockSet {
     BlockIndex at;
     uint64_t bits;
   };
-  // Runs that are moved by a step along x or y.
+  // Runs, moved by a step along x or y.
   struct Moved {
     std::span<const Run> runs;
     BlockIndex step;
@@ -44,16 +44,16 @@ class BlockSet {
   static BlockSet AffectedBy(std::span<const BlockIndex> changed,
                              std::span<const NeighbourBits> affected);
   static BlockSet Merge(std::initializer_list<Moved> parts);
-  // Behind all runs, or to the last one.
+  // Adds bits to the last run or to a new one behind it.
   void Append(const BlockIndex& at, uint64_t bits);
-  // Anywhere, but not far from the end.
+  // Adds bits to a run near the end, or to a new one there.
   void Put(const BlockIndex& at, uint64_t bits);
-  // Puts bits a step lower along z, others as they are, and others a step higher.
+  // Adds `down` one step lower along z, `still` at its place, and `up` one step higher.
   void PutStepped(const BlockIndex& at, uint64_t down, uint64_t still, uint64_t up);
   BlockSet GrownAlongZ(int below, int above) const;
   BlockSet GrownAside(const BlockIndex& step, int below, int above) const;
 
-  std::vector<Run> runs_;  // ascending; none without bits
+  std::vector<Run> runs_;  // ascending; each has bits
 };
 
 }  // namespace vismap

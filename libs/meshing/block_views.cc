@@ -25,7 +25,7 @@ ObservationGate GateOf(const MeshingOptions& options) {
           static_cast<uint16_t>(std::clamp<int>(options.min_observations, 0, kMost))};
 }
 
-// Free blocks remember no more than two observations, so no more can be asked of them.
+// Free blocks count no more than two observations, so two are enough for them.
 const uint64_t* ObservedFree(const Block& block, int min_observations) {
   if (block.all_free) return kAllBits.data();
   if (!block.free) return nullptr;
@@ -39,7 +39,7 @@ void ReadSurface(const BlockView& view, const ObservationGate& gate, VoxelSigns*
   ReadSigns(copy, gate, *signs);
 }
 
-// What ReadSurface reads of a block in the map: it would wait for every line.
+// Prefetches what ReadSurface reads of a block that is not packed.
 void PrefetchSurface(const BlockView& view) {
   if (view.voxels == nullptr) return;
   PrefetchAll(view.voxels->distance);

@@ -10,27 +10,26 @@
 
 namespace vismap {
 
-/// A block as marching cubes see it.
+/// A block as marching cubes need it.
 struct BlockView {
   BlockIndex index;
   const Block* block = nullptr;           ///< nullptr = unseen
-  const SurfaceVoxels* voxels = nullptr;  ///< nullptr = none, or packed
+  const SurfaceVoxels* voxels = nullptr;  ///< nullptr = there are none, or they are packed
   bool has_surface = false;
-  /// Bits as in VoxelSigns; nullptr = none.
-  const uint64_t* observed = nullptr;
-  const uint64_t* behind = nullptr;
+  const uint64_t* observed = nullptr;  ///< as in VoxelSigns; nullptr = no bit is set
+  const uint64_t* behind = nullptr;    ///< as in VoxelSigns; nullptr = no bit is set
 };
 
-/// Blocks of a map that are about to be meshed, and those around them: each is looked up and read
-/// once, though up to 27 cells grids need it. The map must not change meanwhile.
+/// Blocks of a map that will be meshed and the blocks around them. Each is looked up and read once,
+/// though up to 27 blocks need it. The map must not change during the lifetime of this object.
 class BlockViews {
  public:
   /// `blocks` ascending.
   BlockViews(const VoxelMap& map, const std::vector<BlockIndex>& blocks);
 
-  /// Those with surface voxels, ascending.
+  /// The blocks with surface voxels, ascending.
   std::vector<BlockIndex> WithSurface() const;
-  /// Sets `observed` and `behind`.
+  /// Sets `observed` and `behind` of all views.
   void ReadVoxels(const MeshingOptions& options);
 
   const std::vector<BlockView>& views() const { return views_; }
@@ -47,23 +46,22 @@ class BlockViews {
  private:
   std::vector<BlockView> views_;
   std::vector<Column> columns_;
-  std::vector<VoxelSigns> signs_;  // of those with surface
+  std::vector<VoxelSigns> signs_;  // of the blocks with surface voxels
 };
 
-/// Finds the 26 neighbours of one block after the other, in ascending order of blocks.
+/// Finds the 26 neighbours of many blocks, one block after the other in ascending order.
 class NeighbourWalk {
  public:
   explicit NeighbourWalk(const BlockViews& views) : views_(views) {}
 
-  /// Goes to a block; finds it and the seven neighbours that its cells reach into.
+  /// Goes to a block; finds the block and the seven neighbours that its cells reach into.
   void GoTo(BlockIndex block);
-  /// Finds the other nineteen.
+  /// Finds the other nineteen neighbours.
   void FindLower();
-  /// The block that comes after this one of those with voxels behind the surface, so that it can be
-  /// prefetched; nullptr = none.
+  /// The next block with voxels behind the surface, to prefetch it; nullptr = none.
   const BlockView* Next() const;
-  /// Of a NeighbourSlot; never nullptr, unseen where there are no views. Slots not found are those
-  /// of an earlier block.
+  /// The view in a NeighbourSlot; an unseen block where there is no view. Before FindLower, slots
+  /// of the other nineteen still hold neighbours of an earlier block.
   const BlockView& At(size_t slot) const { return *found_[slot]; }
   BlockIndex block() const { return block_; }
 
@@ -74,7 +72,7 @@ class NeighbourWalk {
   const BlockViews& views_;
   BlockIndex block_;
   bool started_ = false;
-  // Per column of neighbours along z what is left of it; the first view is not far below the block.
+  // The rest of each column of neighbours along z; it begins near the block.
   struct Rest {
     const BlockView *begin = nullptr, *end = nullptr;
   };

@@ -18,8 +18,8 @@ constexpr Distances FreeDistances() {
 constexpr Distances kFreeDistances = FreeDistances();
 constexpr VoxelBits kNoneSeen{};
 
-// What some cells depend on along one axis: of the neighbour before, of the block, of the one
-// behind, in the coordinates of each.
+// The voxels that some cells depend on along one axis: in the block before, in the block itself,
+// and in the block behind, each in its own coordinates.
 std::array<CellBox::Range, 3> Overlaps(const CellBox::Range& cells) {
   std::array<CellBox::Range, 3> overlaps;
   for (int i = 0; i < 3; ++i) {
@@ -31,7 +31,7 @@ std::array<CellBox::Range, 3> Overlaps(const CellBox::Range& cells) {
 }
 bool IsEmpty(const CellBox::Range& range) { return range.from >= range.to; }
 
-// Rows of eight are read in order, which the processor foresees; columns are not.
+// For neighbours along x: of them only columns are read, which the processor does not prefetch.
 void PrefetchDistances(const SurfaceVoxels* voxels) {
   if (voxels != nullptr) PrefetchAll(voxels->distance);
 }

@@ -10,40 +10,41 @@
 
 namespace vismap {
 
-/// The voxels of one block and a rim around it (one voxel below, two above), copied from up to 27
-/// blocks: all that the surface of the block's cells depends on. Coordinates are local to the
-/// block, -1..9.
+/// The distances of one block and of a rim around it, one voxel below and two above, copied from up
+/// to 27 blocks: all voxels that the mesh of the block's cells depends on. Coordinates are local to
+/// the block, -1..9.
 class CellGrid {
  public:
-  /// Asks memory for what the grid of a block will need first.
+  /// Prefetches what Fill will read first of a block.
   static void Prefetch(const SurfaceVoxels& voxels);
-  /// Copies what some cells of a block depend on: of the block that the walk is at, which knows all
-  /// its neighbours. Good for as long as what `reader` read.
+  /// Copies the distances that some cells of the walk's block depend on. All neighbours of the
+  /// block must have been found. Valid as long as what `reader` has read.
   void Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceReader* reader);
 
-  /// The distance at the lower end of an edge, as numbered by EdgeSlot. The one at the upper end is
-  /// AxisStep behind it.
+  /// The distance at the lower end of an edge, see EdgeSlot. That at the upper end is AxisStep
+  /// behind it.
   const int16_t* Lower(size_t slot) const {
     return &distances_[slot % kAxisSlots + static_cast<size_t>(GridOffset(0, 0, 0))];
   }
 
-  /// The surface voxels that hold a voxel, and its offset there; nullptr in free or unseen blocks.
+  /// The surface voxels of a block, nullptr for a free or unseen block, and the offset of a voxel.
   struct Place {
     const SurfaceVoxels* voxels = nullptr;
     int offset = 0;
   };
-  /// Of the voxel at an end of an edge, see LocateEnds.
+  /// The place of the voxel at an end of an edge, see LocateEnds.
   Place PlaceOfEnd(uint32_t end) const {
     return {upper_voxels_[end >> kEndBits], static_cast<uint16_t>(end)};
   }
-  /// Of the voxel (x, y, z).
+  /// The place of voxel (x, y, z).
   Place PlaceOf(int x, int y, int z) const {
     return {voxels_[NeighbourSlot(x >> 3, y >> 3, z >> 3)], LinearIndex(x & 7, y & 7, z & 7)};
   }
 
  private:
   std::array<const SurfaceVoxels*, 27> voxels_{};
-  std::array<const SurfaceVoxels*, 8> upper_voxels_{};  // the same, of (i & 1, i >> 1 & 1, i >> 2)
+  // Of the block at (i & 1, i >> 1 & 1, i >> 2).
+  std::array<const SurfaceVoxels*, 8> upper_voxels_{};
   DistanceGrid distances_;
 };
 

@@ -12,29 +12,29 @@
 
 namespace vismap {
 
-/// Which edges of a block's cells the surface crosses, found for whole rows at a time: each of them
-/// gets one vertex, and these are numbered by slot. So no cell asks whether another one came first.
+/// The edges of a block's cells that the surface crosses, found for whole rows at a time. Each gets
+/// one vertex, numbered in the order of slots, so that cells share vertices without a look-up
+/// table.
 class CrossedEdges {
  public:
-  /// Reads which corners of some layers of cells are behind the surface, of the block that the walk
-  /// is at.
+  /// Reads which corners of some layers of cells in the walk's block are behind the surface.
   void ReadCorners(const NeighbourWalk& walk, CellBox::Range layers);
   void Clear() {
     count_ = 0;
     first_ = {};
   }
-  /// Lists the crossed edges of some cells in the layers that were read.
+  /// Lists the crossed edges of some cells, all in the layers that were read.
   void List(const CellBits& cells);
 
-  /// Those listed, ascending, as numbers of EdgeSlot.
+  /// The slots of the listed edges, ascending, see EdgeSlot.
   std::span<const uint16_t> slots() const { return std::span(slots_).first(count_); }
-  /// Where those along an axis begin in the list; those along axis 3, which are none, at its end.
+  /// Index of the first edge along an axis in the list; the size of the list for axis 3.
   size_t FirstAlong(size_t axis) const { return first_[axis]; }
-  /// Where a listed edge is in the list.
+  /// Index of a listed edge in the list.
   uint16_t NumberOf(size_t slot) const { return number_of_slot_[slot]; }
 
-  /// Calls `visit(cell)` for each of the cells that edges were listed of, ascending by layers.
-  /// Cells are numbered as their first edges: see EdgeSlot.
+  /// Calls `visit(cell)` for each cell whose edges were listed, layer by layer. The number of a
+  /// cell is the slot of its edge along x at its lowest corner.
   template <typename Visit>
   void ForEachCell(const Visit& visit) const {
     for (int z = layers_.from; z < layers_.to; ++z) {
@@ -46,7 +46,7 @@ class CrossedEdges {
       }
     }
   }
-  /// Which corners of a cell are behind the surface: bit x + 2 y + 4 z.
+  /// The corners of a cell that are behind the surface: bit x + 2 y + 4 z.
   size_t CubeOf(size_t cell) const {
     const uint16_t* row = &behind_[cell / kSlotStride];
     const auto pair = [x = cell % kSlotStride](uint16_t bits) -> size_t { return bits >> x & 3; };
@@ -62,21 +62,21 @@ class CrossedEdges {
     std::memcpy(&word, rows, sizeof(word));
     return word;
   }
-  // Those crossed among a word of rows, from one slot on.
+  // Lists the crossed edges in a word of rows that begins at slot `first`.
   void AddSlots(size_t first);
 
-  static constexpr size_t kFirstCells = kBitRows + 1;  // of the block
+  static constexpr size_t kFirstCells = kBitRows + 1;  // row of the block's first cells in cells_
   static constexpr size_t kMostEdges = 3 * kBlockSide * kSlotSide * kSlotSide;
 
   CellBox::Range layers_;
   std::array<uint16_t, kBitRows*(kSlotSide + 1)> behind_{};
-  // With the layers around those of the block, and a row before all.
+  // With a layer before those of the block, one behind them, and a row before all.
   std::array<uint16_t, 1 + kBitRows*(kSlotSide + 1)> cells_{};
   alignas(64) std::array<uint16_t, kEdgeSlots / kSlotStride> crossed_{};  // bit = slot
   std::array<uint16_t, kMostEdges> slots_;
   size_t count_ = 0;
   std::array<size_t, 4> first_{};                    // by axis
-  std::array<uint16_t, kEdgeSlots> number_of_slot_;  // of listed ones
+  std::array<uint16_t, kEdgeSlots> number_of_slot_;  // set for listed edges
 };
 
 }  // namespace vismap

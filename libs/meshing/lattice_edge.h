@@ -14,8 +14,9 @@ struct LatticeEdge {
   int axis = 0;
 };
 
-/// Numbers the edges of a block's cells, by four bits per coordinate: a step along an axis is the
-/// same step from every slot, and sixteen slots along x are a row of bits (see CrossEdges).
+/// The slot of an edge of a block's cells: four bits per coordinate and two for the axis. A step
+/// along an axis adds the same number to every slot, and 16 slots along x are one row of bits (see
+/// CrossEdges).
 inline constexpr int kSlotSide = kBlockSide + 1;
 inline constexpr int kSlotBits = 4;
 inline constexpr int kSlotStride = 1 << kSlotBits;
@@ -29,7 +30,7 @@ constexpr LatticeEdge EdgeOfSlot(int slot) {
   return {slot & kMask, slot >> kSlotBits & kMask, slot >> (2 * kSlotBits) & kMask,
           slot >> (3 * kSlotBits)};
 }
-/// How far an edge along an axis reaches, in slots.
+/// The difference of slots for one step along an axis.
 constexpr size_t AxisStep(size_t axis) { return size_t{1} << (kSlotBits * axis); }
 
 }  // namespace vismap

@@ -9,17 +9,18 @@
 namespace vismap {
 namespace {
 
-// The meshes of ascending blocks, as `take(mesher)` makes them of the surface found in each.
-template <typename Local, typename Take>
+// The meshes of ascending blocks: `make(mesher)` returns that of the block that the mesher has
+// found.
+template <typename Local, typename Make>
 std::vector<Local> MeshEach(const std::vector<BlockIndex>& blocks, const MeshingJob& job,
-                            const Take& take) {
-  constexpr size_t kGroup = 64;  // one mesher for so many: neighbours share what it has unpacked
+                            const Make& make) {
+  constexpr size_t kGroup = 64;  // blocks per mesher, which unpacks shared neighbours once
   std::vector<Local> meshes(blocks.size());
   ParallelForGroups(blocks.size(), kGroup, [&](size_t from, size_t to) {
     BlockMesher mesher(job);
     for (size_t i = from; i < to; ++i) {
       mesher.Find(blocks[i]);
-      meshes[i] = take(&mesher);
+      meshes[i] = make(&mesher);
     }
   });
   return meshes;
@@ -45,13 +46,14 @@ BlockSet CandidateBlocks(const VoxelMap& map, const std::vector<BlockIndex>& blo
   return BlockSet(candidates);
 }
 
-// A cell reaches one voxel up.
+// The changed blocks, and of the affected ones those with surface voxels in them or in an upper
+// neighbour, since a cell reaches one voxel up.
 BlockSet ToMesh(const BlockSet& changed, const BlockSet& affected, const BlockViews& views) {
   const BlockSet by_surface = BlockSet(views.WithSurface()).Grown(1, 0);
   return changed.Union(affected.Intersection(by_surface));
 }
 
-// Of every block, also of those without surface.
+// The meshes of all blocks of a set, also of those without surface.
 std::vector<BlockMesh> MeshSet(const BlockSet& set, const MeshingJob& job) {
   return MeshEach<BlockMesh>(set.Blocks(), job, [](BlockMesher* mesher) {
     return BlockMesh{mesher->block(), mesher->MakeMesh()};
@@ -74,7 +76,7 @@ Mesh ExtractSurface(const SemanticMap& map, const MeshingOptions& options) {
                           });
   Stitcher stitcher;
   for (size_t i = 0; i < blocks.size(); ++i) stitcher.Add(blocks[i], parts[i]);
-  return RemoveSmallComponents(stitcher.Take(), options.min_component_triangles);
+  return RemoveSmallComponents(stitcher.Finish(), options.min_component_triangles);
 }
 
 std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, const BlockChanges& changes) {

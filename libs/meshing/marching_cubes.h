@@ -8,35 +8,38 @@
 #include "meshing/mesh.h"
 #include "meshing/shown_label.h"
 
-/// The room of surfaces: triangle meshes with ids out of the map (ALGORITHM 6.1), objects with
-/// their boxes and meshes (6.2), and the files people take home. It reads the map and never changes
-/// it. Pictures are drawn in render/.
+// This room makes triangle meshes of a map and never changes it: libs/METHOD.md, "Meshing".
+
 namespace vismap {
 
 struct MeshingOptions {
-  /// Voxels up to this weight count as unseen; 1 = one frame at 1 m. The default asks for one frame
-  /// within 2.6 m, or several from farther: a single far return is more noise than surface.
+  /// Voxels count as observed above this weight; 1 = one frame from 1 m. With the default, one
+  /// frame is enough within 2.6 m: a single return from farther away is more noise than surface.
   /// (Published code: 1e-4.)
   double min_weight = 0.15;
-  int min_observations = 1;  ///< voxels that fewer frames saw count as unseen
-  /// Neighbouring voxels beyond this part of the truncation distance on either side are a jump
-  /// between two surfaces, not a surface: their cells stay empty. Above 1 = keep them.
+  int min_observations = 1;  ///< and if at least this many frames saw them
+  /// Cells stay empty if the distance changes along an edge from at least this share of the
+  /// truncation distance to at most minus this share: between two surfaces lies unseen space. Above
+  /// 1 = such cells are meshed.
   double jump_fraction = 0.9;
-  /// Connected pieces with fewer triangles are left out of the mesh of a whole map.
+
+  // These are for the mesh of a whole map only.
+  /// Connected pieces with fewer triangles are left out.
   int min_component_triangles = 20;
-  /// Of the mesh of a whole map: islands below this share of the surface of their instance or
-  /// segment show what they lie in, see AbsorbIslands; 0 = none do. (Published code: none.)
+  /// A piece with less than this share of the surface of its instance or segment shows the ids of
+  /// the surface around it, see AbsorbIslands; 0 = never. (Published code: never.)
   double island_max_share = 0.1;
-  double island_max_area = 0.01;  ///< larger ones do not [m^2]
-  /// Of the mesh of a whole map: what is no farther from the plane of structure that it joins
-  /// [voxel sizes] shows that, see AbsorbContacts; 0 = nothing does. (Published code: nothing.)
+  double island_max_area = 0.01;  ///< the largest piece that does [m^2]
+  /// Surface within this distance [voxels] of a plane of structure that it touches shows the ids of
+  /// the structure, see AbsorbContacts; 0 = never. (Published code: never.)
   double contact_voxels = 0.75;
 };
 
-/// Surface of one block: of the cells whose lowest corner voxel lies in it.
+/// The mesh of one block: of the cells whose lowest corner voxel lies in it.
 struct BlockMesh {
   BlockIndex block;
-  Mesh mesh;  ///< no triangles = the block has no surface (any more): delete what was shown there
+  Mesh
+      mesh;  ///< without triangles, the block has no surface: an earlier mesh of it must be deleted
 };
 
 /// New surfaces of some blocks, ascending.
@@ -45,20 +48,19 @@ struct MeshDelta {
   std::vector<BlockMesh> blocks;
 };
 
-/// Zero level of the TSDF of the whole map (marching cubes over cells whose eight corners were all
-/// observed; voxels of free blocks count as observed at + truncation), without small components.
-/// Cells share vertices, also across blocks: where the map has no gaps and no rim, every edge
-/// belongs to exactly two triangles. Order: ascending blocks. A vertex has the segment of the
-/// nearest voxel with votes; its instance and class are not set (see objects/map_mesh.h).
+/// The zero level of the TSDF of the whole map, without small components: marching cubes over the
+/// cells whose eight corners were all observed. Voxels of free blocks count as observed at
+/// + truncation. Cells share vertices, also across blocks, so that every edge belongs to exactly
+/// two triangles where the map has no gap and no rim. Blocks ascend. A vertex has the segment of
+/// the nearest voxel with votes; instance and class are not set (see objects/map_mesh.h).
 Mesh ExtractSurface(const SemanticMap& map, const MeshingOptions& options = {});
 
-/// Blocks whose surface may differ after some changes, ascending: those that changed, and of the
-/// blocks that these affect the ones near a surface.
+/// The blocks whose mesh may differ after some changes, ascending: the changed blocks, and those of
+/// the affected blocks that are near a surface.
 std::vector<BlockIndex> BlocksToMesh(const VoxelMap& map, const BlockChanges& changes);
 
-/// The surface of some blocks, which ascend, block by block, for viewers that follow the map.
-/// Blocks do not share vertices, small components stay, and the class of an instance weighs its
-/// labels equally. `shown` = ShowLabels of the map's.
+/// The meshes of some blocks, ascending, for viewers that follow the map. Blocks do not share
+/// vertices, and small components stay. `shown`: the ids that each label shows, by label.
 std::vector<BlockMesh> MeshEachBlock(const SemanticMap& map, std::span<const BlockIndex> blocks,
                                      std::span<const ShownLabel> shown,
                                      const MeshingOptions& options = {});

@@ -9,13 +9,12 @@
 
 namespace vismap {
 
-/// A vertex of the surface with the ids of what it belongs to.
+/// A vertex of the surface, with the ids of the segment and object that it belongs to.
 struct MeshVertex {
   Eigen::Vector3f position_W = Eigen::Vector3f::Zero();  ///< [m]
-  Eigen::Vector3f normal_W =
-      Eigen::Vector3f::Zero();  ///< unit, out of the surface (toward free space)
+  Eigen::Vector3f normal_W = Eigen::Vector3f::Zero();    ///< unit length, towards free space
   Rgb8 color;
-  SegmentLabel segment = SegmentLabel::kNone;  ///< canonical label
+  SegmentLabel segment = SegmentLabel::kNone;  ///< alive label
   InstanceId instance = InstanceId::kNone;
   ClassId class_id = ClassId::kUnknown;  ///< of the instance
 };

@@ -12,7 +12,7 @@ uint32_t Root(std::vector<uint32_t>& parent, uint32_t i) {
   return i;
 }
 
-// The lower vertex becomes the root, so that the numbering does not depend on the order of unions.
+// The lower root stays the root, so that the numbering does not depend on the order of the calls.
 void Unite(std::vector<uint32_t>& parent, uint32_t a, uint32_t b) {
   a = Root(parent, a);
   b = Root(parent, b);

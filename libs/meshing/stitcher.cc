@@ -3,6 +3,7 @@
 namespace vismap {
 namespace {
 
+// Edges on the upper side of a block belong to its upper neighbour.
 int ToOwner(int coordinate, int32_t* block) {
   if (coordinate < kBlockSide) return coordinate;
   ++*block;

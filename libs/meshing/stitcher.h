@@ -9,20 +9,21 @@
 
 namespace vismap {
 
-/// The mesh of one block before it is joined with others: edge_slots[i] = lattice edge of vertex i.
+/// The mesh of one block, with the slot of the lattice edge of each vertex (see EdgeSlot).
 struct LocalMesh {
   Mesh mesh;
   std::vector<uint16_t> edge_slots;
 };
 
-/// Joins block meshes: vertices on the same lattice edge become one.
+/// Joins the meshes of blocks to one: vertices on the same lattice edge become one vertex.
 class Stitcher {
  public:
   void Add(BlockIndex block, const LocalMesh& local);
-  Mesh Take() { return std::move(mesh_); }
+  /// Returns the mesh, to be called once.
+  Mesh Finish() { return std::move(mesh_); }
 
  private:
-  // The block that owns an edge, and the edge's slot there.
+  // The block that owns an edge, and the slot of the edge there.
   struct Key {
     BlockIndex block;
     int slot;
@@ -37,7 +38,7 @@ class Stitcher {
   uint32_t IndexOf(BlockIndex block, LatticeEdge edge, const MeshVertex& vertex);
 
   Mesh mesh_;
-  std::vector<uint32_t> moved_;
+  std::vector<uint32_t> moved_;  // indices in mesh_ of the vertices of one block
   tsl::robin_map<Key, uint32_t, KeyHash> shared_;
 };
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::array<uint64_t, kBlockSide> kNone{};
 
-// Of the block that the walk is at and those behind it.
+// The bits of the walk's block and of its upper neighbours.
 LatticeBits ReadBits(const NeighbourWalk& walk, const uint64_t* BlockView::*bits) {
   LatticeBits lattice;
   for (size_t i = 0; i < lattice.size(); ++i) {
@@ -23,7 +23,7 @@ LatticeBits ReadBits(const NeighbourWalk& walk, const uint64_t* BlockView::*bits
   return lattice;
 }
 
-// Whether there is anything behind the surface where the cells of a block reach.
+// Whether any block that the cells reach has voxels behind the surface.
 bool ReachBehind(const NeighbourWalk& walk) {
   for (int i = 0; i < 8; ++i) {
     if (walk.At(NeighbourSlot(i & 1, i >> 1 & 1, i >> 2)).behind != nullptr) return true;

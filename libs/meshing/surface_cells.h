@@ -4,18 +4,18 @@
 
 namespace vismap {
 
-/// Cells of a block, from <= i < to along each axis.
+/// The cells of a block with from <= index < to along each axis.
 struct CellBox {
   struct Range {
     int from = 0, to = kBlockSide;
   };
   Range x, y, z;
 };
-/// The smallest box around some cells, of which there must be one.
+/// The smallest box around some cells; there must be at least one.
 CellBox BoxAround(const CellBits& cells);
 
-/// The cells whose eight corners were all observed, with some behind the surface and some before
-/// it, of the block that the walk is at. False = there are none, and `cells` is not set.
+/// Finds the cells of the walk's block whose eight corners were all observed, some in front of the
+/// surface and some behind it. Returns false when there are none; then `cells` is not set.
 bool FindSurfaceCells(const NeighbourWalk& walk, CellBits* cells);
 
 }  // namespace vismap

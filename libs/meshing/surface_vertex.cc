@@ -11,7 +11,7 @@
 namespace vismap {
 namespace {
 
-// What a voxel has at `member`, an array of three bytes per voxel, and the byte behind that.
+// The three bytes of a voxel in the array at offset `member`, and the byte behind them.
 uint32_t FourBytes(const CellGrid::Place& place, size_t member) {
   static_assert(std::is_standard_layout_v<SurfaceVoxels>);
   uint32_t bytes;
@@ -20,18 +20,18 @@ uint32_t FourBytes(const CellGrid::Place& place, size_t member) {
   return bytes;
 }
 
-// With a byte of something else above.
+// The colour, and another byte above it.
 uint32_t ColorOf(const CellGrid::Place& place) {
   return FourBytes(place, offsetof(SurfaceVoxels, color));
 }
 
-// Up to three, the first one lowest.
+// The palette entries of the votes, one per byte, the first one lowest.
 uint32_t EntriesOf(const CellGrid::Place& place) {
   static_assert(kVoteSlots == 3);
   return FourBytes(place, offsetof(SurfaceVoxels, slot_label)) & 0xFFFFFF;
 }
 
-// Colours and votes come from all over a block: without this every one of them is waited for.
+// Colours and votes lie all over a block, so that reading them without prefetching would stall.
 void PrefetchVoxel(const CellGrid::Place& place) {
   if (place.voxels == nullptr) return;
   PrefetchLine(&place.voxels->color[static_cast<size_t>(place.offset)]);
@@ -39,7 +39,7 @@ void PrefetchVoxel(const CellGrid::Place& place) {
   PrefetchLine(&place.voxels->slot_votes[static_cast<size_t>(place.offset)]);
 }
 
-// Of four voxels, by their twelve entries.
+// Which of four voxels have votes, by their twelve entries: bits 0 to 3.
 unsigned VotedOfFour(const uint8_t* entries) {
   uint64_t low, high;
   std::memcpy(&low, entries, sizeof(low));
@@ -51,7 +51,7 @@ unsigned VotedOfFour(const uint8_t* entries) {
          static_cast<unsigned>((high >> 40) != 0) << 3;
 }
 
-// The most frequent one; ties to the lower.
+// The most frequent label; ties to the lower one.
 SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   std::sort(labels.begin(), labels.end());
   SegmentLabel best = SegmentLabel::kNone;
@@ -64,13 +64,13 @@ SegmentLabel MostFrequent(std::span<SegmentLabel> labels) {
   return best;
 }
 
-// The voxels around an edge are those that share a corner with an end of it: a box that begins one
-// below the lower end, of three voxels, and four along the edge. In sets of them voxel (x, y, z) is
-// bit x + 4 y + 16 z.
+// The voxels around an edge are those that share a corner with one of its ends: a box that begins
+// one voxel below the lower end, three voxels wide, and four along the edge. As a set, voxel (x, y,
+// z) of the box is bit x + 4 y + 16 z.
 using Around = uint64_t;
 constexpr int kAroundBits = 2;
 
-// Those that share a face with an end of an edge, by its axis; and the ends.
+// The ends of an edge and the voxels that share a face with an end, by the axis of the edge.
 constexpr std::array<Around, 3> ListFaceNeighbours() {
   std::array<Around, 3> neighbours{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -133,7 +133,7 @@ inline void VertexMaker::PrefetchEnds(size_t lane) const {
 inline void VertexMaker::LoadColors(size_t lane) {
   CellGrid::Place a = grid_.PlaceOfEnd(lanes_.lower_end[lane]);
   CellGrid::Place b = grid_.PlaceOfEnd(lanes_.upper_end[lane]);
-  // Free blocks have no colours; the end behind the surface is never in one.
+  // Free blocks have no colours. The end behind the surface is never in a free block.
   if (a.voxels == nullptr) a = b;
   if (b.voxels == nullptr) b = a;
   lanes_.lower_color[lane] = ColorOf(a);
@@ -174,8 +174,8 @@ inline SegmentLabel VertexMaker::LabelAt(const CellGrid::Place& place) const {
 inline SegmentLabel VertexMaker::LabelOfVotes(const CellGrid::Place& place,
                                               uint32_t entries) const {
   const std::vector<SegmentLabel>& palette = place.voxels->palette;
-  if (entries <= 0xFF) return palette[entries - 1];  // mostly
-  // Without branches: how many slots are in use cannot be foreseen.
+  if (entries <= 0xFF) return palette[entries - 1];  // most voxels have one label
+  // Without branches, since the processor cannot predict how many slots are used.
   const auto& counts = place.voxels->slot_votes[static_cast<size_t>(place.offset)];
   std::array<LabelVote, kVoteSlots> votes;
   for (size_t slot = 0; slot < kVoteSlots; ++slot) {
@@ -200,12 +200,12 @@ SegmentLabel VertexMaker::LabelAround(const LatticeEdge& edge) const {
     same = same && labels[count] == labels[0];
     ++count;
   }
-  if (same) return count == 0 ? SegmentLabel::kNone : labels[0];  // mostly
+  if (same) return count == 0 ? SegmentLabel::kNone : labels[0];  // the usual case
   return MostFrequent(std::span(labels).first(count));
 }
 
 inline uint64_t VertexMaker::VotedAround(const LatticeEdge& edge) const {
-  constexpr int kRead = 4;  // voxels at once
+  constexpr int kRead = 4;  // voxels read at once
   const int first = edge.x - 1, at = first & (kBlockSide - 1), from = std::min(at, kRead);
   const int count = 3 + (edge.axis == 0);
   const int high_y = edge.y + 1 + (edge.axis == 1), high_z = edge.z + 1 + (edge.axis == 2);

@@ -10,36 +10,40 @@
 
 namespace vismap {
 
-/// Makes the vertices of a block, where the surface crosses the edges of its cells: position linear
-/// between the two voxels (kept 1 % off them, so that no triangle collapses), normal from the
-/// interpolated gradient, colour interpolated, and the label of the nearest voxel that has votes:
-/// of the two ends, else the most frequent one among the voxels that share a face with them, else
-/// a corner (ties to the lower label). A vertex depends on the voxels around its edge only, so
-/// every block that has the edge makes the same one.
+/// Makes the vertices of a block, one per edge of its cells that the surface crosses. The position
+/// is where the distance, linear between the two voxels, is zero, but at least 1 % off either, so
+/// that no triangle collapses. The normal is the interpolated gradient, the colour is interpolated.
+/// The label is that of the nearer voxel if it has votes, else of the farther one, else the most
+/// frequent label among the voxels that share a face with the two, else among those that share a
+/// corner; ties go to the lower label. A vertex depends only on voxels around its edge, so that all
+/// blocks with the edge make the same vertex.
 class VertexMaker {
  public:
-  /// `shown` = what labels show, see ShowLabels. The grid is that of the block at hand.
+  /// `grid`: of the block whose vertices are made. `shown`: the ids that each label shows, by
+  /// label.
   VertexMaker(const CellGrid& grid, double voxel_size, std::span<const ShownLabel> shown)
       : grid_(grid), voxel_size_(voxel_size), shown_(shown) {}
 
-  /// One vertex per listed edge, in their order.
+  /// Appends one vertex per listed edge, in their order.
   void Make(BlockIndex block, const CrossedEdges& edges, std::vector<MeshVertex>* vertices);
 
  private:
-  /// The distances around the edges from <= i < to of a list, of which the first lanes have the
-  /// ends.
+  /// Loads the distances around the edges `from` <= i < `to` of the list to the first lanes, which
+  /// hold the ends of these edges.
   void LoadStars(const CrossedEdges& edges, size_t from, size_t to);
-  /// Asks memory for the colours and votes at the ends of an edge.
+  /// Prefetches colours and votes at the ends of an edge.
   void PrefetchEnds(size_t lane) const;
   void LoadColors(size_t lane);
   MeshVertex VertexAt(size_t lane) const;
   ShownLabel LabelOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
-  /// Of a voxel that has votes, for what its entries say; may be one that is not canonical.
+  /// The label of a voxel with votes, of which `entries` are the palette entries, one per byte. The
+  /// label may be merged.
   SegmentLabel LabelOfVotes(const CellGrid::Place& place, uint32_t entries) const;
   SegmentLabel LabelAround(const LatticeEdge& edge) const;
   static constexpr size_t kMostAround = 3 * 3 * 4;
-  /// Which voxels around an edge have votes: bit x + 4 y + 16 z, from one below its lower end on.
+  /// The voxels around an edge that have votes: bit x + 4 y + 16 z, from one below its lower end
+  /// on.
   uint64_t VotedAround(const LatticeEdge& edge) const;
   SegmentLabel Canonical(SegmentLabel label) const {
     return Raw(label) < shown_.size() ? shown_[Raw(label)].segment : label;

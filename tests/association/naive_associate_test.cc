@@ -1,4 +1,4 @@
-// The fast association gives what the naive one gives, on maps and frames of random contents.
+// The fast association equals the naive one on random maps and frames.
 #include <gtest/gtest.h>
 
 #include "association/associate.h"
@@ -112,7 +112,7 @@ TEST(Associate, EqualsTheNaiveOneOnRandomMapsAndFrames) {
       matched += segment.label != SegmentLabel::kNone && segment.label < labels.next_label();
     together += fast.together.size();
   }
-  EXPECT_GT(matched, 100u);  // the frames met what the maps hold
+  EXPECT_GT(matched, 100u);  // the frames show labels of the maps
   EXPECT_GT(together, 100u);
 }
 

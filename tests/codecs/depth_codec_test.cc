@@ -68,7 +68,7 @@ TEST(DepthCodec, EveryTruncationIsAnErrorAndEveryFlipAnErrorOrTheSameImage) {
   ForEachMutation(EncodeDepth(image), 5000, [&](const std::vector<uint8_t>& bytes) {
     const auto decoded = DecodeDepth(bytes, 40, 30);
     accepted += decoded.has_value() ? 1 : 0;
-    // a few header bits mean nothing, and a "flip" may write the byte that was there
+    // Some bits of the header have no meaning, and the new byte may equal the old one.
     EXPECT_EQ(decoded.value_or(image), image);
   });
   EXPECT_LT(accepted, 200);

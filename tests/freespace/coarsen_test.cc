@@ -13,7 +13,7 @@ using testing_support::RandomBlock;
 using testing_support::RandomOccupancy;
 using testing_support::SnapshotOf;
 
-/// The rule, cell by cell and voxel by voxel.
+/// The rule of CoarsenOptions, voxel by voxel.
 CellState NaiveCell(const OccupancyMap& fine, VoxelIndex cell, const CoarsenOptions& options) {
   const int n = options.factor;
   int free = 0;
@@ -29,8 +29,8 @@ CellState NaiveCell(const OccupancyMap& fine, VoxelIndex cell, const CoarsenOpti
   return free >= options.free_fraction * n * n * n - 1e-6 ? CellState::kFree : CellState::kUnknown;
 }
 
-/// Blocks of whole rooms of free space with a few mixed ones, as maps are; random ones hardly ever
-/// have a cell that is free.
+/// Like a real map, mostly free blocks and a few mixed ones. Among random blocks alone hardly any
+/// cell would be free.
 OccupancyMap MostlyFree(uint64_t seed) {
   Random random(seed);
   OccupancyMap map(0.01);

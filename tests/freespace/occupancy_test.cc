@@ -16,7 +16,7 @@ using testing_support::VoxelCenter;
 
 constexpr VoxelGridOptions kGrid{0.01, 4.0};
 
-/// The state that the rule gives a voxel at `voxels` voxels from the surface.
+/// The state that the rule gives a voxel at this distance from the surface [voxels].
 CellState StateAt(double voxels, int observations, const OccupancyOptions& options = {},
                   const VoxelGridOptions& grid = kGrid) {
   Block block;

@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-/// Moves random blocks of a map to another state of observation; those that were touched.
+/// Changes random blocks of a map and returns these blocks.
 std::vector<BlockIndex> TouchSome(std::mt19937& random, SemanticMap* map) {
   std::vector<BlockIndex> touched;
   for (const BlockIndex& index : map->voxels.SortedIndices()) {

@@ -9,7 +9,7 @@
 
 namespace vismap::testing_support {
 
-/// The octree the slow way: every cell set in OctoMap, then its own pruning and writer.
+/// The octree as OctoMap makes it: every cell is set, then pruned and written by OctoMap.
 inline std::string OctomapBytes(const OccupancyMap& leaves, double resolution,
                                 UnknownPolicy unknown, const OccupancyBox& box) {
   octomap::OcTree tree(resolution);

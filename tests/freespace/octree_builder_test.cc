@@ -7,8 +7,8 @@
 #include "freespace/octomap_reference.h"
 #include "freespace/random_occupancy.h"
 
-// Whatever changed, and in whatever steps: the bytes are those of the whole map built anew, and
-// those of OctoMap's own writer.
+// After any changes in any steps, the bytes equal those of BuildOctree for the whole map, and those
+// of OctoMap's own writer.
 
 namespace vismap {
 namespace {
@@ -32,7 +32,7 @@ void ExpectSame(const Result<OctreeBytes>& a, const Result<OctreeBytes>& b) {
   EXPECT_EQ(a->bounds_W.max(), b->bounds_W.max());
 }
 
-/// Mostly free, as maps are: pruned nodes come and go.
+/// Mostly free, like real maps, so that nodes are pruned.
 BlockOccupancy NextBlock(Random* random) {
   const int kind = random->Below(8);
   if (kind < 2) return BlockOccupancy(CellState::kUnknown);
@@ -40,8 +40,8 @@ BlockOccupancy NextBlock(Random* random) {
   return RandomBlock(random);
 }
 
-/// Changes a few blocks of a box that drifts away from the origin: bounds grow, and, as old blocks
-/// become unknown again, shrink. Some are named that did not change, some twice.
+/// Changes a few blocks in a box that moves away from the origin, so that the bounds grow, and
+/// shrink when old blocks become unknown. Lists some blocks that did not change, and some twice.
 std::vector<BlockIndex> Change(int step, Random* random, OccupancyMap* map) {
   std::vector<BlockIndex> changed;
   for (int i = random->Below(12); i >= 0; --i) {
@@ -157,7 +157,7 @@ TEST(OctreeBuilder, WritesAgainOnlyWhatChangedHoweverLargeTheMap) {
     ASSERT_TRUE(builder->Build(unknown));
     EXPECT_EQ(builder->encoded_cubes(), 1);
   }
-  // One side of the bounds moves: closed, only the cubes along the old and the new side differ.
+  // One side of the bounds moves: in a closed tree only cubes at its old and new place change.
   const BlockIndex beyond{62, 30, 1};
   map.Set(beyond, BlockOccupancy(CellState::kFree));
   builder->Update(map, std::array{beyond});

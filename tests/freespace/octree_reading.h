@@ -12,7 +12,7 @@
 
 namespace vismap::testing_support {
 
-/// The octree of a map whose cells are already the leaves.
+/// The octree of a map whose cells are the leaves.
 inline Result<OctreeBytes> EncodeOctree(const OccupancyMap& leaves, double resolution,
                                         UnknownPolicy unknown,
                                         const std::optional<Eigen::AlignedBox3d>& bounds_W) {
@@ -21,7 +21,7 @@ inline Result<OctreeBytes> EncodeOctree(const OccupancyMap& leaves, double resol
   return cache.Encode(leaves, resolution, unknown, bounds_W);
 }
 
-/// The tree that OctoMap reads from a `.bt` stream; an Error where CheckOctree finds one.
+/// The tree that OctoMap reads from a `.bt` stream. Fails when CheckOctree fails.
 inline Result<std::unique_ptr<octomap::OcTree>> ReadOctree(std::span<const uint8_t> bytes,
                                                            const std::string& name) {
   const Result<OctreeStreamInfo> info = CheckOctree(bytes, name);

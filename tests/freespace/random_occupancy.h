@@ -6,7 +6,7 @@
 
 namespace vismap::testing_support {
 
-/// Small seeded generator, the same numbers everywhere.
+/// Pseudo-random numbers that depend on the seed only.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(seed) {}
@@ -36,7 +36,7 @@ inline BlockOccupancy RandomBlock(Random* random) {
   return BlockOccupancy(planes);
 }
 
-/// About `blocks` blocks in clusters around the origin, on both sides of it.
+/// About `blocks` blocks in clusters, with positive and negative indices.
 inline OccupancyMap RandomOccupancy(uint64_t seed, int blocks, double cell_size = 0.05) {
   Random random(seed);
   OccupancyMap map(cell_size);

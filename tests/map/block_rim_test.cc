@@ -7,8 +7,8 @@
 namespace vismap {
 namespace {
 
-// Whether the block at `neighbour` (-1..1) has a voxel of this one at `at` (0..7) among its own or
-// in its rim, along one axis.
+// Along one axis: whether voxel `at` (0..7) of this block lies in the block at `neighbour` (-1..1)
+// or in the rim of that block.
 bool Sees(int neighbour, int at) {
   const int there = at - kBlockSide * neighbour;
   return there >= -kRimBelow && there < kBlockSide + kRimAbove;

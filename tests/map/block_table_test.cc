@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-// Also what is neither copied nor cheap to leave behind: a table of blocks owns voxels.
+// A value that cannot be copied and owns memory, like a block, which owns voxels.
 using Owner = std::unique_ptr<int>;
 
 std::map<BlockIndex, int> Contents(const BlockTable<Owner>& table) {
@@ -61,7 +61,7 @@ TEST(BlockTable, AReaderFindsWhatTheTableFinds) {
   BlockTable<int>::Reader reader(table);
   BlockIndex index;
   int found = 0, missing = 0;
-  for (int i = 0; i < 20000; ++i) {  // mostly in the cube of the one before
+  for (int i = 0; i < 20000; ++i) {  // mostly in the cube of the last one
     index = {index.x + step(random), index.y + step(random), index.z + step(random)};
     if (i % 100 == 0) index = {coordinate(random), coordinate(random), coordinate(random)};
     const int* value = reader.Find(index);

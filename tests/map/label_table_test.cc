@@ -60,7 +60,7 @@ TEST(LabelTable, EvidenceInATenthOfTheFramesThatADetectorSawIsTooLittle) {
   LabelTable table = ThreeLabels();
   table.MutableRecord(kA).instance_evidence[InstanceId{1}] = 0.9F;
   EXPECT_EQ(table.Read(kA).instance, InstanceId::kNone);
-  table.MutableRecord(kA).frames = 1000;  // frames that no detector saw say nothing against it
+  table.MutableRecord(kA).frames = 1000;  // frames without detector do not count
   table.MutableRecord(kA).instance_evidence[InstanceId{1}] = 1.0F;
   EXPECT_EQ(table.Read(kA).instance, InstanceId{1});
 }

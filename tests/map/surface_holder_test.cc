@@ -7,7 +7,7 @@
 namespace vismap {
 namespace {
 
-/// Voxels of which `share` hold something, all of it random.
+/// Random voxels; a share of about `share` of them is not empty.
 std::unique_ptr<SurfaceVoxels> RandomVoxels(double share, size_t labels, uint32_t seed) {
   std::mt19937 random(seed);
   auto voxels = std::make_unique<SurfaceVoxels>();

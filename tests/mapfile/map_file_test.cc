@@ -43,7 +43,7 @@ std::unique_ptr<SurfaceVoxels> RandomVoxels(uint64_t* state, uint32_t labels) {
   return voxels;
 }
 
-/// A map with every kind of block, merged labels, pairs and evidence that no float rounds well.
+/// A map with every kind of block, merged labels, pairs, and evidence with all digits of a float.
 SemanticMap RandomMap(uint64_t seed, int blocks) {
   SemanticMap map(VoxelGridOptions{0.013, 4.5});
   uint64_t state = seed;
@@ -67,7 +67,7 @@ SemanticMap RandomMap(uint64_t seed, int blocks) {
   const std::vector<MaskedLabel> masked{{SegmentLabel{3}, DetectionIndex{0}, 0.3F},
                                         {SegmentLabel{12}, DetectionIndex{0}, 0.7F},
                                         {SegmentLabel{30}, DetectionIndex{0}, 0.1F}};
-  map.labels.MutableBonds().Note(masked);
+  map.labels.MutableBonds().AddFrame(masked);
   map.labels.Merge(SegmentLabel{12}, SegmentLabel{5});
   map.labels.Merge(SegmentLabel{5}, SegmentLabel{3});
   map.labels.min_instance_ratio = 0.23F;
@@ -235,7 +235,7 @@ TEST(MapFile, EveryFlippedBitIsAnError) {
   }
 }
 
-/// The file with the content of one record replaced and its checksum right again.
+/// The file with the content of one record replaced and a correct checksum.
 std::vector<uint8_t> Rewrite(const std::vector<uint8_t>& bytes, size_t which,
                              const std::vector<uint8_t>& content) {
   const auto records = mapfile::SplitRecords(bytes);

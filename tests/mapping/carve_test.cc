@@ -1,4 +1,4 @@
-// What is removed goes from the map, and nothing else does.
+// Objects that are removed from the scene disappear from the map, and nothing else does.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ using testing_support::VoxelReading;
 
 constexpr double kPlate = 1.0, kWall = 2.0;  // [m]
 
-/// A plate before the middle of a wall, as a segment of its own.
+/// A plate in front of the middle of a wall, as a segment of its own.
 SegmentedFrame WithPlate() {
   SegmentedFrame frame = LookAtWall(kWall);
   frame.image.segment_count = 2;
@@ -47,12 +47,12 @@ struct World {
   void SeeOften(const SegmentedFrame& frame, int times) {
     for (int i = 0; i < times; ++i) See(frame);
   }
-  /// Of the voxel just behind the plate's front.
+  /// The voxel just behind the front of the plate.
   VoxelReading AtPlate(double u = 80, double v = 60) const {
     const Eigen::Vector3d p = testing::SmallCamera().BackProject(u, v, kPlate + 0.01);
     return ReadVoxel(map.voxels, VoxelAt(map.voxels, p)).value();
   }
-  /// Frames without the plate until nothing of it is left inside; -1 = more than 100.
+  /// Number of frames without the plate until no voxel inside it is left; -1 = more than 100.
   int FramesUntilGone() {
     for (int frames = 1; frames <= 100; ++frames) {
       See(LookAtWall(kWall));
@@ -60,7 +60,7 @@ struct World {
     }
     return -1;
   }
-  /// Voxels that the map has inside the plate.
+  /// Number of voxels inside the plate that the map holds.
   int Inside() const {
     int inside = 0;
     for (const BlockIndex index : map.voxels.SortedIndices()) {

@@ -12,7 +12,7 @@ constexpr SegmentLabel kSeat{1}, kBack{2}, kOtherSeat{3}, kOtherBack{4}, kWheel{
 constexpr InstanceId kGlued{1};
 constexpr DetectionIndex kMaskA{0}, kMaskB{1};
 
-/// Five labels that all are of one instance.
+/// Five labels of one instance.
 LabelTable GluedChairs() {
   LabelTable table;
   table.GrowLabels(SegmentLabel{6});
@@ -38,28 +38,28 @@ const std::vector<MaskedLabel> kTwoMasks{{kSeat, kMaskA, 1.F},
 
 TEST(MaskBonds, HoldLabelsOfOneMaskAndAreLoosenedByTwo) {
   MaskBonds bonds;
-  bonds.Note(kTwoMasks);
+  bonds.AddFrame(kTwoMasks);
   EXPECT_EQ(bonds.Between(kBack, kSeat), 1);
   EXPECT_EQ(bonds.Between(kSeat, kOtherSeat), 0) << "never were one";
-  bonds.Note(kOneMask);
+  bonds.AddFrame(kOneMask);
   EXPECT_EQ(bonds.Between(kSeat, kOtherSeat), 1);
-  bonds.Note(kTwoMasks);
-  bonds.Note(kTwoMasks);
+  bonds.AddFrame(kTwoMasks);
+  bonds.AddFrame(kTwoMasks);
   EXPECT_EQ(bonds.Between(kSeat, kOtherSeat), -1);
 }
 
 TEST(MaskBonds, AreNotBeyondRepairAfterAnyNumberOfFrames) {
   MaskBonds bonds;
-  for (int i = 0; i < 1000; ++i) bonds.Note(kOneMask);
-  for (int i = 0; i < 8; ++i) bonds.Note(kTwoMasks);
+  for (int i = 0; i < 1000; ++i) bonds.AddFrame(kOneMask);
+  for (int i = 0; i < 8; ++i) bonds.AddFrame(kTwoMasks);
   EXPECT_LT(bonds.Between(kSeat, kOtherSeat), 0);
   EXPECT_EQ(bonds.Between(kSeat, kBack), MaskBonds::kMost);
 }
 
 TEST(MaskBonds, OfAMergedLabelGoToTheSurvivor) {
   MaskBonds bonds;
-  bonds.Note(kOneMask);
-  bonds.Note(kTwoMasks);
+  bonds.AddFrame(kOneMask);
+  bonds.AddFrame(kTwoMasks);
   bonds.Merge(kBack, kSeat);
   EXPECT_EQ(bonds.Between(kSeat, kOtherSeat), 0);
   EXPECT_EQ(bonds.Between(kOtherSeat, kOtherBack), 2);

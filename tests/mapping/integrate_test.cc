@@ -21,8 +21,8 @@ MapDelta Fuse(const SegmentedFrame& frame, SemanticMap& map,
   return IntegrateFrame(frame, association, options, &map);
 }
 
-// Signed distance along the ray from the camera at the origin of the voxel centre to the plane z =
-// wall.
+// Signed distance from the centre of a voxel to the plane z = wall [m], along the ray from the
+// origin.
 double RayDistance(const Eigen::Vector3d& p, double wall) { return p.norm() * (wall / p.z() - 1); }
 
 TEST(IntegrateFrame, DistancesAreExactAlongTheRays) {
@@ -155,7 +155,7 @@ TEST(IntegrateFrame, PackingBlocksOutOfViewChangesNothing) {
     SemanticMap map({0.02, 4});
     IntegrationOptions options;
     options.max_unpacked_blocks = run == 0 ? 1000000 : 0;
-    for (int i = 0; i < 40; ++i) {  // away, and back
+    for (int i = 0; i < 40; ++i) {  // away and back
       const double x = 0.2 * std::min(i, 40 - i);
       Fuse(LookAtWall(1.5, {x, 0, 0}), map, options);
     }
@@ -257,7 +257,7 @@ TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
   SegmentedFrame split = LookAtWall(1.5);
   testing::SplitAtColumn(70, split);
   testing::Detect(0, 0, ClassId{62}, split);
-  split.segments[0].score = 0.5F;  // with more, the masks would be believed
+  split.segments[0].score = 0.5F;  // a higher score would protect the labels
   for (int i = 0; i < 4; ++i)
     Fuse(split, map);  // seen once only, it would be outvoted before it could merge
   int merged = 0;
@@ -284,7 +284,7 @@ TEST(MergeLabels, PiecesThatWereMergedEarlySeparateAgainWhenLaterFramesShowThemA
   for (int i = 0; i < 6; ++i) Fuse(LookAtWall(1.5), map);
   ASSERT_EQ(map.labels.Canonical(SegmentLabel{2}), SegmentLabel{1});
   for (int i = 0; i < 12; ++i) Fuse(split, map);
-  // Each side reads out a label of its own, and a frame that shows one side alone finds that.
+  // Each side has a label of its own again, which is found in a frame that shows this side alone.
   const FrameAssociation both = Associate(split, {map.voxels, map.labels}, {});
   EXPECT_NE(both.segments[0].label, both.segments[1].label);
   for (int side = 0; side < 2; ++side) {

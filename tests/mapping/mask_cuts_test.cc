@@ -16,7 +16,7 @@ constexpr ClassId kBook{84};
 
 SemanticMap NewMap() { return SemanticMap({0.02, 4}); }
 
-// Nothing but a mask tells the left of the wall from the rest.
+// A frame in which only a mask separates the left part of the wall from the rest.
 SegmentedFrame WithMask() {
   SegmentedFrame frame = LookAtWall(1.5);
   testing::SplitAtColumn(60, frame);
@@ -108,11 +108,11 @@ TEST(Associate, ToldFromWhichLabelAMaskCutASegment) {
   FrameAssociation cut = Associate(WithMask(), {map.voxels, map.labels}, {});
   EXPECT_EQ(cut.segments[0].cut_from, SegmentLabel{1});
   EXPECT_EQ(cut.segments[1].cut_from, SegmentLabel::kNone);
-  SegmentedFrame unmasked = WithMask();  // geometry told them apart: no mask had to
+  SegmentedFrame unmasked = WithMask();  // a boundary of the geometry, not of a mask
   unmasked.segments[0].detection = DetectionIndex::kNone;
   cut = Associate(unmasked, {map.voxels, map.labels}, {});
   EXPECT_EQ(cut.segments[0].cut_from, SegmentLabel::kNone);
-  SegmentedFrame one = WithMask();  // two pieces of one thing
+  SegmentedFrame one = WithMask();  // two pieces of one object
   testing::Detect(1, 0, kBook, one);
   cut = Associate(one, {map.voxels, map.labels}, {});
   EXPECT_EQ(cut.segments[0].cut_from, SegmentLabel::kNone);

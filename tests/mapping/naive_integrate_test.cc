@@ -1,4 +1,5 @@
-// The fast integration gives the naive one's map, and finds all blocks that a frame speaks of.
+// The fast integration makes the same map as the naive one, and finds all blocks that a frame
+// changes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -118,7 +119,8 @@ TEST(IntegrateFrame, EqualsTheNaiveOneWhenVotesHalveAndAreEvicted) {
   EXPECT_GT(evicted, 0);
 }
 
-/// Whether what FindVisibleBlocks says of a block (kNothing = not listed) is true of its voxels.
+/// Whether the visibility that FindVisibleBlocks states for a block is true for its voxels;
+/// kNothing stands for a block that it does not list.
 bool IsTrue(BlockVisibility view, const naive::BlockSaid& said) {
   switch (view) {
     case BlockVisibility::kNothing:
@@ -157,7 +159,7 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
 }
 
 TEST(FindVisibleBlocks, FewOfThemSayNothing) {
-  // The sides of the view cut through more blocks than the wall: none of those beyond may be left.
+  // Of the many blocks at the sides of the view, those outside of it must not be listed.
   SegmentedFrame frame = testing::LookAtWall(2.5);
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -1).normalized();
   frame.frame.header.T_W_C.linear() = Eigen::AngleAxisd(0.7, axis).toRotationMatrix();

@@ -12,7 +12,7 @@ namespace {
 
 using Set = std::set<BlockIndex>;
 
-// Small, and across the places where runs along z begin: -64, 0, 64.
+// In a small range that includes limits of runs along z: -64, 0, 64.
 Set RandomBlocks(testing_support::RandomNumbers* random) {
   Set blocks;
   for (int i = random->Whole(0, 60); i > 0; --i)

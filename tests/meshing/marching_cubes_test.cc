@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <octomap/octomap_types.h>
-// Needs the types before it.
+// Needs the types of octomap_types.h.
 #include <octomap/MCTables.h>
 
 #include <set>
@@ -27,7 +27,7 @@ AnalyticRegion Region(double half, int observations = 5) {
           .observations = observations};
 }
 
-// Off the lattice, so that no block or voxel border is special.
+// Not on the lattice, so that the surface does not coincide with borders of voxels or blocks.
 const Vector3d kCenter(0.013, -0.027, 0.031);
 constexpr double kRadius = 0.31;
 
@@ -43,7 +43,7 @@ SemanticMap SphereMap() {
   return MakeAnalyticMap(scene, Region(0.6), kGrid);
 }
 
-// Everything solid and everything empty by a coin per voxel: all 256 cube cases side by side.
+// Every voxel is solid or empty at random, which gives all 256 cases of a cell.
 SemanticMap NoiseMap(uint64_t seed) {
   SemanticMap map(kGrid);
   uint64_t state = seed;

@@ -1,4 +1,4 @@
-// The fast mesh has the naive one's triangles, colours and labels.
+// The fast mesh has the same triangles, colours and labels as the naive one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,20 +61,20 @@ TEST(MeshBlocks, EqualsTheNaiveOneAfterEveryFrame) {
   EXPECT_GT(triangles, 1000u);
 }
 
-// Says something else of a voxel.
+// Changes a voxel at random.
 void Change(size_t voxel, RandomNumbers* random, SurfaceVoxels& voxels) {
   voxels.distance[voxel] = static_cast<int16_t>(random->Whole(-20000, 20000));
   voxels.weight[voxel] = static_cast<uint16_t>(random->Whole(0, 500));
   voxels.observations[voxel] = 9;
   voxels.color[voxel] = {static_cast<uint8_t>(random->Whole(0, 255)), 1, 2};
   voxels.slot_label[voxel] = {};
-  if (!random->Chance(0.1)) return;  // else no vertex would look for votes beside its edge
+  if (!random->Chance(0.1)) return;  // so that vertices look for votes beside their edge
   voxels.slot_label[voxel][0] = static_cast<uint8_t>(random->Whole(1, 9));
   voxels.slot_votes[voxel][0] = 200;
 }
 
 TEST(AffectedBy, CoversTheSurfacesThatAVoxelChanges) {
-  // All voxels are seen and near the surface, so that none counts for nothing.
+  // All voxels are seen and near the surface, so that each affects the mesh.
   RandomNumbers random(8);
   SemanticMap map({0.05, 4});
   std::vector<BlockIndex> blocks;
@@ -108,7 +108,7 @@ TEST(AffectedBy, CoversTheSurfacesThatAVoxelChanges) {
     affected_once |= differ;
     before = std::move(after);
   }
-  // Some look at this block for nothing but votes, and seldom.
+  // Some neighbours use only votes of this block, and seldom.
   EXPECT_GE(std::popcount(affected_once), 22);
 }
 
@@ -130,7 +130,7 @@ TEST(ExtractSurface, EqualsTheNaiveOne) {
     const MeshingOptions options = RandomOptions(seed);
     const SemanticMap map = MapRandomFrames(seed, [](const SemanticMap&, const MapDelta&) {});
     const std::vector<BlockIndex> held = map.voxels.SortedIndices();
-    std::vector<BlockIndex> blocks;  // with all whose cells reach into those
+    std::vector<BlockIndex> blocks;  // and all blocks whose cells reach into these
     for (const BlockIndex& block : held) {
       for (int i = 0; i < 8; ++i)
         blocks.push_back({block.x - (i & 1), block.y - (i >> 1 & 1), block.z - (i >> 2)});
@@ -147,7 +147,7 @@ TEST(ExtractSurface, EqualsTheNaiveOne) {
   }
 }
 
-/// A voxel with votes for none to three of six labels, with more or less of them by region.
+/// A voxel with votes for up to three of six labels; how many depends on the region.
 void VoteAtRandom(double chance, int voxel, SurfaceVoxels* voxels, RandomNumbers* random) {
   const auto i = static_cast<size_t>(voxel);
   if (!random->Chance(chance)) return;

@@ -27,7 +27,7 @@ struct TestSphere {
   double radius;
 };
 
-/// Shapes in the camera frame; a shape's number is its place in planes, then spheres, from 0.
+/// Shapes in the camera frame. They are numbered from 0, planes first, then spheres.
 struct TestScene {
   std::vector<TestPlane> planes;
   std::vector<TestSphere> spheres;
@@ -71,7 +71,7 @@ inline TestView Render(const TestScene& scene, const PinholeCamera& camera = kVg
   return view;
 }
 
-/// Normal deviates that are the same everywhere (splitmix64 and Box-Muller).
+/// Normally distributed numbers that are the same on every machine (splitmix64 and Box-Muller).
 class TestNoise {
  public:
   explicit TestNoise(uint64_t seed) : state_(seed) {}
@@ -90,8 +90,8 @@ class TestNoise {
   uint64_t state_;
 };
 
-/// Depth as a sensor of the model sees it: noise that is alike over blocks of `block` pixels,
-/// bilinear in between, then rounded to disparity steps.
+/// Depth as a sensor of this model measures it: noise per block of `block` pixels, interpolated
+/// bilinearly between their centres, then rounded to disparity steps.
 inline Image<float> AddNoise(const Image<float>& depth, const DepthNoiseModel& model, int block,
                              uint64_t seed) {
   TestNoise noise(seed);

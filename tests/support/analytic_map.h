@@ -19,7 +19,7 @@ struct AnalyticScene {
   std::function<Rgb8(const Eigen::Vector3d&)> color{};
 };
 
-/// The part of the world that was "seen", and how often.
+/// The part of the world that was seen, and how often.
 struct AnalyticRegion {
   Eigen::Vector3d min_W = Eigen::Vector3d::Constant(-1);  ///< [m]
   Eigen::Vector3d max_W = Eigen::Vector3d::Constant(1);   ///< voxels with their centre inside
@@ -47,7 +47,7 @@ inline void SetVote(SurfaceVoxels* voxels, int offset, SegmentLabel label, int v
   voxels->slot_votes[i][0] = static_cast<uint8_t>(votes);
 }
 
-// What the map would hold of one block; nothing when no voxel of it was seen.
+// Builds one block of the map.
 struct BlockBuilder {
   std::unique_ptr<SurfaceVoxels> surface = std::make_unique<SurfaceVoxels>();
   std::unique_ptr<FreeVoxels> free = std::make_unique<FreeVoxels>();
@@ -128,7 +128,7 @@ inline SemanticMap MakeAnalyticMap(const AnalyticScene& scene, const AnalyticReg
   return map;
 }
 
-/// Says that `label` was seen in `frames` frames, all with a detector, and that in
+/// Records that `label` was seen in `frames` frames, all with a detector, and that in
 /// `frames_with_instance` of them a detection of `class_id` made it part of `instance`.
 inline void AddEvidence(SemanticMap* map, SegmentLabel label, InstanceId instance, ClassId class_id,
                         int frames, int frames_with_instance) {

@@ -21,7 +21,7 @@ inline Eigen::Vector3d InBox(const Eigen::Vector3d& p) {
   return Eigen::AngleAxisd(-kYaw, Eigen::Vector3d::UnitZ()) * (p - kBoxCenter);
 }
 
-// A floor, a turned box of two segments that stands on it, and a ball.
+// A floor with a box on it, turned and of two segments, and a ball.
 inline SemanticMap AnalyticRoom() {
   const auto box = [](const Eigen::Vector3d& p) {
     return BoxDistance(InBox(p), Eigen::Vector3d::Zero(), kBoxHalf);

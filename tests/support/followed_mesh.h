@@ -16,12 +16,12 @@ inline bool SameVertex(const MeshVertex& a, const MeshVertex& b) {
          a.segment == b.segment;
 }
 
-/// The surface of a map, meshed after every frame where the changes of the frame said.
+/// The mesh of a map, updated after every frame in the blocks that BlocksToMesh names.
 class FollowedMesh {
  public:
   explicit FollowedMesh(const MeshingOptions& options) : options_(options) {}
 
-  /// Labels as they were voted for: which of them were merged is told otherwise.
+  /// Updates the mesh after a frame. Vertices show the labels as voted for, whether merged or not.
   void Follow(const SemanticMap& map, const MapDelta& delta) {
     const auto blocks = BlocksToMesh(map.voxels, delta.changes());
     for (BlockMesh& block : MeshEachBlock(map, blocks, {}, options_))
@@ -40,10 +40,10 @@ class FollowedMesh {
     }
   }
 
-  /// Blocks with a surface that were compared.
+  /// Number of blocks with a surface that were compared.
   size_t surfaces() const { return surfaces_; }
-  /// Blocks that were meshed, and that would have been, had all been meshed around each that
-  /// changed.
+  /// Number of blocks that were meshed, and that would have been if all voxels of each changed
+  /// block had changed.
   size_t meshed() const { return meshed_; }
   size_t whole() const { return whole_; }
 

@@ -31,7 +31,7 @@ inline std::optional<std::string> RecordedSequence(const std::string& name) {
   return path.string();
 }
 
-/// What a frame's mapping starts from.
+/// The input of the pipeline for one frame.
 struct InputFrame {
   RgbdFrame frame;
   std::optional<DetectionSet> detections;  ///< nullopt = no detector looked
@@ -39,7 +39,7 @@ struct InputFrame {
   const DetectionSet* Detections() const { return detections ? &*detections : nullptr; }
 };
 
-/// A sequence with its detections, read frame by frame. Throws what the files are wrong with.
+/// A sequence with its detections, read frame by frame. Throws when the files are faulty.
 class InputSequence {
  public:
   explicit InputSequence(const std::string& path, const DatasetOptions& options = {})
@@ -87,9 +87,9 @@ inline SemanticMap MapFast(const std::vector<InputFrame>& inputs, const VoxelGri
   return map;
 }
 
-/// The same by the naive stages, but for the surface: the naive one's normals have other last
-/// digits, which move a pixel of a segment's border in some frames. They are compared by
-/// themselves.
+/// The same by the naive stages, except the surface: the normals of the naive surface differ in the
+/// last digits, which moves a pixel at the border of a segment in some frames. A test of its own
+/// compares them.
 inline SemanticMap MapNaively(const std::vector<InputFrame>& inputs, const VoxelGridOptions& grid) {
   SemanticMap map(grid);
   for (const InputFrame& input : inputs) {

@@ -7,7 +7,7 @@
 
 namespace vismap::testing_support {
 
-/// Up to eight rectangular masks, also beyond the image's border.
+/// Up to eight rectangular masks, which may extend beyond the image.
 inline DetectionSet RandomDetections(const PinholeCamera& camera, RandomNumbers* random) {
   DetectionSet set;
   for (int i = random->Whole(0, 8); i > 0; --i) {

@@ -10,7 +10,7 @@
 
 namespace vismap::testing_support {
 
-/// Numbers that a seed gives, the same everywhere.
+/// Pseudo-random numbers that depend on the seed only.
 class RandomNumbers {
  public:
   explicit RandomNumbers(uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 1) {}
@@ -34,7 +34,7 @@ class RandomNumbers {
   uint64_t state_;
 };
 
-/// A camera with a wide view and image sizes as asked for.
+/// A camera with a wide angle of view and this image size.
 inline PinholeCamera RandomCamera(int width, int height, RandomNumbers* random) {
   const double focal = std::max(width, 8) * random->Real(0.7, 1.1);
   return {width,
@@ -80,7 +80,7 @@ inline void Disturb(RandomNumbers* random, Image<float>* depth) {
   for (int i = w * h / 50; i > 0; --i) somewhere(static_cast<float>(random->Real(0.1, 10)), 1);
 }
 
-/// What a sensor sees of a random scene.
+/// Depth of a random scene as a sensor measures it.
 inline Image<float> RandomDepth(const PinholeCamera& camera, RandomNumbers* random) {
   const Image<float> exact = Render(RandomScene(random), camera).depth;
   const auto seed = static_cast<uint64_t>(random->Whole(1, 1 << 30));
@@ -107,7 +107,7 @@ inline RgbdFrame RandomFrame(const PinholeCamera& camera, RandomNumbers* random)
   return frame;
 }
 
-/// Image sizes at which loops over strips, tiles and bands have their ends.
+/// Image sizes that leave incomplete strips, tiles and bands at the border.
 inline constexpr std::pair<int, int> kOddSizes[] = {{1, 1},   {2, 1},   {1, 3},    {15, 4},
                                                     {16, 16}, {17, 33}, {31, 65},  {32, 7},
                                                     {37, 29}, {64, 48}, {161, 119}};

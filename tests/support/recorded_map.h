@@ -22,7 +22,7 @@ inline std::string BenchSequence() {
 }
 
 /// Integrates up to `frames` frames of a sequence without detections; calls
-/// `each(map, delta)` after every one. Throws what a sequence fails with.
+/// `each(map, delta)` after every one. Throws when the sequence cannot be read.
 template <typename Each>
 SemanticMap MakeRecordedMap(const std::string& path, int frames, const VoxelGridOptions& grid,
                             const Each& each) {
