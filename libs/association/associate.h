@@ -52,7 +52,7 @@ struct AssociationOptions {
 std::vector<std::string> Validate(const AssociationOptions& options);
 
 /// Matches the frame's segments to the map's labels, and its detections to the map's instances
-/// (Grinvald 2019, Sec. III-C; libs/METHOD.md, "Association"). Both are matched one to one, the
+/// (Grinvald 2019, Sec. III-C; libs/METHOD.md, Association). Both are matched one to one, the
 /// pair with the largest overlap or evidence first; ties go to the lower segment or detection, then
 /// to the lower label or instance.
 FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,

@@ -10,7 +10,7 @@
 namespace vismap {
 
 // This room classifies the map into free, occupied and unknown space for planners, and makes
-// octrees of it: libs/METHOD.md, "Free space".
+// octrees of it. The method is described in libs/METHOD.md, Free space.
 
 enum class CellState : uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
 
@@ -52,7 +52,7 @@ class BlockOccupancy {
 };
 
 /// When a voxel counts as occupied or free, by its signed distance d and the voxel size v. All
-/// other voxels are unknown. See libs/METHOD.md, "Free space".
+/// other voxels are unknown. See libs/METHOD.md, Free space.
 struct OccupancyOptions {
   double occupied_max_voxels = 1.0;  ///< occupied: d <= this many v, also behind the surface
   double free_min_voxels = 2.0;      ///< free: d >= this many v, or d = the truncation distance

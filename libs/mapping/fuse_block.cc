@@ -172,7 +172,7 @@ bool FrameProjection::HasKeptLabels(const SurfaceVoxels& voxels) const {
                      [this](SegmentLabel label) { return labels_.cuts.IsKept(label); });
 }
 
-// Whether a protected label leads at a voxel: it has at least two votes, and no other label has
+// Whether a kept label leads at a voxel: it has at least two votes, and no other label has
 // more. Where others have more, it may be only the rim of an inexact mask.
 bool FrameProjection::IsHeldByKept(const SurfaceVoxels& voxels, size_t voxel) const {
   const auto& votes = voxels.slot_votes[voxel];

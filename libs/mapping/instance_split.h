@@ -16,7 +16,7 @@ struct InstanceSplit {
 
 /// Updates the bonds of the table (see MaskBonds) with the labels under the masks of one frame,
 /// then splits instances that cover two objects, mostly because an earlier mask covered both. Not
-/// in the paper; see "Splitting instances" in libs/METHOD.md, "Labels and instances".
+/// in the paper; see "Splitting instances" in libs/METHOD.md, Labels and instances.
 ///
 /// An instance is split when two of its labels lie under different masks of this frame and their
 /// bond is at most -`split_frames`; 0 = never. Each of its other labels joins the one of the two to

@@ -103,7 +103,7 @@ bool BelongToDifferentObjects(SegmentLabel a, SegmentLabel b, const LabelTable& 
 }
 
 // Merges labels that were on one segment in enough more frames than on two: they are one piece of
-// surface. Pairs with a protected label are not counted: without a mask, depth shows both as one
+// surface. Pairs with a kept label are not counted: without a mask, depth shows both as one
 // segment in every frame.
 void MergeLabels(const FrameAssociation& association, const MaskCuts& cuts, double merge_frames,
                  LabelTable& labels, MapDelta& delta) {

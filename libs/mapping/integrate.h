@@ -51,11 +51,11 @@ struct IntegrationOptions {
   /// SplitInstances; 0 = never.
   double split_frames = 2.0;
 
-  /// A label with more evidence of masks than this [frames x score x overlap] is protected from
-  /// frames that do not show it, see MaskCuts; 0 = never.
+  /// A label with more evidence of masks than this [frames x score x overlap] is kept in frames
+  /// that do not show it, see MaskCuts; 0 = never.
   double mask_evidence = 2.0;
-  /// Where a mask cuts a protected label out of another one, each vote for it takes so many votes
-  /// from the other.
+  /// Where a mask cuts such a label out of another one, each vote for it removes so many votes for
+  /// the other.
   int cut_votes = 2;
 
   // Carving: a surface that was removed or moved disappears once the camera measures depth clearly
@@ -84,8 +84,8 @@ std::vector<std::string> Validate(const IntegrationOptions& options);
 
 /// Fuses one associated frame into the map (Grinvald 2019, Sec. III-D). No other function changes a
 /// map. Every voxel of the visible blocks is projected into the image once; the result does not
-/// depend on the number of threads. Formulas and departures from the published code:
-/// libs/METHOD.md, "Integration" and "Labels and instances".
+/// depend on the number of threads. Formulas and departures from the published code are in
+/// libs/METHOD.md, Integration.
 MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
                         const IntegrationOptions& options, SemanticMap* map);
 

@@ -8,7 +8,7 @@ namespace {
 // Share of a label's frames with a detector that its evidence must reach.
 constexpr double kLeastShare = 0.25;
 
-bool IsProtected(const LabelRecord& record, double min_evidence) {
+bool HasEnoughMasks(const LabelRecord& record, double min_evidence) {
   double evidence = 0;
   for (const auto& [class_id, amount] : record.class_evidence)
     evidence += static_cast<double>(amount);
@@ -21,16 +21,16 @@ bool IsProtected(const LabelRecord& record, double min_evidence) {
 MaskCuts::MaskCuts(const FrameAssociation& association, const LabelTable& labels,
                    double min_evidence)
     : cut_from_(association.segments.size(), SegmentLabel::kNone) {
-  if (min_evidence <= 0) return;  // no label is protected
+  if (min_evidence <= 0) return;  // no label is kept
   const std::vector<LabelRecord>& records = labels.records();
   kept_.assign(records.size() + 1, 0);
-  for (size_t i = 0; i < records.size(); ++i) kept_[i + 1] = IsProtected(records[i], min_evidence);
+  for (size_t i = 0; i < records.size(); ++i) kept_[i + 1] = HasEnoughMasks(records[i], min_evidence);
   for (size_t s = 0; s < cut_from_.size(); ++s) {
     const FrameAssociation::Segment& match = association.segments[s];
     if (Raw(match.label) < kept_.size() && kept_[Raw(match.label)] != 0)
       cut_from_[s] = match.cut_from;
   }
-  // A label on a segment of this frame gets its votes from that segment and needs no protection.
+  // A label on a segment of this frame gets its votes from that segment and need not be kept.
   for (const FrameAssociation::Segment& match : association.segments) {
     if (Raw(match.label) < kept_.size()) kept_[Raw(match.label)] = 0;
   }

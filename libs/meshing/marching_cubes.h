@@ -8,7 +8,8 @@
 #include "meshing/mesh.h"
 #include "meshing/shown_label.h"
 
-// This room makes triangle meshes of a map and never changes it: libs/METHOD.md, "Meshing".
+// This room makes triangle meshes of a map and never changes it. The method is described in
+// libs/METHOD.md, Meshing.
 
 namespace vismap {
 

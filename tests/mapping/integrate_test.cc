@@ -257,7 +257,7 @@ TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
   SegmentedFrame split = LookAtWall(1.5);
   testing::SplitAtColumn(70, split);
   testing::Detect(0, 0, ClassId{62}, split);
-  split.segments[0].score = 0.5F;  // a higher score would protect the labels
+  split.segments[0].score = 0.5F;  // with more, the masks would keep both labels
   for (int i = 0; i < 4; ++i)
     Fuse(split, map);  // seen once only, it would be outvoted before it could merge
   int merged = 0;
