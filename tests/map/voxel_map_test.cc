@@ -7,6 +7,7 @@
 namespace vismap {
 namespace {
 
+using testing_support::ReadVoxel;
 using testing_support::VoxelAt;
 using testing_support::VoxelCenter;
 
@@ -21,18 +22,18 @@ TEST(VoxelMap, VoxelsOfNegativeCoordinatesFallInTheRightBlock) {
 
 TEST(VoxelMap, TellsUnseenFromSeenEmpty) {
   VoxelMap map({0.01, 4});
-  EXPECT_FALSE(map.Read(VoxelIndex{0, 0, 0}));
+  EXPECT_FALSE(ReadVoxel(map, VoxelIndex{0, 0, 0}));
   Block& block = map.FindOrCreate({0, 0, 0});
-  EXPECT_FALSE(map.Read(VoxelIndex{0, 0, 0}));
+  EXPECT_FALSE(ReadVoxel(map, VoxelIndex{0, 0, 0}));
   block.free = std::make_unique<FreeVoxels>();
   block.free->once[0] = 1;
-  ASSERT_TRUE(map.Read(VoxelIndex{0, 0, 0}));
-  EXPECT_EQ(map.Read(VoxelIndex{0, 0, 0})->observations, 1);
-  EXPECT_FALSE(map.Read(VoxelIndex{1, 0, 0}));
+  ASSERT_TRUE(ReadVoxel(map, VoxelIndex{0, 0, 0}));
+  EXPECT_EQ(ReadVoxel(map, VoxelIndex{0, 0, 0})->observations, 1);
+  EXPECT_FALSE(ReadVoxel(map, VoxelIndex{1, 0, 0}));
   block.free.reset();
   block.all_free = true;
-  EXPECT_EQ(map.Read(VoxelIndex{1, 0, 0})->observations, 2);
-  EXPECT_FLOAT_EQ(map.Read(VoxelIndex{1, 0, 0})->distance, 0.04F);
+  EXPECT_EQ(ReadVoxel(map, VoxelIndex{1, 0, 0})->observations, 2);
+  EXPECT_FLOAT_EQ(ReadVoxel(map, VoxelIndex{1, 0, 0})->distance, 0.04F);
 }
 
 TEST(VoxelMap, ListsBlocksInAscendingOrder) {

@@ -11,6 +11,7 @@
 #include "support/analytic_map.h"
 #include "support/mesh_blocks.h"
 #include "support/mesh_checks.h"
+#include "support/sphere_map.h"
 #include "support/voxel_reading.h"
 
 namespace vismap {
@@ -19,33 +20,9 @@ namespace {
 using namespace testing_support;
 using Eigen::Vector3d;
 
-constexpr VoxelGridOptions kGrid{.voxel_size = 0.02, .truncation_voxels = 4};
-
-AnalyticRegion Region(double half, int observations = 5) {
-  return {.min_W = Vector3d::Constant(-half),
-          .max_W = Vector3d::Constant(half),
-          .observations = observations};
-}
-
-// Not on the lattice, so that the surface does not coincide with borders of voxels or blocks.
-const Vector3d kCenter(0.013, -0.027, 0.031);
-constexpr double kRadius = 0.31;
-
-SemanticMap SphereMap() {
-  const AnalyticScene scene{
-      .distance = [](const Vector3d& p) { return SphereDistance(p, kCenter, kRadius); },
-      .label =
-          [](const Vector3d& p) { return p.x() < kCenter.x() ? SegmentLabel{1} : SegmentLabel{2}; },
-      .color =
-          [](const Vector3d&) {
-            return Rgb8{10, 200, 30};
-          }};
-  return MakeAnalyticMap(scene, Region(0.6), kGrid);
-}
-
 // Every voxel is solid or empty at random, which gives all 256 cases of a cell.
 SemanticMap NoiseMap(uint64_t seed) {
-  SemanticMap map(kGrid);
+  SemanticMap map(kSphereGrid);
   uint64_t state = seed;
   const auto next = [&state] {
     state += 0x9E3779B97F4A7C15ull;
@@ -79,8 +56,8 @@ TEST(ExtractSurface, SphereHasTheTrueRadiusAndNormals) {
   const Mesh mesh = ExtractSurface(SphereMap());
   ASSERT_GT(mesh.vertices.size(), 1000u);
   for (const MeshVertex& vertex : mesh.vertices) {
-    const Vector3d from_center = vertex.position_W.cast<double>() - kCenter;
-    EXPECT_NEAR(from_center.norm(), kRadius, 0.1 * kGrid.voxel_size);
+    const Vector3d from_center = vertex.position_W.cast<double>() - kSphereCenter;
+    EXPECT_NEAR(from_center.norm(), kSphereRadius, 0.1 * kSphereGrid.voxel_size);
     EXPECT_NEAR(vertex.normal_W.norm(), 1, 1e-5);
     EXPECT_GT(vertex.normal_W.cast<double>().dot(from_center.normalized()), 0.9995);
     EXPECT_EQ(vertex.color, (Rgb8{10, 200, 30}));
@@ -96,25 +73,25 @@ TEST(ExtractSurface, SphereIsClosedAndFacesOut) {
   EXPECT_EQ(static_cast<long>(mesh.vertices.size() + mesh.triangles.size()) -
                 static_cast<long>(edges.paired),
             2);
-  const double truth = 4.0 / 3 * 3.14159265358979 * kRadius * kRadius * kRadius;
+  const double truth = 4.0 / 3 * 3.14159265358979 * kSphereRadius * kSphereRadius * kSphereRadius;
   EXPECT_NEAR(EnclosedVolume(mesh), truth, 0.01 * truth);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vector3d corner = mesh.vertices[mesh.triangles[i][0]].position_W.cast<double>();
-    ASSERT_GT(FaceVector(mesh, i).dot(corner - kCenter), 0);
+    ASSERT_GT(FaceVector(mesh, i).dot(corner - kSphereCenter), 0);
   }
 }
 
 TEST(ExtractSurface, BoxHasTheTrueVolume) {
   const Vector3d half(0.2, 0.11, 0.15);
   const AnalyticScene scene{
-      .distance = [&](const Vector3d& p) { return BoxDistance(p, kCenter, half); }};
-  const Mesh mesh = ExtractSurface(MakeAnalyticMap(scene, Region(0.5), kGrid));
+      .distance = [&](const Vector3d& p) { return BoxDistance(p, kSphereCenter, half); }};
+  const Mesh mesh = ExtractSurface(MakeAnalyticMap(scene, CubeRegion(0.5), kSphereGrid));
   const EdgeUse edges = CountEdges(mesh);
   EXPECT_EQ(edges.border + edges.nonmanifold, 0u);
   EXPECT_NEAR(EnclosedVolume(mesh), 8 * half.prod(), 0.02 * 8 * half.prod());
   for (const MeshVertex& vertex : mesh.vertices) {
-    EXPECT_NEAR(BoxDistance(vertex.position_W.cast<double>(), kCenter, half), 0,
-                0.3 * kGrid.voxel_size);
+    EXPECT_NEAR(BoxDistance(vertex.position_W.cast<double>(), kSphereCenter, half), 0,
+                0.3 * kSphereGrid.voxel_size);
   }
 }
 
@@ -147,12 +124,12 @@ TEST(ExtractSurface, PlaneThroughBlockBordersHasNoCracksAndNoDoubles) {
   // Exactly in the border between two blocks, and exactly through voxel centres.
   for (const double height : {0.16, 0.17}) {
     const AnalyticScene scene{.distance = [&](const Vector3d& p) { return p.z() - height; }};
-    const Mesh mesh = ExtractSurface(MakeAnalyticMap(scene, Region(0.5), kGrid));
+    const Mesh mesh = ExtractSurface(MakeAnalyticMap(scene, CubeRegion(0.5), kSphereGrid));
     std::set<std::array<float, 3>> positions;
     for (const MeshVertex& vertex : mesh.vertices) {
       const auto& p = vertex.position_W;
       EXPECT_TRUE(positions.insert({p.x(), p.y(), p.z()}).second);
-      EXPECT_NEAR(p.z(), height, 0.011 * kGrid.voxel_size);
+      EXPECT_NEAR(p.z(), height, 0.011 * kSphereGrid.voxel_size);
       EXPECT_GT(vertex.normal_W.z(), 0.9999F);
     }
     // 50 voxel centres per axis make a grid of 49 x 49 cells, whose rim has 4 x 49 edges.
@@ -167,8 +144,8 @@ TEST(ExtractSurface, PlaneThroughBlockBordersHasNoCracksAndNoDoubles) {
 TEST(ExtractSurface, VerticesBelongToTheSideTheyLieOn) {
   const Mesh mesh = ExtractSurface(SphereMap());
   for (const MeshVertex& vertex : mesh.vertices) {
-    const double side = vertex.position_W.x() - kCenter.x();
-    if (std::abs(side) < kGrid.voxel_size) continue;
+    const double side = vertex.position_W.x() - kSphereCenter.x();
+    if (std::abs(side) < kSphereGrid.voxel_size) continue;
     EXPECT_EQ(vertex.segment, side < 0 ? SegmentLabel{1} : SegmentLabel{2});
   }
 }
@@ -198,9 +175,10 @@ TEST(ExtractSurface, SurfaceWithoutVotesTakesTheLabelNextToIt) {
 }
 
 TEST(ExtractSurface, GatesOnWeightAndObservations) {
-  const AnalyticScene scene{
-      .distance = [](const Vector3d& p) { return SphereDistance(p, kCenter, kRadius); }};
-  const SemanticMap map = MakeAnalyticMap(scene, Region(0.6, 3), kGrid);
+  const AnalyticScene scene{.distance = [](const Vector3d& p) {
+    return SphereDistance(p, kSphereCenter, kSphereRadius);
+  }};
+  const SemanticMap map = MakeAnalyticMap(scene, CubeRegion(0.6, 3), kSphereGrid);
   EXPECT_FALSE(ExtractSurface(map, {.min_observations = 3}).triangles.empty());
   EXPECT_TRUE(ExtractSurface(map, {.min_observations = 4}).triangles.empty());
   EXPECT_FALSE(ExtractSurface(map, {.min_weight = 2.9}).triangles.empty());
@@ -211,7 +189,7 @@ TEST(ExtractSurface, JumpBetweenTwoSurfacesIsNoSurface) {
   // Left half: deep behind a surface; right half: free. Nothing was seen in between.
   const AnalyticScene scene{
       .distance = [](const Vector3d& p) { return p.x() < 0 ? -0.99 * 4 * 0.02 : 1.0; }};
-  const SemanticMap map = MakeAnalyticMap(scene, Region(0.3), kGrid);
+  const SemanticMap map = MakeAnalyticMap(scene, CubeRegion(0.3), kSphereGrid);
   EXPECT_TRUE(ExtractSurface(map).triangles.empty());
   EXPECT_FALSE(ExtractSurface(map, {.jump_fraction = 1.1}).triangles.empty());
 }
@@ -219,9 +197,10 @@ TEST(ExtractSurface, JumpBetweenTwoSurfacesIsNoSurface) {
 TEST(ExtractSurface, SmallFloatingPiecesAreDroppedOnRequest) {
   const Vector3d speck(0.45, 0.45, 0.45);
   const AnalyticScene scene{.distance = [&](const Vector3d& p) {
-    return std::min(SphereDistance(p, kCenter, kRadius), SphereDistance(p, speck, 0.025));
+    return std::min(SphereDistance(p, kSphereCenter, kSphereRadius),
+                    SphereDistance(p, speck, 0.025));
   }};
-  const SemanticMap map = MakeAnalyticMap(scene, Region(0.6), kGrid);
+  const SemanticMap map = MakeAnalyticMap(scene, CubeRegion(0.6), kSphereGrid);
   const Mesh all = ExtractSurface(map, {.min_component_triangles = 0});
   const Mesh cleaned = ExtractSurface(map, {.min_component_triangles = 200});
   EXPECT_LT(cleaned.triangles.size(), all.triangles.size());
@@ -233,7 +212,7 @@ TEST(ExtractSurface, SmallFloatingPiecesAreDroppedOnRequest) {
 
 TEST(ExtractSurface, SurfaceBetweenAFreeBlockAndASurfaceBlockIsKept) {
   // The surface lies half a voxel beyond the border of a block that only holds free voxels.
-  SemanticMap map(kGrid);
+  SemanticMap map(kSphereGrid);
   map.voxels.FindOrCreate({-1, 0, 0}).all_free = true;
   auto voxels = std::make_unique<SurfaceVoxels>();
   voxels->weight.fill(128);
@@ -244,7 +223,7 @@ TEST(ExtractSurface, SurfaceBetweenAFreeBlockAndASurfaceBlockIsKept) {
 }
 
 TEST(ExtractSurface, EmptyMapGivesEmptyMesh) {
-  const Mesh mesh = ExtractSurface(SemanticMap(kGrid));
+  const Mesh mesh = ExtractSurface(SemanticMap(kSphereGrid));
   EXPECT_TRUE(mesh.vertices.empty());
   EXPECT_TRUE(mesh.triangles.empty());
 }
@@ -282,8 +261,10 @@ TEST(MeshBlocks, FollowingChangesGivesTheSameAsStartingOver) {
   };
   apply(MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels)));
   // Change a block that the surface passes, and erase another.
-  const BlockIndex changed = BlockOf(VoxelAt(map.voxels, kCenter + Vector3d(kRadius, 0, 0)));
-  const BlockIndex erased = BlockOf(VoxelAt(map.voxels, kCenter - Vector3d(0, kRadius, 0)));
+  const BlockIndex changed =
+      BlockOf(VoxelAt(map.voxels, kSphereCenter + Vector3d(kSphereRadius, 0, 0)));
+  const BlockIndex erased =
+      BlockOf(VoxelAt(map.voxels, kSphereCenter - Vector3d(0, kSphereRadius, 0)));
   for (int16_t& d : map.voxels.FindMutable(changed)->surface->distance) {
     d = static_cast<int16_t>(std::max(d - 3000, -32767));
   }
