@@ -279,9 +279,11 @@ def check_references(root):
         for file in sorted((root / folder).rglob("*")):
             if file.suffix not in (".h", ".cc"):
                 continue
+            where = file.relative_to(root)
+            if UNWANTED in file.read_text(errors="replace"):
+                yield f"{where}: refers to {UNWANTED}"
             text = re.sub(r"\s*\n\s*//[/<]*\s*", " ", file.read_text(errors="replace"))
             for name, section in re.findall(r"\b((?:libs|procs|config|tests)/[A-Z]+\.md)(?:, ([A-Z][a-z]*(?: [a-z]+)*))?", text):
-                where = file.relative_to(root)
                 if not (root / name).is_file():
                     yield f"{where}: there is no {name}"
                 elif section and not any(section.lower().replace(" ", "-").startswith(anchor) for anchor in anchors(root / name)):
@@ -308,6 +310,13 @@ class DocumentsTest(unittest.TestCase):
         found = {str(path.relative_to(ROOT)) for path in documents(ROOT)}
         self.assertLessEqual({"README.md", "config/README.md", "libs/README.md", "libs/METHOD.md", "procs/README.md",
                               "tests/README.md"}, found)
+
+
+    def test_rooms_are_those_of_check_layers(self):
+        sys.path.insert(0, str(ROOT / "scripts"))
+        import check_layers
+        rows = re.findall(r"^\| `(\w+)` \|[^|]*\|([^|]*)\|[^|]*\|$", (ROOT / "libs/README.md").read_text(), re.MULTILINE)
+        self.assertEqual({room: re.findall(r"\w+", below) for room, below in rows}, check_layers.LIBS)
 
 
 class CheckerTest(unittest.TestCase):
@@ -388,6 +397,8 @@ class CheckerTest(unittest.TestCase):
         self.assertEqual(self.problems(""), ["libs/map/block.h: libs/README.md has no section Halls"])
         self.write("libs/map/block.h", "/// See libs/WAY.md.\n")
         self.assertEqual(self.problems(""), ["libs/map/block.h: there is no libs/WAY.md"])
+        self.write("libs/map/block.h", f"/// See {UNWANTED} 1.\n")
+        self.assertEqual(self.problems(""), [f"libs/map/block.h: refers to {UNWANTED}"])
 
     def test_length_and_what_is_not_here(self):
         self.assertEqual(self.problems("a\n" * MOST_README_LINES), [])
