@@ -50,6 +50,9 @@ extern const DatasetFormat kScanNetFormat;
 extern const DatasetFormat kReplicaFormat;
 extern const DatasetFormat kRedwoodFormat;
 
+/// Frames per second of the formats whose files hold no times.
+inline constexpr double kUsualRate = 30;
+
 /// The time of frame `number` of a camera with `rate` frames per second [us].
 int64_t UtimeAtRate(int64_t number, double rate);
 

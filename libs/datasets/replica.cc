@@ -11,18 +11,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRate = 30;
-
 bool LooksLikeReplica(const fs::path& folder) {
   return fs::is_directory(folder / "results") && fs::exists(folder / "traj.txt");
 }
 
-struct Parameters {
+struct ReplicaCamera {
   PinholeCamera camera;
   double scale = 0;
 };
 
-Result<Parameters> ReadParameters(const fs::path& folder) {
+Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
   fs::path path = folder / "cam_params.json";
   if (!fs::exists(path)) path = folder.parent_path() / "cam_params.json";
   const Result<std::string> text = ReadTextFile(path);
@@ -43,13 +41,13 @@ Result<Parameters> ReadParameters(const fs::path& folder) {
     return Fail(path.string() + ": camera.scale is " + std::to_string(scale) +
                 "; expected 1 or more depth steps a metre");
   }
-  return Parameters{
+  return ReplicaCamera{
       {(*camera)["w"].get<int>(), (*camera)["h"].get<int>(), (*camera)["fx"].get<double>(),
        (*camera)["fy"].get<double>(), (*camera)["cx"].get<double>(), (*camera)["cy"].get<double>()},
       scale};
 }
 
-Result<void> SetPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
+Result<void> SetReplicaPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
   std::vector<Result<Pose>> poses;
@@ -73,15 +71,15 @@ Result<void> SetPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
 }
 
 Result<SequenceFiles> ListReplica(const fs::path& folder) {
-  const Result<Parameters> parameters = ReadParameters(folder);
+  const Result<ReplicaCamera> parameters = ReadReplicaCamera(folder);
   if (!parameters) return Fail(parameters.error().message);
   Result<std::vector<FrameFiles>> frames = PairByNumber(
       {folder / "results", "frame", {".jpg", ".png"}}, {folder / "results", "depth", {".png"}});
   if (!frames) return Fail(frames.error().message);
-  if (const auto set = SetPoses(folder / "traj.txt", &*frames); !set) {
+  if (const auto set = SetReplicaPoses(folder / "traj.txt", &*frames); !set) {
     return Fail(set.error().message);
   }
-  for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, kRate);
+  for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, kUsualRate);
   return SequenceFiles{.camera = parameters->camera,
                        .depth_from = {},
                        .color_camera = {},

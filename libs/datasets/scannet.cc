@@ -11,14 +11,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRate = 30;
-
 bool LooksLikeScanNet(const fs::path& folder) {
   return fs::is_directory(folder / "color") && fs::is_directory(folder / "depth") &&
          fs::is_directory(folder / "pose");
 }
 
-Result<PinholeCamera> ReadIntrinsics(const fs::path& path) {
+Result<PinholeCamera> ReadScanNetIntrinsics(const fs::path& path) {
   const Result<std::vector<double>> k = ReadNumbers(path, 16);
   if (!k) return Fail(k.error().message);
   return PinholeCamera{.fx = (*k)[0], .fy = (*k)[5], .cx = (*k)[2], .cy = (*k)[6]};
@@ -32,7 +30,7 @@ Result<std::optional<PinholeCamera>> FindColorCamera(const fs::path& folder,
   if (!info) return Fail(info.error().message);
   if (info->width == depth_camera.width && info->height == depth_camera.height) return std::nullopt;
   const fs::path path = folder / "intrinsic" / "intrinsic_color.txt";
-  Result<PinholeCamera> camera = ReadIntrinsics(path);
+  Result<PinholeCamera> camera = ReadScanNetIntrinsics(path);
   if (!camera) return Fail(camera.error().message);
   camera->width = info->width;
   camera->height = info->height;
@@ -44,7 +42,7 @@ Result<std::optional<PinholeCamera>> FindColorCamera(const fs::path& folder,
 
 Result<SequenceFiles> ListScanNet(const fs::path& folder) {
   const Result<PinholeCamera> intrinsics =
-      ReadIntrinsics(folder / "intrinsic" / "intrinsic_depth.txt");
+      ReadScanNetIntrinsics(folder / "intrinsic" / "intrinsic_depth.txt");
   if (!intrinsics) return Fail(intrinsics.error().message);
   Result<std::vector<FrameFiles>> frames =
       PairByNumber({folder / "color", "", {".jpg", ".png"}}, {folder / "depth", "", {".png"}});
@@ -54,7 +52,7 @@ Result<SequenceFiles> ListScanNet(const fs::path& folder) {
     Result<Result<Pose>> pose = ReadPoseFile(folder / "pose" / name);
     if (!pose) return Fail(pose.error().message);
     frame.T_W_C = std::move(*pose);
-    frame.utime = UtimeAtRate(frame.number, kRate);
+    frame.utime = UtimeAtRate(frame.number, kUsualRate);
   }
   const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, *frames);
   if (!camera) return Fail(camera.error().message);

@@ -96,7 +96,7 @@ Result<void> SetTimes(const fs::path& folder, double rate, std::vector<FrameFile
   return {};
 }
 
-Result<void> SetPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
+Result<void> SetLoggedPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
   const Result<std::vector<LoggedPose>> log = ReadTrajectoryLog(path);
   if (!log) return Fail(log.error().message);
   std::map<int64_t, const Result<Pose>*> poses;
@@ -125,7 +125,7 @@ Result<SequenceFiles> ListSceneNn(const fs::path& folder) {
   if (!frames) return Fail(frames.error().message);
   if (const auto set = SetTimes(folder, ini->rate, &*frames); !set)
     return Fail(set.error().message);
-  if (const auto set = SetPoses(folder / "trajectory.log", &*frames); !set) {
+  if (const auto set = SetLoggedPoses(folder / "trajectory.log", &*frames); !set) {
     return Fail(set.error().message);
   }
   return SequenceFiles{.camera = ini->camera,

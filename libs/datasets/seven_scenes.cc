@@ -8,7 +8,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRate = 30;
 // The intrinsics that the authors of the data set give for its depth camera.
 constexpr PinholeCamera kDefaultCamera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
 
@@ -30,7 +29,7 @@ bool LooksLikeSevenScenes(const fs::path& folder) {
   return poses && depths && !poses->empty() && !depths->empty();
 }
 
-Result<PinholeCamera> ReadIntrinsics(const fs::path& path) {
+Result<PinholeCamera> ReadSevenScenesIntrinsics(const fs::path& path) {
   if (!fs::exists(path)) return kDefaultCamera;
   const Result<std::vector<double>> k = ReadNumbers(path, 9);
   if (!k) return Fail(k.error().message);
@@ -60,9 +59,10 @@ Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
     Result<Result<Pose>> pose = ReadPoseFile(folder / name);
     if (!pose) return Fail(pose.error().message);
     frame.T_W_C = std::move(*pose);
-    frame.utime = UtimeAtRate(frame.number, kRate);
+    frame.utime = UtimeAtRate(frame.number, kUsualRate);
   }
-  const Result<PinholeCamera> intrinsics = ReadIntrinsics(folder / "camera-intrinsics.txt");
+  const Result<PinholeCamera> intrinsics =
+      ReadSevenScenesIntrinsics(folder / "camera-intrinsics.txt");
   if (!intrinsics) return Fail(intrinsics.error().message);
   const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, *frames);
   if (!camera) return Fail(camera.error().message);

@@ -23,7 +23,7 @@ int Fragments(const InstanceMatches& groups, size_t truth) {
   return fragments;
 }
 
-double Mean(const std::vector<double>& values) {
+double MeanOf(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value;
   return sum / static_cast<double>(values.size());
@@ -40,7 +40,7 @@ DiscoveryScore Summarise(const std::vector<double>& ious) {
   };
   score.recall25 = share_above(0.25);
   score.recall50 = share_above(0.5);
-  score.mean_iou = Mean(ious);
+  score.mean_iou = MeanOf(ious);
   return score;
 }
 
@@ -77,7 +77,7 @@ AnyClassScore ScoreAnyClass(const GroundTruth& truth, const TransferredLabels& l
   }
   score.known = Summarise(known);
   score.unknown = Summarise(unknown);
-  if (!fragments.empty()) score.fragments_per_object = Mean(fragments);
+  if (!fragments.empty()) score.fragments_per_object = MeanOf(fragments);
   if (structure.points > 0) score.structure_named_object = structure.share();
   return score;
 }

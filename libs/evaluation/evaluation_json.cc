@@ -23,7 +23,7 @@ Json Share(const std::optional<double>& value, int digits) {
   return Rounded(*value, digits);
 }
 
-Json Percent(const std::optional<double>& value, int digits = 1) {
+Json JsonPercent(const std::optional<double>& value, int digits = 1) {
   if (!value) return nullptr;
   return Rounded(100 * *value, digits);
 }
@@ -42,18 +42,18 @@ void AddCommonFigures(const Evaluation& e, Json* json) {
   (*json)["completeness_5cm"] = Length(e.surface.completeness, &DistanceSummary::within_radius);
   (*json)["classes"] = Json::object();
   for (const ClassEvaluation& result : e.classes) {
-    if (result.ranked.ap50) (*json)["classes"][result.known.name] = Percent(result.ranked.ap50);
+    if (result.ranked.ap50) (*json)["classes"][result.known.name] = JsonPercent(result.ranked.ap50);
   }
   (*json)["pred_instances"] = e.pred_instances;
-  (*json)["mAP50"] = Percent(e.ranked_mean.ap50);
-  (*json)["mAP50_95"] = Percent(e.ranked_mean.ap);
+  (*json)["mAP50"] = JsonPercent(e.ranked_mean.ap50);
+  (*json)["mAP50_95"] = JsonPercent(e.ranked_mean.ap);
   const AnyClassScore& any = e.any_class;
   (*json)["objects_known"] = any.known.objects;
-  (*json)["recall25_known"] = Percent(any.known.recall25);
-  (*json)["recall50_known"] = Percent(any.known.recall50);
+  (*json)["recall25_known"] = JsonPercent(any.known.recall25);
+  (*json)["recall50_known"] = JsonPercent(any.known.recall50);
   (*json)["objects_unknown"] = any.unknown.objects;
-  (*json)["discovery25_unknown"] = Percent(any.unknown.recall25);
-  (*json)["discovery50_unknown"] = Percent(any.unknown.recall50);
+  (*json)["discovery25_unknown"] = JsonPercent(any.unknown.recall25);
+  (*json)["discovery50_unknown"] = JsonPercent(any.unknown.recall50);
   (*json)["mean_iou_known"] = Share(any.known.mean_iou, 3);
   (*json)["mean_iou_unknown"] = Share(any.unknown.mean_iou, 3);
   (*json)["fragments_per_object"] = Share(any.fragments_per_object, 2);
@@ -62,7 +62,9 @@ void AddCommonFigures(const Evaluation& e, Json* json) {
 }
 
 Json ToJson(const ScanNetAp& ap) {
-  return {{"AP25", Percent(ap.ap25, 2)}, {"AP50", Percent(ap.ap50, 2)}, {"AP", Percent(ap.ap, 2)}};
+  return {{"AP25", JsonPercent(ap.ap25, 2)},
+          {"AP50", JsonPercent(ap.ap50, 2)},
+          {"AP", JsonPercent(ap.ap, 2)}};
 }
 
 Json ToJson(const std::optional<ScanNetAp>& ap) { return ap ? ToJson(*ap) : Json(nullptr); }
@@ -85,18 +87,15 @@ Json ScanNetJson(const Evaluation& e) {
 }
 
 Json ToJson(const PanopticScore& score) {
-  return {{"PQ", Percent(score.pq(), 2)},
-          {"SQ", Percent(score.sq(), 2)},
-          {"RQ", Percent(score.rq(), 2)},
-          {"true_positives", score.true_positives},
-          {"false_positives", score.false_positives},
-          {"false_negatives", score.false_negatives}};
+  return {{"PQ", JsonPercent(score.pq(), 2)},         {"SQ", JsonPercent(score.sq(), 2)},
+          {"RQ", JsonPercent(score.rq(), 2)},         {"true_positives", score.true_positives},
+          {"false_positives", score.false_positives}, {"false_negatives", score.false_negatives}};
 }
 
 Json PanopticJson(const Evaluation& e) {
-  Json json = {{"PQ", Percent(e.panoptic.pq, 2)},
-               {"SQ", Percent(e.panoptic.sq, 2)},
-               {"RQ", Percent(e.panoptic.rq, 2)},
+  Json json = {{"PQ", JsonPercent(e.panoptic.pq, 2)},
+               {"SQ", JsonPercent(e.panoptic.sq, 2)},
+               {"RQ", JsonPercent(e.panoptic.rq, 2)},
                {"any_class", ToJson(e.any_class_panoptic)},
                {"classes", Json::object()}};
   for (const ClassEvaluation& result : e.classes) {

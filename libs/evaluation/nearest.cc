@@ -7,16 +7,6 @@
 namespace vismap {
 namespace {
 
-struct Cloud {
-  std::vector<Eigen::Vector3d> points;
-  size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(size_t i, size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // Collects the neighbours that a search finds, ordered by distance and then by index. The library
 // only offers points that are strictly nearer than worstDist(). So that ties do not depend on the
 // order of its tree, worstDist() is the next larger number than the distance of the last neighbour.
@@ -52,6 +42,15 @@ class TiedResults {
 }  // namespace
 
 struct NearestPoints::Tree {
+  struct Cloud {
+    std::vector<Eigen::Vector3d> points;
+    size_t kdtree_get_point_count() const { return points.size(); }
+    double kdtree_get_pt(size_t i, size_t axis) const { return points[i][static_cast<int>(axis)]; }
+    template <typename Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
   using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
                                                     Cloud, 3, size_t>;
   explicit Tree(std::vector<Eigen::Vector3d> points)

@@ -11,21 +11,20 @@ namespace vismap {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 using ClassNames = std::map<std::string, std::string>;  // raw_category -> nyu40class
 
 const std::string kMeshEnding = "_vh_clean_2.ply";
 
-Result<Json> ReadJson(const fs::path& path) {
+Result<nlohmann::json> ReadJson(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return tl::unexpected(text.error());
-  Json json = Json::parse(*text, nullptr, false);
+  nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object()) return Fail(path.string() + ": expected a JSON object");
   return json;
 }
 
 Result<std::vector<int64_t>> ReadSegments(const fs::path& path, size_t vertices) {
-  const Result<Json> json = ReadJson(path);
+  const Result<nlohmann::json> json = ReadJson(path);
   if (!json) return tl::unexpected(json.error());
   const auto found = json->find("segIndices");
   if (found == json->end() || !found->is_array() || found->size() != vertices) {
@@ -33,7 +32,7 @@ Result<std::vector<int64_t>> ReadSegments(const fs::path& path, size_t vertices)
                 std::to_string(vertices) + " vertices");
   }
   std::vector<int64_t> segments;
-  for (const Json& segment : *found) {
+  for (const nlohmann::json& segment : *found) {
     if (!segment.is_number_integer())
       return Fail(path.string() + ": segIndices: expected integers, found " + segment.dump());
     segments.push_back(segment.get<int64_t>());
@@ -91,19 +90,19 @@ TrueObject ToObject(int64_t id, const std::string& raw, const ClassNames& names)
 
 Result<void> ReadObjects(const fs::path& path, const ClassNames& names,
                          const std::vector<int64_t>& segments, GroundTruth* truth) {
-  const Result<Json> json = ReadJson(path);
+  const Result<nlohmann::json> json = ReadJson(path);
   if (!json) return tl::unexpected(json.error());
   std::map<int64_t, uint32_t> label_of;
   try {
-    for (const Json& group : json->at("segGroups")) {
+    for (const nlohmann::json& group : json->at("segGroups")) {
       const auto id = group.at("objectId").get<int64_t>();
       if (id < 0 || id >= std::numeric_limits<uint32_t>::max())
         return Fail(path.string() + ": objectId is " + std::to_string(id));
       truth->objects.push_back(ToObject(id, group.at("label").get<std::string>(), names));
-      for (const Json& segment : group.at("segments"))
+      for (const nlohmann::json& segment : group.at("segments"))
         label_of[segment.get<int64_t>()] = truth->objects.back().label;
     }
-  } catch (const Json::exception& error) {
+  } catch (const nlohmann::json::exception& error) {
     return Fail(path.string() +
                 ": expected segGroups of objectId, label, segments: " + error.what());
   }

@@ -15,8 +15,6 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kRowGrain = 8;
-
 /// A square window of radius r knows the slope to about sqrt(3)/2 sigma / r^2 per pixel; the normal
 /// errs by that times f z, and both by the noise's correlation length more. `gain` solves for r.
 SurfaceConstants MakeConstants(const PinholeCamera& camera, const SurfaceOptions& options) {
@@ -68,7 +66,7 @@ void ReachAlongRow(int v, SurfaceMap* out) {
 
 void ComputeReach(SurfaceMap* out) {
   const int width = out->joined.width(), height = out->joined.height();
-  ParallelFor(static_cast<size_t>(height), kRowGrain,
+  ParallelFor(static_cast<size_t>(height), kSurfaceRowGrain,
               [&](size_t v) { ReachAlongRow(static_cast<int>(v), out); });
   PixelReach& reach = out->reach;
   std::fill_n(reach.up.row(0), width, uint8_t{0});
@@ -112,7 +110,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   const auto rows = static_cast<size_t>(camera.height);
   InverseDepth inverse{Image<float>::Unset(camera.width, camera.height),
                        Image<float>::Unset(camera.width, camera.height)};
-  ParallelFor(rows, kRowGrain, [&](size_t row) {
+  ParallelFor(rows, kSurfaceRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     PreparePixels(
         {depth.row(v), out.points_C.x.row(v), out.points_C.y.row(v), out.points_C.z.row(v),
@@ -120,7 +118,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
         constants, static_cast<float>((v - camera.cy) / camera.fy), camera.width);
   });
   constants.jump = static_cast<float>(JumpSigmas(inverse.w, inverse.sigma, options.jump_sigmas));
-  ParallelFor(rows, kRowGrain,
+  ParallelFor(rows, kSurfaceRowGrain,
               [&](size_t row) { JoinRow(inverse, constants, static_cast<int>(row), &out); });
   ComputeReach(&out);
   if (options.method == NormalMethod::kWindowCovariance) {

@@ -10,8 +10,6 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kRowGrain = 8;
-
 /// Sums over the horizontal window of every pixel, x counted from that pixel. Rows are padded with
 /// zeros to whole strips.
 struct RowSums {
@@ -99,9 +97,9 @@ void FitNormals(const InverseDepth& inverse, const PinholeCamera& camera, double
   for (Image<float>* sum : {&sums.n, &sums.x, &sums.xx, &sums.w, &sums.xw}) {
     *sum = Image<float>::Unset(padded_width, height);
   }
-  ParallelFor(rows, kRowGrain,
+  ParallelFor(rows, kSurfaceRowGrain,
               [&](size_t v) { SumRow(inverse, surface->reach, static_cast<int>(v), &sums); });
-  ParallelFor(rows, kRowGrain, [&](size_t v) {
+  ParallelFor(rows, kSurfaceRowGrain, [&](size_t v) {
     for (int u = 0; u < width; u += kPlaneStrip) {
       FitStrip(inverse, camera, correlation, &sums, static_cast<int>(v), u, surface);
     }

@@ -4,6 +4,9 @@
 
 namespace vismap {
 
+/// Rows of an image that a thread takes at a time while a surface is computed.
+inline constexpr size_t kSurfaceRowGrain = 8;
+
 /// Inverse depth [1/m] and its standard deviation; both 0 = no return.
 struct InverseDepth {
   Image<float> w, sigma;

@@ -8,7 +8,7 @@
 
 namespace vismap {
 namespace {
-constexpr double kHeartbeat = 1.0;  // [s]
+constexpr double kMeshHeartbeat = 1.0;  // [s]
 }  // namespace
 
 void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
@@ -35,7 +35,7 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
 
 void MeshPublisher::Heartbeat(const SemanticMap& map) {
   if (tracker_.revision() < 0 || has_changes()) return;
-  if (MonotonicSeconds() - last_published_ < kHeartbeat) return;
+  if (MonotonicSeconds() - last_published_ < kMeshHeartbeat) return;
   Send(map, {tracker_.revision(), tracker_.revision(), 0, 1, {}});
 }
 

@@ -8,8 +8,8 @@
 namespace vismap {
 
 namespace {
-constexpr size_t kBlocksPerDelta = 8192;  // at most a few hundred kilobytes compressed
-constexpr double kHeartbeat = 1.0;        // [s]
+constexpr size_t kBlocksPerDelta = 8192;     // at most a few hundred kilobytes compressed
+constexpr double kOccupancyHeartbeat = 1.0;  // [s]
 }  // namespace
 
 void OccupancyPublisher::Start(const SemanticMap& map, const std::string& map_id) {
@@ -45,7 +45,7 @@ void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosi
 }
 
 void OccupancyPublisher::Heartbeat() {
-  if (MonotonicSeconds() - last_published_ < kHeartbeat) return;
+  if (MonotonicSeconds() - last_published_ < kOccupancyHeartbeat) return;
   Publish(position_.revision, {cell_size_, false, {}});
 }
 
