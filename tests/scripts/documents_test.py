@@ -318,6 +318,13 @@ class DocumentsTest(unittest.TestCase):
         rows = re.findall(r"^\| `(\w+)` \|[^|]*\|([^|]*)\|[^|]*\|$", (ROOT / "libs/README.md").read_text(), re.MULTILINE)
         self.assertEqual({room: re.findall(r"\w+", below) for room, below in rows}, check_layers.LIBS)
 
+    def test_every_folder_of_procs_is_described(self):
+        text = (ROOT / "procs/README.md").read_text()
+        for folder in (ROOT / "procs").iterdir():
+            program = "vismap-" + folder.name.removesuffix("_tool").replace("_", "-")
+            if folder.is_dir():
+                self.assertTrue(f"| `{folder.name}` |" in text or f"| `{program}` |" in text, folder.name)
+
 
 class CheckerTest(unittest.TestCase):
     """The checks find what they should in a small made-up tree, and nothing else."""
