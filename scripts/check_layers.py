@@ -35,6 +35,7 @@ LIBS = {
 PROCS = {
     "wire": ["codecs", "exports"],
     "runtime": ["wire"],
+    "requests": ["runtime"],
     "logs": ["wire", "simulation"],
     "queueing": ["runtime"],
     "hub": ["queueing", "settings"],

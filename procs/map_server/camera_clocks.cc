@@ -2,12 +2,12 @@
 
 namespace vismap {
 
-std::optional<std::string> CameraClocks::Note(const FrameKey& frame) {
+std::optional<std::string> CameraClocks::Check(const FrameKey& frame) {
   const auto [entry, first] = last_.try_emplace(frame.camera_id, frame.utime);
   const int64_t last = entry->second;
   entry->second = frame.utime;
   if (first) return std::nullopt;
-  // Without overflow, whatever the two times are.
+  // Unsigned, since the difference of two times may not fit into int64_t.
   const bool backward = frame.utime < last;
   const uint64_t step = backward ? static_cast<uint64_t>(last) - static_cast<uint64_t>(frame.utime)
                                  : static_cast<uint64_t>(frame.utime) - static_cast<uint64_t>(last);

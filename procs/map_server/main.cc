@@ -9,17 +9,18 @@ using namespace vismap;
 
 Outcome Serve(ProcessContext& context, const VismapConfig& config) {
   MapServer server(config, context.bus, context.status);
+  LiveMap& map = server.map();
   if (config.map_server.recover || !config.map_server.load.empty()) {
     const Result<std::string> loaded =
-        config.map_server.recover ? server.Recover() : server.Load(config.map_server.load);
+        config.map_server.recover ? map.Recover() : map.Load(config.map_server.load);
     if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
     LogInfo(*loaded);
   }
-  context.status->Set(ProcessState::kReady, server.StatusMessage());
+  context.status->Set(ProcessState::kReady, map.StatusMessage());
   context.bus->Run();
   context.status->Set(ProcessState::kStopping);
   if (config.map_server.save_on_exit.empty()) return {};
-  const Result<std::string> saved = server.Save("");
+  const Result<std::string> saved = map.Save("");
   if (!saved) return ExitWith(ExitCode::kFailed, saved.error().message);
   LogInfo(*saved);
   return {};

@@ -2,15 +2,17 @@
 
 #include <utility>
 
-#include "runtime/clock.h"
 #include "wire/mesh_follower.h"
 #include "wire/mesh_update.h"
 
 namespace vismap {
+<<<<<<< HEAD
 namespace {
 constexpr double kMeshHeartbeat = 1.0;  // [s]
 }  // namespace
 
+=======
+>>>>>>> 4612be4 (wip)
 void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
   map_id_ = map_id;
   tracker_.Start(map);
@@ -35,7 +37,11 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
 
 void MeshPublisher::Heartbeat(const SemanticMap& map) {
   if (tracker_.revision() < 0 || has_changes()) return;
+<<<<<<< HEAD
   if (MonotonicSeconds() - last_published_ < kMeshHeartbeat) return;
+=======
+  if (!heartbeat_pacer_.due()) return;
+>>>>>>> 4612be4 (wip)
   Send(map, {tracker_.revision(), tracker_.revision(), 0, 1, {}});
 }
 
@@ -50,7 +56,7 @@ void MeshPublisher::Send(const SemanticMap& map, MeshPart part) {
   update.block_size = map.voxels.block_size();
   update.mesh = {part.revision, std::move(part.blocks)};
   bus_->Publish(kMeshDeltaChannel, Encode(update));
-  last_published_ = MonotonicSeconds();
+  heartbeat_pacer_.Restart();
 }
 
 std::string MeshPublisher::DigestOf(const SemanticMap& map, const MeshingOptions& options) {

@@ -5,6 +5,7 @@
 #include "mapping/integrate.h"
 #include "objects/mesh_tracker.h"
 #include "runtime/bus.h"
+#include "runtime/pacer.h"
 #include "wire/update_sequence.h"
 
 namespace vismap {
@@ -42,7 +43,7 @@ class MeshPublisher {
   MeshTracker tracker_;
   Bus* bus_;
   std::string map_id_;
-  double last_published_ = 0;  // MonotonicSeconds
+  Pacer heartbeat_pacer_{1.0};
 };
 
 }  // namespace vismap

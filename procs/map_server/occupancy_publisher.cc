@@ -2,14 +2,17 @@
 
 #include <utility>
 
-#include "runtime/clock.h"
 #include "wire/map_update.h"
 
 namespace vismap {
 
 namespace {
+<<<<<<< HEAD
 constexpr size_t kBlocksPerDelta = 8192;     // at most a few hundred kilobytes compressed
 constexpr double kOccupancyHeartbeat = 1.0;  // [s]
+=======
+constexpr size_t kBlocksPerDelta = 8192;  // at most a few hundred kilobytes compressed
+>>>>>>> 4612be4 (wip)
 }  // namespace
 
 void OccupancyPublisher::Start(const SemanticMap& map, const std::string& map_id) {
@@ -45,7 +48,11 @@ void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosi
 }
 
 void OccupancyPublisher::Heartbeat() {
+<<<<<<< HEAD
   if (MonotonicSeconds() - last_published_ < kOccupancyHeartbeat) return;
+=======
+  if (!heartbeat_pacer_.due()) return;
+>>>>>>> 4612be4 (wip)
   Publish(position_.revision, {cell_size_, false, {}});
 }
 
@@ -54,7 +61,7 @@ void OccupancyPublisher::Publish(int64_t base_revision, OccupancyDelta delta) {
                    1,      std::move(delta)};
   for (const MapUpdate& part : SplitUpdate(std::move(update), kBlocksPerDelta))
     bus_->Publish(kMapDeltaChannel, Encode(part));
-  last_published_ = MonotonicSeconds();
+  heartbeat_pacer_.Restart();
 }
 
 }  // namespace vismap

@@ -5,6 +5,7 @@
 
 #include "freespace/occupancy_watch.h"
 #include "runtime/bus.h"
+#include "runtime/pacer.h"
 #include "wire/update_sequence.h"
 
 namespace vismap {
@@ -41,7 +42,7 @@ class OccupancyPublisher {
   double cell_size_ = 0;       // [m]
   FollowerPosition position_;  // that followers reach by what was published
   int64_t utime_ = 0;
-  double last_published_ = 0;  // MonotonicSeconds
+  Pacer heartbeat_pacer_{1.0};
 };
 
 }  // namespace vismap

@@ -1,20 +1,23 @@
 #include "octomap_exporter/exporter.h"
 
 #include <filesystem>
-#include <vismap/map_reply_t.hpp>
 
-#include "runtime/clock.h"
 #include "runtime/log.h"
 #include "wire/octree_message.h"
 
 namespace vismap {
 
 Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
-    : config_(config), bus_(bus), status_(status), catch_up_(bus, "snapshot") {
+    : config_(config),
+      bus_(bus),
+      status_(status),
+      catch_up_(bus, "snapshot"),
+      export_pacer_(config.octomap_exporter.period),
+      requests_(
+          RequestReceiver::kOctomapExporter, [this] { return follower_.position(); }, bus, status) {
   bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
                                [this](const map_delta_t& message) { return OnDelta(message); });
-  bus_->Subscribe<map_request_t>(kMapRequestChannel,
-                                 [this](const map_request_t& request) { OnRequest(request); });
+  HandleRequests();
   bus_->Every(0.2, [this] { OnTimer(); });
   catch_up_.Ask(follower_.position());
 }
@@ -42,16 +45,14 @@ bool Exporter::has_news() const { return follower_.in_sync() && follower_.positi
 
 void Exporter::OnTimer() {
   if (!follower_.in_sync()) catch_up_.Ask(follower_.position());
-  if (config_.octomap_exporter.period <= 0 || !has_news() || MonotonicSeconds() < export_due_)
-    return;
-  const double start = MonotonicSeconds();
-  const Result<std::string> exported = Export();
-  if (!exported) LogWarningSometimes("export", exported.error().message);
-  const double end = MonotonicSeconds();
-  export_due_ = end + std::max(config_.octomap_exporter.period, 4 * (end - start));
+  if (config_.octomap_exporter.period <= 0 || !has_news()) return;
+  export_pacer_.RunIfDue([&] {
+    const Result<std::string> exported = Export();
+    if (!exported) LogWarningSometimes("export", exported.error().message);
+  });
 }
 
-Result<void> Exporter::BringUpToDate() {
+Result<void> Exporter::UpdateOctree() {
   const OccupancyMap& map = *follower_.occupancy();
   const OccupancyChanges changes = follower_.TakeChanges();
   if (octree_ && !changes.everywhere) {
@@ -72,7 +73,7 @@ Result<void> Exporter::BringUpToDate() {
 Result<std::string> Exporter::Export() {
   if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
   const StageTimer timer(status_, "export");
-  if (const Result<void> done = BringUpToDate(); !done) return tl::unexpected(done.error());
+  if (const Result<void> done = UpdateOctree(); !done) return tl::unexpected(done.error());
   OctreeMessage message{
       follower_.utime(),       follower_.position().map_id, follower_.position().revision,
       config_.grid.voxel_size, config_.free_space,          {}};
@@ -102,25 +103,16 @@ Result<std::string> Exporter::WriteFiles() {
          "/octree.bt and octree.closed.bt";
 }
 
-void Exporter::OnRequest(const map_request_t& request) {
-  if (!request.verb.starts_with("octomap")) return;  // the map server's
-  map_reply_t reply{};
-  reply.utime = WallUtime();
-  reply.requester = request.source;
-  reply.request_id = request.request_id;
-  reply.map_id = follower_.position().map_id;
-  reply.revision = follower_.position().revision;
-  if (request.verb == "octomap") {
+void Exporter::HandleRequests() {
+  requests_.Handle("octomap", [this](const map_request_t&) -> Result<Answer> {
     const Result<std::string> exported = Export();
-    reply.ok = exported.has_value();
-    reply.message = exported ? *exported : exported.error().message;
-  } else if (request.verb == "octomap-digest") {
-    reply.ok = follower_.occupancy().has_value();
-    reply.message = reply.ok ? follower_.occupancy()->Digest() : "no map yet";
-  } else {
-    reply.message = "unknown request '" + request.verb + "'; known are octomap, octomap-digest";
-  }
-  bus_->Publish(kMapReplyChannel, reply);
+    if (!exported) return tl::unexpected(exported.error());
+    return Answer{*exported};
+  });
+  requests_.Handle("octomap-digest", [this](const map_request_t&) -> Result<Answer> {
+    if (!follower_.occupancy()) return Fail("no map yet");
+    return Answer{follower_.occupancy()->Digest()};
+  });
 }
 
 }  // namespace vismap

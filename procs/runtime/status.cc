@@ -105,6 +105,11 @@ void Status::Publish() {
   bus_->Publish(kStatusChannel, message);
 }
 
+Stopwatch StageTimings(Status* status) {
+  return {MonotonicSeconds,
+          [status](const char* stage, double ms) { status->AddTiming(stage, ms); }};
+}
+
 StageTimer::StageTimer(Status* status, std::string stage)
     : status_(status), stage_(std::move(stage)), start_(MonotonicSeconds()) {}
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/stopwatch.h"
 #include "runtime/bus.h"
 #include "runtime/service_manager.h"
 
@@ -54,6 +55,9 @@ class Status {
   std::map<std::string, int64_t> counters_;
   std::map<std::string, std::vector<double>> timings_ms_;
 };
+
+/// Adds the durations that it measures to `status`, which must outlive it.
+Stopwatch StageTimings(Status* status);
 
 /// Adds the time from its making to its end to `status`: `StageTimer timer(status,
 /// "segmentation");`

@@ -1,0 +1,70 @@
+#include "map_server/answers.h"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/class_names.h"
+#include "exports/objects_json.h"
+#include "exports/ply.h"
+#include "exports/statistics.h"
+#include "freespace/octree.h"
+
+namespace vismap {
+namespace {
+
+std::vector<uint8_t> Bytes(const std::string& text) { return {text.begin(), text.end()}; }
+
+// The box of a request that has one.
+Eigen::AlignedBox3d BoxOf(const map_request_t& request) {
+  return {Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W)};
+}
+
+}  // namespace
+
+Result<ObjectQuery> QueryOf(const map_request_t& request) {
+  Result<ObjectQuery> query = ParseObjectQuery(request.argument);
+  if (query && request.has_bbx) query->region_W = BoxOf(request);
+  return query;
+}
+
+Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query,
+                             const std::vector<ObjectSummary>& objects) {
+  const Result<std::vector<ObjectSummary>> selected = SelectObjects(objects, query);
+  if (!selected) return tl::unexpected(selected.error());
+  return Answer{std::to_string(selected->size()) + " objects and segments", "json",
+                Bytes(ObjectsJson(session.metadata().map_id, *selected, ClassName))};
+}
+
+Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {
+  const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
+  return {std::to_string(products.mesh.triangles.size()) + " triangles", "ply",
+          EncodePly(products.mesh, {session.metadata().map_id, {}})};
+}
+
+Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,
+                            const OutputOptions& outputs) {
+  OctreeOptions options;
+  options.resolution = request.resolution_m > 0 ? request.resolution_m : outputs.octree_resolution;
+  options.free_fraction = outputs.octree_free_fraction;
+  options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
+                                                                       : UnknownPolicy::kAbsent;
+  if (request.has_bbx) options.bounds_W = BoxOf(request);
+  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(session.map(), outputs.occupancy), options);
+  if (!octree) return tl::unexpected(octree.error());
+  return Answer{std::to_string(octree->nodes) + " nodes", "bt", std::move(octree->bytes)};
+}
+
+Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest) {
+  auto json = nlohmann::ordered_json::parse(StatisticsJson(session.map(), session.metadata()));
+  json["occupancy_digest"] = occupancy_digest;
+  return {json["hash"].get<std::string>(), "json", Bytes(json.dump())};
+}
+
+Answer AnswerFrames(const MapSession& session) {
+  auto frames = nlohmann::json::array();
+  for (const CameraPose& pose : session.metadata().trajectory)
+    frames.push_back({Raw(pose.camera_id), pose.utime});
+  return {std::to_string(frames.size()) + " frames", "json", Bytes(frames.dump())};
+}
+
+}  // namespace vismap

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "exports/outputs.h"
+#include "objects/object_query.h"
+#include "requests/request_server.h"
+#include "session/map_session.h"
+
+namespace vismap {
+
+// What a map server answers to requests that only read the map. See map_request_t for the meaning
+// of each verb.
+
+/// "objects": which objects the request asks for.
+Result<ObjectQuery> QueryOf(const map_request_t& request);
+/// "objects": those of `objects` that the query selects, as objects.json.
+Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query,
+                             const std::vector<ObjectSummary>& objects);
+/// "mesh" with the argument "ply": the mesh of the whole map as a PLY file.
+Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options);
+/// "octree": free and occupied space as an OctoMap file.
+Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,
+                            const OutputOptions& options);
+/// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.
+Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest);
+/// "frames": [camera, utime] of every frame in the map as JSON.
+Answer AnswerFrames(const MapSession& session);
+
+}  // namespace vismap

@@ -1,0 +1,100 @@
+#include "map_server/frame_mapper.h"
+
+#include <optional>
+
+#include "runtime/log.h"
+#include "wire/segmented_frame.h"
+
+namespace vismap {
+namespace {
+
+// What every commit of a frame says, integrated or not.
+frame_commit_t CommitOf(const segmented_frame_t& message, const MapSession& session) {
+  frame_commit_t commit{};
+  commit.utime = message.frame.utime;
+  commit.camera_id = message.frame.camera_id;
+  commit.frame_number = message.frame.frame_number;
+  commit.map_id = session.metadata().map_id;
+  commit.revision = session.map().revision;
+  commit.had_detections = message.had_detections;
+  commit.input_digest = DigestInput(message);
+  return commit;
+}
+
+}  // namespace
+
+FrameMapper::FrameMapper(LiveMap* map, Bus* bus, Status* status)
+    : map_(*map), bus_(*bus), status_(*status) {
+  bus_.Subscribe<segmented_frame_t>(
+      kSegmentedFrameChannel,
+      [this](const segmented_frame_t& message) { return OnFrame(message); });
+}
+
+bool FrameMapper::Contains(const FrameKey& frame) const {
+  return map_.session().Contains(frame.camera_id, frame.utime);
+}
+
+Result<void> FrameMapper::OnFrame(const segmented_frame_t& message) {
+  intake_.SetMap(map_.session().metadata().map_id);
+  if (!intake_.Add(message)) status_.Count("frames_not_held");
+  Result<void> mapped;
+  while (const std::optional<segmented_frame_t> next = intake_.Next(map_.session())) {
+    if (const Result<void> one = MapMessage(*next); !one) mapped = one;
+  }
+  status_.SetCounter("frames_held", static_cast<int64_t>(intake_.waiting()));
+  return mapped;
+}
+
+Result<void> FrameMapper::MapMessage(const segmented_frame_t& message) {
+  const Result<SegmentedFrame> frame =
+      StageTimings(&status_).Measure("decoding", [&] { return Decode(message); });
+  if (!frame) {
+    Skip(message, frame.error().message);
+    return tl::unexpected(frame.error());
+  }
+  status_.Set(ProcessState::kRunning, map_.StatusMessage());
+  bus_.Publish(kMapCommitChannel, MapOrRefuse(message, *frame));
+  map_.PublishAndSaveIfDue();
+  return {};
+}
+
+frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
+                                        const SegmentedFrame& frame) {
+  frame_commit_t commit = CommitOf(message, map_.session());
+  if (Contains(KeyOf(message.frame))) {
+    status_.Count("frames_duplicate");
+    commit.status = frame_commit_t::STATUS_DUPLICATE;
+    commit.reason = "is in the map already";
+    return commit;
+  }
+  const auto [association, delta] = map_.Integrate(frame);
+  status_.Count("frames_integrated");
+  status_.Count("votes_evicted", delta.votes_evicted);
+  if (frame.had_detections) status_.Count("frames_with_detections");
+  CheckClock(KeyOf(message.frame));
+  commit.status = frame_commit_t::STATUS_INTEGRATED;
+  commit.revision = delta.revision;
+  commit.digest = DigestFrame(map_.session().map(), association, delta);
+  return commit;
+}
+
+// A frame that cannot be used gets a commit, too, so that its source does not wait for it.
+void FrameMapper::Skip(const segmented_frame_t& message, const std::string& reason) {
+  const FrameKey key = KeyOf(message.frame);
+  if (Contains(key)) return;  // a usable copy of it came before
+  intake_.Skip(key);
+  status_.Count("frames_skipped");
+  frame_commit_t commit = CommitOf(message, map_.session());
+  commit.status = frame_commit_t::STATUS_SKIPPED;
+  commit.reason = reason;
+  bus_.Publish(kMapCommitChannel, commit);
+}
+
+void FrameMapper::CheckClock(const FrameKey& frame) {
+  if (const std::optional<std::string> remark = clocks_.Check(frame))
+    LogWarningSometimes("clock", *remark);
+  status_.SetCounter("frames_out_of_order", clocks_.out_of_order());
+  status_.SetCounter("clock_jumps", clocks_.jumps());
+}
+
+}  // namespace vismap

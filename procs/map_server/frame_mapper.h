@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vismap/frame_commit_t.hpp>
+#include <vismap/segmented_frame_t.hpp>
+
+#include "map_server/camera_clocks.h"
+#include "map_server/frame_intake.h"
+#include "map_server/live_map.h"
+#include "runtime/bus.h"
+#include "runtime/status.h"
+
+namespace vismap {
+
+/// Integrates SEGMENTED_FRAMEs into a map, in the order that their source asks for, and answers
+/// each with a MAP_COMMIT. No frame is integrated twice.
+class FrameMapper {
+ public:
+  /// Subscribes to SEGMENTED_FRAME. All must outlive it.
+  FrameMapper(LiveMap* map, Bus* bus, Status* status);
+  FrameMapper(const FrameMapper&) = delete;
+  FrameMapper& operator=(const FrameMapper&) = delete;
+
+ private:
+  Result<void> OnFrame(const segmented_frame_t& message);
+  Result<void> MapMessage(const segmented_frame_t& message);
+  frame_commit_t MapOrRefuse(const segmented_frame_t& message, const SegmentedFrame& frame);
+  void Skip(const segmented_frame_t& message, const std::string& reason);
+  void CheckClock(const FrameKey& frame);
+  bool Contains(const FrameKey& frame) const;
+
+  LiveMap& map_;
+  Bus& bus_;
+  Status& status_;
+  FrameIntake intake_;
+  CameraClocks clocks_;
+};
+
+}  // namespace vismap

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "config/config.h"
+#include "map_server/map_publisher.h"
+#include "map_server/map_store.h"
+#include "runtime/bus.h"
+#include "runtime/status.h"
+#include "session/map_frame.h"
+
+namespace vismap {
+
+/// The map of a server while it is made: with everything that has to happen when a frame changes it
+/// or another map takes its place.
+class LiveMap {
+ public:
+  /// Starts with an empty map. `bus` and `status` must outlive it.
+  LiveMap(const VismapConfig& config, Bus* bus, Status* status);
+
+  /// Integrates a frame that the map does not contain, enters it in the journal, and publishes the
+  /// space that it changed.
+  MappedFrame Integrate(const SegmentedFrame& frame);
+  /// Publishes surface and objects and saves the map, if they have changed and are due.
+  void PublishAndSaveIfDue();
+  /// Repeats the last state of each stream now and then.
+  void Repeat() { publisher_.Repeat(*session_); }
+  /// Publishes everything anew.
+  void PublishAll() { publisher_.PublishAll(*session_); }
+
+  /// Replaces the map by the saved one at a path. Returns a sentence. Publishes nothing.
+  Result<std::string> Load(const std::string& path);
+  /// Continues the map that was saved last, if there is one, after a crash or a stop. Returns a
+  /// sentence that says how many frames it lacks. Starts the journal of the map, see MapStore.
+  Result<std::string> Recover();
+  /// Saves the map; `path` empty = as configured. Returns a sentence with the absolute path.
+  Result<std::string> Save(const std::string& path) { return store_.Save(*session_, path); }
+  /// Replaces the map by an empty one. Publishes nothing.
+  void Reset();
+
+  const MapSession& session() const { return *session_; }
+  MapPublisher& publisher() { return publisher_; }
+  /// What people should know about the map; empty = all is well.
+  std::string StatusMessage() const { return store_.StatusMessage(); }
+
+ private:
+  MapMetadata NewMetadata() const;
+  void Start(MapSession session);
+
+  VismapConfig config_;
+  Bus* bus_;
+  Status* status_;
+  MapPublisher publisher_;
+  MapStore store_;
+  std::unique_ptr<MapSession> session_;
+};
+
+}  // namespace vismap

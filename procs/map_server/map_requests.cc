@@ -1,0 +1,82 @@
+#include "map_server/map_requests.h"
+
+#include <string>
+
+#include "map_server/answers.h"
+
+namespace vismap {
+
+MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, Status* status)
+    : options_(options),
+      map_(*map),
+      server_(
+          RequestReceiver::kMapServer,
+          [map] {
+            return FollowerPosition{map->session().metadata().map_id,
+                                    map->session().map().revision};
+          },
+          bus, status) {
+  using Request = map_request_t;
+  server_.Handle("save", [this](const Request& request) { return Save(request); });
+  server_.Handle("load", [this](const Request& request) { return Load(request); });
+  server_.Handle("reset", [this](const Request&) { return Reset(); });
+  server_.Handle("objects",
+                 [this](const Request& request) { return PublishAndSelectObjects(request); });
+  server_.Handle("mesh", [this](const Request& request) { return ReturnOrPublishMesh(request); });
+  server_.Handle("snapshot", [this](const Request& request) { return PublishSpace(request); });
+  server_.Handle("octree", [this](const Request& request) {
+    return AnswerOctree(map_.session(), request, options_);
+  });
+  server_.Handle("statistics", [this](const Request&) {
+    return AnswerStatistics(map_.session(), map_.publisher().occupancy().Digest());
+  });
+  server_.Handle("frames", [this](const Request&) { return AnswerFrames(map_.session()); });
+}
+
+Result<Answer> MapRequests::Save(const map_request_t& request) {
+  const Result<std::string> saved = map_.Save(request.path);
+  if (!saved) return tl::unexpected(saved.error());
+  return Answer{*saved};
+}
+
+Result<Answer> MapRequests::Load(const map_request_t& request) {
+  const Result<std::string> loaded = map_.Load(request.path);
+  if (!loaded) return tl::unexpected(loaded.error());
+  map_.PublishAll();
+  return Answer{*loaded};
+}
+
+Result<Answer> MapRequests::Reset() {
+  map_.Reset();
+  map_.PublishAll();
+  return Answer{"the map is empty now; it is map " + map_.session().metadata().map_id};
+}
+
+Result<Answer> MapRequests::PublishAndSelectObjects(const map_request_t& request) {
+  const Result<ObjectQuery> query = QueryOf(request);
+  if (!query) return tl::unexpected(query.error());
+  return AnswerObjects(map_.session(), *query,
+                       map_.publisher().objects().PublishAll(map_.session()));
+}
+
+Result<Answer> MapRequests::ReturnOrPublishMesh(const map_request_t& request) {
+  if (request.argument == "ply") return AnswerMeshFile(map_.session(), options_);
+  if (request.argument == "digest") {
+    map_.publisher().PublishMesh(map_.session());
+    return Answer{MeshPublisher::DigestOf(map_.session().map(), options_.meshing)};
+  }
+  const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
+  if (!position) return Fail("argument of mesh: ply, digest, or a " + position.error().message);
+  map_.publisher().mesh().PublishSince(map_.session().map(), *position);
+  return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
+}
+
+Result<Answer> MapRequests::PublishSpace(const map_request_t& request) {
+  const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
+  if (!position) return Fail("argument of snapshot: " + position.error().message);
+  OccupancyPublisher& occupancy = map_.publisher().occupancy();
+  occupancy.PublishSince(map_.session().map(), *position);
+  return Answer{occupancy.Digest()};
+}
+
+}  // namespace vismap

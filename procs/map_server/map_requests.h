@@ -1,0 +1,29 @@
+#pragma once
+
+#include "exports/outputs.h"
+#include "map_server/live_map.h"
+#include "requests/request_server.h"
+
+namespace vismap {
+
+/// Carries out the MAP_REQUESTs to a map server: save, load, reset, objects, mesh, octree,
+/// statistics, snapshot, frames.
+class MapRequests {
+ public:
+  /// Subscribes to MAP_REQUEST. All must outlive it.
+  MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, Status* status);
+
+ private:
+  Result<Answer> Save(const map_request_t& request);
+  Result<Answer> Load(const map_request_t& request);
+  Result<Answer> Reset();
+  Result<Answer> PublishAndSelectObjects(const map_request_t& request);
+  Result<Answer> ReturnOrPublishMesh(const map_request_t& request);
+  Result<Answer> PublishSpace(const map_request_t& request);
+
+  OutputOptions options_;
+  LiveMap& map_;
+  RequestServer server_;
+};
+
+}  // namespace vismap

@@ -1,0 +1,221 @@
+#include "map_server/map_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+#include <vismap/map_delta_t.hpp>
+#include <vismap/mesh_delta_t.hpp>
+
+#include "small_frames.h"
+#include "support/temp_folder.h"
+#include "wire/mesh_follower.h"
+
+// A whole map server, on a bus of its own.
+
+namespace vismap {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+using testing_support::CoarseMap;
+using testing_support::MemoryBus;
+using testing_support::SmallMessage;
+
+class ServerOnABus : public testing::Test {
+ protected:
+  ServerOnABus() {
+    bus_->Subscribe<frame_commit_t>(kMapCommitChannel, [this](const frame_commit_t& commit) {
+      commits_.push_back(commit);
+      channels_.emplace_back(kMapCommitChannel.name);
+    });
+    bus_->Subscribe<map_delta_t>(kMapDeltaChannel, [this](const map_delta_t&) {
+      channels_.emplace_back(kMapDeltaChannel.name);
+    });
+    bus_->Subscribe<map_reply_t>(kMapReplyChannel,
+                                 [this](const map_reply_t& reply) { replies_.push_back(reply); });
+    config_.grid = CoarseMap().grid;
+  }
+
+  void Start() { server_ = std::make_unique<MapServer>(config_, bus_.get(), &status_); }
+  void Deliver() {
+    while (bus_->Spin(0)) {
+    }
+  }
+  /// The commits that a frame leads to.
+  std::vector<frame_commit_t> Send(const segmented_frame_t& message) {
+    commits_.clear();
+    bus_->Publish(kSegmentedFrameChannel, message);
+    Deliver();
+    return commits_;
+  }
+  map_reply_t Ask(const std::string& verb, const std::string& argument = "",
+                  const std::string& path = "") {
+    map_request_t request{};
+    request.request_id = ++last_request_;
+    request.verb = verb;
+    request.argument = argument;
+    request.path = path;
+    replies_.clear();
+    bus_->Publish(kMapRequestChannel, request);
+    Deliver();
+    EXPECT_THAT(replies_, SizeIs(1)) << verb;
+    return replies_.empty() ? map_reply_t{} : replies_.back();
+  }
+
+  VismapConfig config_;
+  std::unique_ptr<Bus> bus_ = MemoryBus();
+  Status status_{bus_.get(), "map-server"};
+  std::unique_ptr<MapServer> server_;
+  std::vector<frame_commit_t> commits_;
+  std::vector<map_reply_t> replies_;
+  std::vector<std::string> channels_;  // of the messages that came, in order
+  int64_t last_request_ = 0;
+};
+
+TEST_F(ServerOnABus, AnswersEveryFrameWithOneCommit) {
+  Start();
+  const auto first = Send(SmallMessage(1000));
+  ASSERT_THAT(first, SizeIs(1));
+  EXPECT_EQ(first[0].status, frame_commit_t::STATUS_INTEGRATED);
+  EXPECT_EQ(first[0].utime, 1000);
+  EXPECT_EQ(first[0].camera_id, 3);
+  EXPECT_EQ(first[0].frame_number, 17);
+  EXPECT_EQ(first[0].revision, 1);
+  EXPECT_THAT(first[0].digest, SizeIs(32));
+  EXPECT_EQ(first[0].input_digest, DigestInput(SmallMessage(1000)));
+  EXPECT_THAT(channels_, ElementsAre("MAP_DELTA", "MAP_COMMIT"));
+
+  const auto again = Send(SmallMessage(1000));
+  ASSERT_THAT(again, SizeIs(1));
+  EXPECT_EQ(again[0].status, frame_commit_t::STATUS_DUPLICATE);
+  EXPECT_EQ(again[0].revision, 1);
+  EXPECT_EQ(again[0].digest, "");
+  EXPECT_EQ(status_.counter("frames_integrated"), 1);
+  EXPECT_EQ(status_.counter("frames_duplicate"), 1);
+}
+
+TEST_F(ServerOnABus, IntegratesInTheOrderThatTheSourceAsksFor) {
+  Start();
+  EXPECT_THAT(Send(SmallMessage(2000, 1000)), SizeIs(0));
+  EXPECT_EQ(status_.counter("frames_held"), 1);
+  const auto both = Send(SmallMessage(1000));
+  ASSERT_THAT(both, SizeIs(2));
+  EXPECT_EQ(both[0].utime, 1000);
+  EXPECT_EQ(both[1].utime, 2000);
+  EXPECT_EQ(status_.counter("frames_held"), 0);
+}
+
+TEST_F(ServerOnABus, SkipsAFrameThatCannotBeUsedAndIntegratesTheNext) {
+  Start();
+  EXPECT_THAT(Send(SmallMessage(2000, 1000)), SizeIs(0));
+  segmented_frame_t broken = SmallMessage(1000);
+  broken.frame.fx = -1;
+  const auto commits = Send(broken);
+  ASSERT_THAT(commits, SizeIs(2));
+  EXPECT_EQ(commits[0].status, frame_commit_t::STATUS_SKIPPED);
+  EXPECT_THAT(commits[0].reason, HasSubstr("utime 1000"));
+  EXPECT_EQ(commits[1].status, frame_commit_t::STATUS_INTEGRATED);
+  EXPECT_EQ(commits[1].utime, 2000);
+  EXPECT_EQ(status_.counter("frames_skipped"), 1);
+  Send(SmallMessage(3000));
+  EXPECT_THAT(Send(broken), SizeIs(1)) << "is skipped again";
+}
+
+TEST_F(ServerOnABus, AfterAResetIntegratesTheSameFramesIntoAnotherMap) {
+  Start();
+  const auto before = Send(SmallMessage(1000));
+  const map_reply_t reset = Ask("reset");
+  EXPECT_TRUE(reset.ok);
+  EXPECT_EQ(reset.revision, 0);
+  EXPECT_EQ(reset.message, "the map is empty now; it is map " + reset.map_id);
+  EXPECT_NE(reset.map_id, before.at(0).map_id);
+  const auto after = Send(SmallMessage(1000));
+  ASSERT_THAT(after, SizeIs(1));
+  EXPECT_EQ(after[0].status, frame_commit_t::STATUS_INTEGRATED);
+  EXPECT_EQ(after[0].map_id, reset.map_id);
+  EXPECT_EQ(after[0].digest, before[0].digest);
+}
+
+TEST_F(ServerOnABus, CarriesOutTheVerbsThatReadTheMap) {
+  Start();
+  MeshFollower follower;
+  bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
+                                [&](const mesh_delta_t& message) { follower.Take(message); });
+  Send(SmallMessage(1000));
+  Send(SmallMessage(2000));
+  const auto json = [](const map_reply_t& reply) {
+    return nlohmann::json::parse(reply.payload.begin(), reply.payload.end(), nullptr, false);
+  };
+  EXPECT_EQ(json(Ask("frames")), nlohmann::json::parse("[[3, 1000], [3, 2000]]"));
+  const map_reply_t statistics = Ask("statistics");
+  EXPECT_EQ(statistics.message, HashMap(server_->map().session().map()));
+  EXPECT_EQ(json(statistics)["occupancy_digest"], Ask("snapshot").message);
+  EXPECT_THAT(Ask("objects").message, HasSubstr(" objects and segments"));
+  EXPECT_EQ(Ask("octree").encoding, "bt");
+  EXPECT_EQ(Ask("mesh", "ply").encoding, "ply");
+  EXPECT_EQ(Ask("mesh", "digest").message, follower.Digest());
+  EXPECT_EQ(Ask("mesh").message, "published on MESH_DELTA");
+  EXPECT_EQ(follower.position().revision, 2);
+}
+
+TEST_F(ServerOnABus, RefusesWhatItCannotDo) {
+  Start();
+  EXPECT_THAT(Ask("fly").message,
+              HasSubstr("known are frames, load, mesh, objects, octree, reset, save, snapshot, "
+                        "statistics"));
+  EXPECT_THAT(Ask("save").message, HasSubstr("no path given to save to"));
+  EXPECT_THAT(Ask("load").message, HasSubstr("no path given to load from"));
+  EXPECT_THAT(Ask("mesh", "x").message, HasSubstr("argument of mesh"));
+  EXPECT_THAT(Ask("snapshot", "x").message, HasSubstr("argument of snapshot"));
+  EXPECT_FALSE(Ask("objects", "id=x").ok);
+  EXPECT_EQ(status_.counter("requests_refused"), 6);
+}
+
+TEST_F(ServerOnABus, SavesAndLoadsOnRequest) {
+  const TempFolder folder;
+  const std::string path = (folder / "a.vismap").string();
+  Start();
+  Send(SmallMessage(1000));
+  const std::string hash = Ask("statistics").message;
+  EXPECT_THAT(Ask("save", "", path).message, HasSubstr("map hash " + hash));
+  Ask("reset");
+  const map_reply_t loaded = Ask("load", "", path);
+  EXPECT_THAT(loaded.message, HasSubstr("loaded " + path + " with 1 frames as map test-"));
+  EXPECT_EQ(loaded.revision, 1);
+  EXPECT_EQ(Ask("statistics").message, hash);
+  EXPECT_EQ(Send(SmallMessage(1000)).at(0).status, frame_commit_t::STATUS_DUPLICATE);
+}
+
+TEST_F(ServerOnABus, RecoversTheMapThatWasSavedLast) {
+  const TempFolder folder;
+  config_.map_server.save_on_exit = (folder / "kept.vismap").string();
+  Start();
+  const Result<std::string> nothing = server_->map().Recover();
+  ASSERT_TRUE(nothing);
+  EXPECT_EQ(*nothing, "nothing to recover: there is no " + config_.map_server.save_on_exit +
+                          "; frames lacking that were committed later: 0");
+  Send(SmallMessage(1000));
+  EXPECT_TRUE(server_->map().Save(""));
+  Send(SmallMessage(2000));
+
+  const std::unique_ptr<Bus> bus = MemoryBus();
+  Status status(bus.get(), "map-server");
+  MapServer again(config_, bus.get(), &status);
+  const Result<std::string> recovered = again.map().Recover();
+  ASSERT_TRUE(recovered) << recovered.error().message;
+  EXPECT_THAT(*recovered, HasSubstr("with 1 frames"));
+  EXPECT_THAT(*recovered, HasSubstr("frames lacking that were committed later: 1"));
+  EXPECT_THAT(again.map().StatusMessage(), HasSubstr("1 frames that the map had are lacking"));
+  bus->Publish(kSegmentedFrameChannel, SmallMessage(2000));
+  while (bus->Spin(0)) {
+  }
+  EXPECT_EQ(again.map().StatusMessage(), "");
+}
+
+}  // namespace
+}  // namespace vismap

@@ -1,0 +1,142 @@
+#include "requests/request_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+
+/// A server of two verbs on a bus of its own, and the replies that it sends.
+class Requests : public testing::Test {
+ protected:
+  Requests() {
+    bus_->Subscribe<map_reply_t>(kMapReplyChannel,
+                                 [this](const map_reply_t& reply) { replies_.push_back(reply); });
+    server_.Handle("count", [this](const map_request_t& request) -> Result<Answer> {
+      position_.revision = ++carried_out_;
+      return Answer{"counted " + request.argument, "json", std::vector<uint8_t>(payload_, 7)};
+    });
+    server_.Handle("break", [](const map_request_t&) -> Result<Answer> {
+      return Fail("it cannot be broken");
+    });
+  }
+
+  static std::unique_ptr<Bus> MemoryBus() { return std::move(*Bus::Open({"memq://", "test"})); }
+
+  static map_request_t Request(int64_t id, const std::string& verb) {
+    map_request_t request{};
+    request.request_id = id;
+    request.verb = verb;
+    return request;
+  }
+
+  void Send(const map_request_t& request) {
+    bus_->Publish(kMapRequestChannel, request);
+    while (bus_->Spin(0)) {
+    }
+  }
+
+  std::unique_ptr<Bus> bus_ = MemoryBus();
+  Status status_{bus_.get(), "server"};
+  FollowerPosition position_{"map", 0};
+  RequestServer server_{RequestReceiver::kMapServer, [this] { return position_; }, bus_.get(),
+                        &status_};
+  size_t payload_ = 3;
+  int64_t carried_out_ = 0;
+  std::vector<map_reply_t> replies_;
+};
+
+TEST_F(Requests, AreCarriedOutAndAnswered) {
+  map_request_t request = Request(17, "count");
+  request.argument = "sheep";
+  Send(request);
+  ASSERT_EQ(replies_.size(), 1u);
+  const map_reply_t& reply = replies_[0];
+  EXPECT_TRUE(reply.ok);
+  EXPECT_EQ(reply.requester, "test");
+  EXPECT_EQ(reply.request_id, 17);
+  EXPECT_EQ(reply.message, "counted sheep");
+  EXPECT_EQ(reply.encoding, "json");
+  EXPECT_EQ(reply.payload, std::vector<uint8_t>(3, 7));
+  EXPECT_EQ(reply.map_id, "map");
+  EXPECT_EQ(reply.revision, 1) << "the revision after the request";
+  EXPECT_EQ(status_.counter("requests_done"), 1);
+}
+
+TEST_F(Requests, ThatCannotBeCarriedOutAreRefusedWithTheReason) {
+  Send(Request(1, "break"));
+  Send(Request(2, "fly"));
+  ASSERT_EQ(replies_.size(), 2u);
+  EXPECT_FALSE(replies_[0].ok);
+  EXPECT_EQ(replies_[0].message, "it cannot be broken");
+  EXPECT_EQ(replies_[0].payload_size, 0);
+  EXPECT_FALSE(replies_[1].ok);
+  EXPECT_EQ(replies_[1].message, "unknown request 'fly'; known are break, count");
+  EXPECT_EQ(status_.counter("requests_refused"), 2);
+}
+
+TEST_F(Requests, ThatComeAgainGetTheirFirstReplyAgain) {
+  Send(Request(1, "count"));
+  Send(Request(1, "count"));
+  ASSERT_EQ(replies_.size(), 2u);
+  EXPECT_EQ(carried_out_, 1);
+  EXPECT_EQ(replies_[1].revision, replies_[0].revision);
+  EXPECT_EQ(replies_[1].payload, replies_[0].payload);
+  Send(Request(2, "count"));
+  EXPECT_EQ(carried_out_, 2);
+  for (int64_t id = 3; id < 80; ++id) Send(Request(id, "count"));
+  Send(Request(79, "count"));
+  EXPECT_EQ(carried_out_, 79);
+  Send(Request(1, "count"));
+  EXPECT_EQ(carried_out_, 80) << "only so many replies are remembered";
+}
+
+TEST_F(Requests, OfOtherSourcesMayHaveTheSameId) {
+  for (const char* source : {"viewer", "planner"}) {
+    map_request_t request = Request(1, "count");
+    request.source = source;
+    bus_->PublishAsIs(kMapRequestChannel, request);
+  }
+  while (bus_->Spin(0)) {
+  }
+  EXPECT_EQ(carried_out_, 2);
+}
+
+TEST_F(Requests, WithAVeryLargeReplyAreCarriedOutAgain) {
+  payload_ = 2 * kMegabyte;
+  Send(Request(1, "count"));
+  Send(Request(1, "count"));
+  EXPECT_EQ(carried_out_, 2);
+}
+
+TEST_F(Requests, ForOtherMapsAndOtherProgramsAreLeftToThem) {
+  map_request_t request = Request(1, "count");
+  request.map_id = "another map";
+  Send(request);
+  Send(Request(2, "octomap"));
+  Send(Request(3, "octomap-fly"));
+  EXPECT_TRUE(replies_.empty());
+  request.map_id = "map";
+  Send(request);
+  EXPECT_EQ(replies_.size(), 1u);
+}
+
+TEST_F(Requests, OneServerPerProgramAnswers) {
+  RequestServer exporter(
+      RequestReceiver::kOctomapExporter, [] { return FollowerPosition{}; }, bus_.get(), &status_);
+  exporter.Handle("octomap", [](const map_request_t&) { return Answer{"exported"}; });
+  Send(Request(1, "octomap"));
+  Send(Request(2, "octomap-fly"));
+  Send(Request(3, "fly"));
+  ASSERT_EQ(replies_.size(), 3u);
+  EXPECT_EQ(replies_[0].message, "exported");
+  EXPECT_THAT(replies_[1].message, HasSubstr("known are octomap"));
+  EXPECT_THAT(replies_[2].message, HasSubstr("known are break, count"));
+}
+
+}  // namespace
+}  // namespace vismap
