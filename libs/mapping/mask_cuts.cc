@@ -24,7 +24,8 @@ MaskCuts::MaskCuts(const FrameAssociation& association, const LabelTable& labels
   if (min_evidence <= 0) return;  // no label is kept
   const std::vector<LabelRecord>& records = labels.records();
   kept_.assign(records.size() + 1, 0);
-  for (size_t i = 0; i < records.size(); ++i) kept_[i + 1] = HasEnoughMasks(records[i], min_evidence);
+  for (size_t i = 0; i < records.size(); ++i)
+    kept_[i + 1] = HasEnoughMasks(records[i], min_evidence);
   for (size_t s = 0; s < cut_from_.size(); ++s) {
     const FrameAssociation::Segment& match = association.segments[s];
     if (Raw(match.label) < kept_.size() && kept_[Raw(match.label)] != 0)

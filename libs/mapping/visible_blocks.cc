@@ -72,12 +72,13 @@ class Descent {
     // for rounding.
     const double reach = edge - 0.9 * options_.block_size / kBlockSide;
     for (const Side& side : sides_) {
-      if (side.normal_C.dot(p) + side.extent * reach < 0) return BlockVisibility::kNothing;
+      if (side.normal_C.dot(p) + side.extent * reach < 0)
+        return BlockVisibility::kNothing;  // beside the view
     }
     const Eigen::Vector3d half = extent_ * reach;
     const double z_near = p.z() - half.z(), z_far = p.z() + half.z();
     if (z_far < options_.min_range || z_near > range_ + options_.truncation)
-      return BlockVisibility::kNothing;
+      return BlockVisibility::kNothing;  // out of range
     // Cubes around the camera cannot be projected.
     if (z_near < 0.02)
       return level == 0 && z_far < 0.02 ? BlockVisibility::kNothing : BlockVisibility::kMixed;
@@ -86,7 +87,7 @@ class Descent {
     const auto [v_low, v_high] = Extent(p.y(), half.y(), z_near, z_far, camera_.fy, camera_.cy);
     const double u_last = camera_.width - 1, v_last = camera_.height - 1;
     if (u_high < -0.5 || v_high < -0.5 || u_low > u_last + 0.5 || v_low > v_last + 0.5)
-      return BlockVisibility::kNothing;
+      return BlockVisibility::kNothing;  // outside the image
     const bool inside = u_low >= 0 && v_low >= 0 && u_high <= u_last && v_high <= v_last;
 
     const DepthRange depth = pyramid_.Bound(static_cast<int>(std::max(u_low, 0.0)),
@@ -99,6 +100,7 @@ class Descent {
       return BlockVisibility::kNothing;
     }
     const bool before_surface = z_far < static_cast<double>(depth.nearest) - options_.truncation;
+    // Free space that the map does not record.
     if (before_surface && !options_.free_space) return BlockVisibility::kNothing;
     const bool in_range = z_near > options_.min_range && z_far < options_.free_space_range;
     if (!before_surface) return BlockVisibility::kMixed;

@@ -141,7 +141,7 @@ BlockSet BlockSet::Merge(std::initializer_list<Moved> parts) {
     uint64_t bits = 0;
     bool one_ended = false;
     for (Rest& rest : rests) {
-      if (rest.at != next) continue;
+      if (rest.at != next) continue;  // this part has no run at `next`
       bits |= rest.runs.front().bits;
       rest.runs = rest.runs.subspan(1);
       one_ended = one_ended || rest.runs.empty();

@@ -57,7 +57,7 @@ void CellGrid::Fill(const NeighbourWalk& walk, const CellBox& cells, SurfaceRead
   const auto x = Overlaps(cells.x), y = Overlaps(cells.y), z = Overlaps(cells.z);
   for (int bz = -1; bz <= 1; ++bz) {
     const CellBox::Range& layers = z[static_cast<size_t>(bz + 1)];
-    if (IsEmpty(layers)) continue;
+    if (IsEmpty(layers)) continue;  // no cell depends on these neighbours
     SeenBlocks blocks;
     for (size_t i = 0; i < blocks.size(); ++i) {
       const size_t slot =
