@@ -37,13 +37,13 @@ CellShares CellsAt(const OccupancyMap& map, std::span<const Eigen::Vector3f> poi
   return shares;
 }
 
-InventedCells CountInvented(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W,
+OccupiedCells CountOccupied(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W,
                             double margin) {
   std::vector<Eigen::Vector3d> points;
   points.reserve(points_W.size());
   for (const Eigen::Vector3f& p_W : points_W) points.push_back(p_W.cast<double>());
   const NearestPoints truth(std::move(points));
-  InventedCells cells;
+  OccupiedCells cells;
   for (const BlockIndex& index : map.SortedIndices()) {
     const BlockOccupancy& block = map.At(index);
     if (block.is(CellState::kFree) || block.is(CellState::kUnknown)) continue;
@@ -53,7 +53,7 @@ InventedCells CountInvented(const OccupancyMap& map, std::span<const Eigen::Vect
                                  index.y * kBlockSide + offset / kBlockSide % kBlockSide,
                                  index.z * kBlockSide + offset / (kBlockSide * kBlockSide));
       const auto nearest = truth.Nearest((cell.array() + 0.5) * map.cell_size());
-      ++cells.occupied;
+      ++cells.cells;
       cells.far_from_truth += !nearest || nearest->distance > margin;
     }
   }

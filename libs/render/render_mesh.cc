@@ -123,7 +123,7 @@ Image<Rgb8> Rasterize(const Mesh& mesh, const View& view, Coloring coloring) {
 }
 
 // Averages squares of `factor` x `factor` pixels.
-Image<Rgb8> Shrink(const Image<Rgb8>& large, int factor) {
+Image<Rgb8> Downsample(const Image<Rgb8>& large, int factor) {
   Image<Rgb8> small(large.width() / factor, large.height() / factor);
   const int samples = factor * factor;
   for (int v = 0; v < small.height(); ++v) {
@@ -153,7 +153,7 @@ Image<Rgb8> RenderMesh(const Mesh& mesh, const View& view, Coloring coloring) {
   fine.scale *= kSmooth;
   // The centre of a pixel is between its samples.
   fine.center = (view.center.array() + 0.5) * kSmooth - 0.5;
-  return Shrink(Rasterize(mesh, fine, coloring), kSmooth);
+  return Downsample(Rasterize(mesh, fine, coloring), kSmooth);
 }
 
 std::optional<Eigen::Vector2d> ProjectToView(const View& view, const Eigen::Vector3d& p_W) {
