@@ -93,7 +93,7 @@ std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<Time
       ++begin;
     }
     for (size_t c = begin; c < colors.size(); ++c) {
-      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;
+      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;  // all others are later
       candidates.emplace_back(std::abs(colors[c].time - depths[d].time), d, c);
     }
   }
@@ -102,7 +102,7 @@ std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<Time
   for (size_t d = 0; d < depths.size(); ++d) pairs[d].depth = depths[d];
   std::vector<bool> color_used(colors.size(), false);
   for (const auto& [difference, d, c] : candidates) {
-    if (color_used[c] || !pairs[d].color.path.empty()) continue;
+    if (color_used[c] || !pairs[d].color.path.empty()) continue;  // one of them has a partner
     pairs[d].color = colors[c];
     color_used[c] = true;
   }

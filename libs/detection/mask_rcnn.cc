@@ -30,7 +30,7 @@ std::vector<Candidate> Candidates(const Tensor& found, int image_width, int imag
     const bool known = at[1] >= 0 && at[1] < static_cast<float>(classes.size());
     if (!known || !(at[2] >= min_score) || !std::isfinite(at[3] + at[4] + at[5] + at[6])) continue;
     const auto index = static_cast<size_t>(at[1]);
-    if (classes[index] == ClassId::kUnknown) continue;
+    if (classes[index] == ClassId::kUnknown) continue;  // a class to drop
     candidates.push_back({static_cast<int>(index),
                           std::min(at[2], 1.0f),
                           {at[3] * width, at[4] * height, at[5] * width, at[6] * height},

@@ -13,7 +13,7 @@ void AddFrame(const OccupancyMap& map, const SensorFrame& frame, const RayOption
   for (int v = first; v < frame.depth.height(); v += options.pixel_step) {
     for (int u = first; u < frame.depth.width(); u += options.pixel_step) {
       const double z = frame.depth(v, u) * frame.depth_unit_m;
-      if (z < options.min_depth || z > options.max_depth) continue;
+      if (z < options.min_depth || z > options.max_depth) continue;  // no return, or out of range
       const Eigen::Vector3d ray_C((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
       const double stretch = ray_C.norm();  // distance from the camera divided by depth
       for (double r = options.first; r < z * stretch - options.margin; r += options.step)
@@ -46,6 +46,7 @@ OccupiedCells CountOccupied(const OccupancyMap& map, std::span<const Eigen::Vect
   OccupiedCells cells;
   for (const BlockIndex& index : map.SortedIndices()) {
     const BlockOccupancy& block = map.At(index);
+    // The block has no occupied cell.
     if (block.is(CellState::kFree) || block.is(CellState::kUnknown)) continue;
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       if (block.At(offset) != CellState::kOccupied) continue;

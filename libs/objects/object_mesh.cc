@@ -11,7 +11,7 @@ constexpr uint32_t kNoIndex = std::numeric_limits<uint32_t>::max();
 std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
   std::vector<uint32_t> owner;
   for (uint32_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].removed()) continue;
+    if (objects[i].removed()) continue;  // the rest of its surface belongs to no object
     for (const SegmentLabel label : objects[i].segments) {
       if (Raw(label) >= owner.size()) owner.resize(size_t{Raw(label)} + 1, kNoIndex);
       owner[Raw(label)] = i;

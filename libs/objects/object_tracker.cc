@@ -59,7 +59,7 @@ void ObjectTracker::UpdateUp(const SemanticMap& map, const BlockSurfaces& surfac
                              LabelSurfaces amounts) {
   double area = 0;
   for (const LabelSurface& amount : amounts) area += amount.area;
-  if (std::abs(area - up_area_) < kGrowth * up_area_) return;
+  if (std::abs(area - up_area_) < kGrowth * up_area_) return;  // the estimate is still valid
   up_area_ = area;
   for (size_t i = 1; i < amounts.size(); ++i) {
     const auto label = static_cast<SegmentLabel>(i);
@@ -95,7 +95,7 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
   }
   ParallelFor(objects.size(), 1, [&](size_t i) {
     ObjectSummary& object = objects[i];
-    if (object.removed()) return;
+    if (object.removed()) return;  // it has no box
     Measured& record = *records[i];
     std::vector<std::pair<SegmentLabel, uint32_t>> from;
     for (const SegmentLabel label : object.segments)

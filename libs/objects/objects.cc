@@ -142,7 +142,8 @@ void EraseOldest(int64_t newest_utime, const ObjectOptions& options,
   const auto most = static_cast<size_t>(options.removed_max_count);
   std::erase_if(*removed, [&](const ObjectSummary& object) {
     const int64_t age = newest_utime - object.removed_utime;
-    if (max_age > 0 && static_cast<double>(age) > max_age) return true;
+    if (max_age > 0 && static_cast<double>(age) > max_age) return true;  // too old
+    // Too many: only objects that were removed after the first one to erase are kept.
     return times.size() > most && object.removed_utime <= times[most];
   });
 }
@@ -160,7 +161,7 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
   for (const SegmentLabel label : table.Alive()) {
     if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
   }
-  if (removed.empty()) return objects;
+  if (removed.empty()) return objects;  // NewestUtime need not be computed
   EraseOldest(NewestUtime(table), options, &removed);
   objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
                  std::make_move_iterator(removed.end()));

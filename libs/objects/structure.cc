@@ -33,7 +33,7 @@ StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, dou
                      const StructureOptions& options) {
   const bool large = IsLarge(plane, options);
   if (!IsLevel(plane, up_W, options)) {
-    if (!large) return StructureKind::kNone;
+    if (!large) return StructureKind::kNone;  // too small for a wall or a slope
     return IsUpright(plane, up_W, options) ? StructureKind::kWall : StructureKind::kSloped;
   }
   const double height = plane.point_W.dot(up_W) - floor;
@@ -192,9 +192,9 @@ void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const Surfa
     if (known[i] != StructureKind::kNone || spreads[i].bounds_W.isEmpty()) continue;
     double closest = 1;
     for (size_t j = 0; j < known.size(); ++j) {
-      if (!AcceptsFlushPieces(known[j])) continue;
+      if (!AcceptsFlushPieces(known[j])) continue;  // no structure, or a table top
       const double distance = FlushDistance(planes[j], spreads[i], options);
-      if (distance >= closest) continue;
+      if (distance >= closest) continue;  // not flush, or another plane is nearer
       if (spreads[i].bounds_W.exteriorDistance(spreads[j].bounds_W) > options.flush_gap) continue;
       closest = distance;
       (*kinds)[i] = known[j];

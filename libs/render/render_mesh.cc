@@ -79,7 +79,8 @@ std::pair<int, int> PixelRange(float a, float b, float c, int low, int high) {
 
 void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                   const Canvas& canvas) {
-  if (!a.visible || !b.visible || !c.visible) return;
+  if (!a.visible || !b.visible || !c.visible)
+    return;  // triangles are not clipped at the near plane
   // Front faces are counter-clockwise. In the picture, whose v points down, they are clockwise and
   // have a negative area. Back faces are not drawn.
   const float area = Cross(a, b, c.u, c.v);
@@ -92,9 +93,9 @@ void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVert
       const float wa = Cross(b, c, x, y) / area;
       const float wb = Cross(c, a, x, y) / area;
       const float wc = 1 - wa - wb;
-      if (wa < 0 || wb < 0 || wc < 0) continue;
+      if (wa < 0 || wb < 0 || wc < 0) continue;  // outside of the triangle
       const float closeness = wa * a.closeness + wb * b.closeness + wc * c.closeness;
-      if (closeness <= (*canvas.closeness)(v, u)) continue;
+      if (closeness <= (*canvas.closeness)(v, u)) continue;  // hidden by another triangle
       (*canvas.closeness)(v, u) = closeness;
       const Eigen::Vector3f rgb = wa * a.rgb + wb * b.rgb + wc * c.rgb;
       (*canvas.image)(v, u) = {ToByte(rgb.x()), ToByte(rgb.y()), ToByte(rgb.z())};

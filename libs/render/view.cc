@@ -87,6 +87,7 @@ void CropToContent(const Mesh& mesh, View* view) {
   for (size_t i = 0; i < mesh.triangles.size(); i += stride) {
     const Vector3d p_W = mesh.vertices[mesh.triangles[i][0]].position_W.cast<double>();
     const Vector3d p = view->T_V_W * p_W;
+    // Behind the viewer, or facing away.
     if (p.z() <= 0 || (view->T_V_W.linear() * FaceVector(mesh, i)).dot(p) >= 0) continue;
     us.push_back(p.x() / p.z());
     vs.push_back(p.y() / p.z());
