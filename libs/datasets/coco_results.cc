@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A detection as read: its mask stays in runs, which are far smaller.
+/// A detection of the file. Its mask stays run-length encoded, which needs far less memory.
 struct Entry {
   ClassId class_id = ClassId::kUnknown;
   float score = 0;
@@ -31,10 +31,11 @@ class CocoResults : public DetectionSource {
     if (found == frames_.end()) return set;
     for (const Entry& entry : found->second) {
       if (entry.width != header.camera.width || entry.height != header.camera.height) {
-        return Fail(path_ + ": masks of image " + std::to_string(header.frame_number) + " are " +
-                    std::to_string(entry.width) + "x" + std::to_string(entry.height) +
-                    " but its frame is " + std::to_string(header.camera.width) + "x" +
-                    std::to_string(header.camera.height));
+        return Fail(path_ + ": image " + std::to_string(header.frame_number) +
+                    ": expected masks of the size of the frame, " +
+                    std::to_string(header.camera.width) + "x" +
+                    std::to_string(header.camera.height) + ", found masks of " +
+                    std::to_string(entry.width) + "x" + std::to_string(entry.height));
       }
       Result<Mask> mask = DecodeMask(entry.runs, entry.width, entry.height);
       if (!mask) return Fail(path_ + ": " + mask.error().message);
@@ -54,10 +55,19 @@ class CocoResults : public DetectionSource {
   std::map<int64_t, std::vector<Entry>> frames_;
 };
 
+/// The start of a JSON value, for error messages.
+std::string ShortText(const Json& value) { return value.dump().substr(0, 40); }
+
+/// The value of a key, for error messages.
+std::string ShortText(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() ? "no such key" : ShortText(*found);
+}
+
 Result<int64_t> IntegerAt(const Json& object, const char* key, int64_t low, int64_t high) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number_integer()) {
-    return Fail(std::string(key) + ": expected an integer");
+    return Fail(std::string(key) + ": expected an integer, found " + ShortText(object, key));
   }
   const bool above =
       found->is_number_unsigned() && found->get<uint64_t>() > static_cast<uint64_t>(high);
@@ -70,19 +80,22 @@ Result<int64_t> IntegerAt(const Json& object, const char* key, int64_t low, int6
 
 Result<float> ScoreOf(const Json& object) {
   const auto found = object.find("score");
-  if (found == object.end() || !found->is_number()) return Fail("score: expected a number");
+  if (found == object.end() || !found->is_number())
+    return Fail("score: expected a number, found " + ShortText(object, "score"));
   const double score = found->get<double>();
-  if (!(score >= 0 && score <= 1)) return Fail("score is " + found->dump() + "; expected [0, 1]");
+  if (!(score >= 0 && score <= 1))
+    return Fail("score is " + found->dump() + "; expected a number in [0, 1]");
   return static_cast<float>(score);
 }
 
 Result<MaskRuns> RunsOf(const Json& counts) {
   if (counts.is_string()) return RunsFromString(counts.get_ref<const std::string&>());
-  if (!counts.is_array()) return Fail("counts: expected a string or an array of integers");
+  if (!counts.is_array())
+    return Fail("counts: expected a string or an array of integers, found " + ShortText(counts));
   MaskRuns runs;
   for (const Json& run : counts) {
     if (!run.is_number_unsigned() || run.get<uint64_t>() > UINT32_MAX) {
-      return Fail("counts: expected run lengths, found " + run.dump().substr(0, 40));
+      return Fail("counts: expected run lengths, found " + ShortText(run));
     }
     runs.push_back(run.get<uint32_t>());
   }
@@ -92,21 +105,24 @@ Result<MaskRuns> RunsOf(const Json& counts) {
 Result<void> ReadSegmentation(const Json& object, Entry* entry) {
   const auto segmentation = object.find("segmentation");
   if (segmentation == object.end() || !segmentation->is_object()) {
-    return Fail("segmentation: expected {\"size\", \"counts\"}");
+    return Fail("segmentation: expected an object {\"size\", \"counts\"}, found " +
+                ShortText(object, "segmentation"));
   }
   const auto size = segmentation->find("size");
   const auto counts = segmentation->find("counts");
   if (size == segmentation->end() || !size->is_array() || size->size() != 2) {
-    return Fail("segmentation size: expected [height, width]");
+    return Fail("segmentation size: expected [height, width], found " +
+                ShortText(*segmentation, "size"));
   }
   for (const Json& side : *size) {
     if (!side.is_number_unsigned() || side.get<uint64_t>() < 1 || side.get<uint64_t>() > 16384) {
-      return Fail("segmentation size: expected 1..16384, found " + side.dump().substr(0, 40));
+      return Fail("segmentation size: expected numbers in 1..16384, found " + ShortText(side));
     }
   }
   entry->height = (*size)[0].get<int>();
   entry->width = (*size)[1].get<int>();
-  if (counts == segmentation->end()) return Fail("segmentation has no counts");
+  if (counts == segmentation->end())
+    return Fail("segmentation: expected the key \"counts\", found no such key");
   Result<MaskRuns> runs = RunsOf(*counts);
   if (!runs) return Fail(runs.error().message);
   entry->runs = std::move(*runs);
@@ -116,7 +132,7 @@ Result<void> ReadSegmentation(const Json& object, Entry* entry) {
 }
 
 Result<std::pair<int64_t, Entry>> ParseEntry(const Json& object) {
-  if (!object.is_object()) return Fail("expected an object");
+  if (!object.is_object()) return Fail("expected an object, found " + ShortText(object));
   const Result<int64_t> image_id = IntegerAt(object, "image_id", 0, INT64_MAX);
   if (!image_id) return Fail(image_id.error().message);
   const Result<int64_t> category = IntegerAt(object, "category_id", 1, UINT16_MAX);
@@ -137,9 +153,11 @@ Result<std::unique_ptr<DetectionSource>> LoadCocoResults(const std::string& path
   try {
     root = Json::parse(*text);
   } catch (const Json::exception& e) {
-    return Fail(path + ": not JSON: " + e.what());
+    return Fail(path +
+                ": expected a JSON array of COCO results, but the file is not JSON: " + e.what());
   }
-  if (!root.is_array()) return Fail(path + ": expected a JSON array of COCO results");
+  if (!root.is_array())
+    return Fail(path + ": expected a JSON array of COCO results, found " + ShortText(root));
   std::map<int64_t, std::vector<Entry>> frames;
   for (size_t i = 0; i < root.size(); ++i) {
     Result<std::pair<int64_t, Entry>> entry = ParseEntry(root[i]);

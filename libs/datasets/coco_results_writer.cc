@@ -25,11 +25,13 @@ Result<void> WriteCocoResults(const std::string& path, std::span<const Detection
   std::string text = "[";
   for (const DetectionSet& set : frames) {
     if (set.frame_number < 0 && !set.detections.empty())
-      return Fail(path + ": a frame without a number cannot be found again by it");
+      return Fail(path +
+                  ": expected frames with a frame_number, by which detections are found again, but "
+                  "one frame has none");
     for (const Detection& detection : set.detections) {
       if (detection.class_id == ClassId::kUnknown)
-        return Fail(path + ": frame " + std::to_string(set.frame_number) +
-                    " has a detection of unknown class");
+        return Fail(path + ": expected detections with a class, but frame " +
+                    std::to_string(set.frame_number) + " has a detection of unknown class");
       text += (text.size() > 1 ? ",\n" : "\n") + EntryOf(set.frame_number, detection).dump();
     }
   }

@@ -26,21 +26,21 @@ Result<std::vector<LoggedPose>> ReadTrajectoryLog(const std::filesystem::path& p
   const std::vector<TextLine> lines = SplitLines(*text);
   std::vector<LoggedPose> poses;
   for (size_t begin = 0; begin < lines.size(); begin += 5) {
-    const auto fail = [&](size_t line, const char* expected) {
-      return Fail(path.string() + ":" + std::to_string(lines[line].number) + ": expected " +
-                  expected);
-    };
     const std::optional<int64_t> index = ParseInteger(lines[begin].words[0]);
-    if (!index || lines[begin].words.size() != 3) return fail(begin, "three integers \"i i i+1\"");
-    if (begin + 5 > lines.size()) return fail(begin, "four rows of a matrix after this line");
+    if (!index || lines[begin].words.size() != 3)
+      return FailAtLine(path, lines[begin], "three integers \"i i i+1\"");
+    if (begin + 5 > lines.size()) {
+      return Fail(path.string() + ":" + std::to_string(lines[begin].number) +
+                  ": expected four rows of a matrix after this line, found the end of the file");
+    }
     std::vector<double> numbers;
     for (size_t row = begin + 1; row < begin + 5; ++row) {
       for (const std::string_view word : lines[row].words) {
         const std::optional<double> number = ParseNumber(word);
-        if (!number) return fail(row, "four numbers");
+        if (!number) return FailAtLine(path, lines[row], "four numbers");
         numbers.push_back(*number);
       }
-      if (lines[row].words.size() != 4) return fail(row, "four numbers");
+      if (lines[row].words.size() != 4) return FailAtLine(path, lines[row], "four numbers");
     }
     poses.push_back({*index, MakePose(RowMajor4x4(numbers.data()))});
   }
@@ -53,19 +53,20 @@ Result<std::vector<FrameFiles>> PairByNumber(const NamePattern& color, const Nam
   const Result<std::vector<NumberedFile>> depths = ListNumberedFiles(depth);
   if (!depths) return Fail(depths.error().message);
   if (colors->empty() && depths->empty()) {
-    return Fail(color.folder.string() + ": no images " + color.prefix + "N" + color.suffixes[0]);
+    return Fail(color.folder.string() + ": expected images with names like " + color.prefix + "N" +
+                color.suffixes[0] + ", found none");
   }
   std::vector<FrameFiles> frames;
   for (size_t i = 0; i < std::max(colors->size(), depths->size()); ++i) {
     const bool has_color = i < colors->size();
     const bool has_depth = i < depths->size();
     if (!has_color || (has_depth && (*depths)[i].number < (*colors)[i].number)) {
-      return Fail((*depths)[i].path.string() + " has no colour image " + color.prefix + "N" +
-                  color.suffixes[0] + " of its number in " + color.folder.string());
+      return Fail((*depths)[i].path.string() + ": there is no colour image " + color.prefix + "N" +
+                  color.suffixes[0] + " with the same number N in " + color.folder.string());
     }
     if (!has_depth || (*depths)[i].number != (*colors)[i].number) {
-      return Fail((*colors)[i].path.string() + " has no depth image " + depth.prefix + "N" +
-                  depth.suffixes[0] + " of its number in " + depth.folder.string());
+      return Fail((*colors)[i].path.string() + ": there is no depth image " + depth.prefix + "N" +
+                  depth.suffixes[0] + " with the same number N in " + depth.folder.string());
     }
     FrameFiles frame;
     frame.number = (*colors)[i].number;

@@ -36,27 +36,28 @@ ImageFileInfo ParsePngHeader(std::span<const uint8_t> bytes) {
 
 Result<void> CheckSize(const ImageFileInfo& info, int width, int height) {
   if ((width == 0 || info.width == width) && (height == 0 || info.height == height)) return {};
-  return Fail("image is " + SizeText(info.width, info.height) + "; expected " +
+  return Fail("the image is " + SizeText(info.width, info.height) + "; expected " +
               SizeText(width, height));
 }
 
-/// OpenCV's decoder as a Result; `size` from the header must come true.
+/// Decodes a PNG with OpenCV. Fails if it is damaged, or if size or type differ from the header.
 Result<cv::Mat> DecodePng(const std::vector<uint8_t>& bytes, const ImageFileInfo& size, int flags,
                           int type) {
   cv::Mat image;
   try {
     image = cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& e) {
-    return Fail("PNG is damaged: " + e.err);
+    return Fail("the PNG is damaged: " + e.err);
   }
   if (image.empty() || image.cols != size.width || image.rows != size.height ||
       image.type() != type || !image.isContinuous()) {
-    return Fail("PNG is damaged or truncated");
+    return Fail("the PNG is damaged or truncated");
   }
   return image;
 }
 
-/// PNG decoders fill up what is missing; the end chunk proves that nothing is.
+/// Whether a PNG file ends with its end chunk. Decoders do not report missing rows, so this check
+/// finds truncated files.
 bool HasPngEnd(std::span<const uint8_t> bytes) {
   constexpr std::array<uint8_t, 8> kEnd{'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
   return bytes.size() >= kEnd.size() &&
@@ -73,7 +74,7 @@ Result<Image<uint16_t>> DecodePng16(const std::vector<uint8_t>& bytes, int width
   if (const auto checked = CheckSize(*info, width, height); !checked) {
     return Fail(checked.error().message);
   }
-  if (!HasPngEnd(bytes)) return Fail("PNG is truncated");
+  if (!HasPngEnd(bytes)) return Fail("the PNG is truncated");
   const Result<cv::Mat> mat = DecodePng(bytes, *info, cv::IMREAD_UNCHANGED, CV_16UC1);
   if (!mat) return Fail(mat.error().message);
   Image<uint16_t> image(mat->cols, mat->rows);
@@ -83,7 +84,7 @@ Result<Image<uint16_t>> DecodePng16(const std::vector<uint8_t>& bytes, int width
 
 Result<Image<Rgb8>> DecodeColorPng(const std::vector<uint8_t>& bytes, const ImageFileInfo& info) {
   if (info.bits == 16) return Fail("expected an 8-bit colour image, found 16-bit");
-  if (!HasPngEnd(bytes)) return Fail("PNG is truncated");
+  if (!HasPngEnd(bytes)) return Fail("the PNG is truncated");
   const Result<cv::Mat> mat = DecodePng(bytes, info, cv::IMREAD_COLOR, CV_8UC3);
   if (!mat) return Fail(mat.error().message);
   Image<Rgb8> image(mat->cols, mat->rows);
@@ -105,8 +106,9 @@ Result<Image<Rgb8>> DecodeColor(const std::vector<uint8_t>& bytes, int width, in
              : DecodeColorPng(bytes, *info);
 }
 
+/// The result, with the path at the front of its error.
 template <typename T>
-Result<T> Named(const std::filesystem::path& path, Result<T> result) {
+Result<T> WithPath(const std::filesystem::path& path, Result<T> result) {
   if (!result) return Fail(path.string() + ": " + result.error().message);
   return result;
 }
@@ -122,11 +124,11 @@ Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes) {
     if (!size) return Fail(size.error().message);
     info = {.kind = ImageFileInfo::Kind::kJpeg, .width = size->width, .height = size->height};
   } else {
-    return Fail("neither a PNG nor a JPEG (or cut off in its header)");
+    return Fail("expected a PNG or JPEG image, found neither a PNG nor a JPEG header");
   }
   if (info.width < 1 || info.height < 1 || info.width > kMaxSide || info.height > kMaxSide) {
-    return Fail("image is " + SizeText(info.width, info.height) + "; expected 1.." +
-                std::to_string(kMaxSide) + " each way");
+    return Fail("the image is " + SizeText(info.width, info.height) + "; expected 1.." +
+                std::to_string(kMaxSide) + " pixels along each side");
   }
   return info;
 }
@@ -134,26 +136,26 @@ Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes) {
 Result<ImageFileInfo> ReadImageInfo(const std::filesystem::path& path) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxImageFileBytes);
   if (!bytes) return Fail(bytes.error().message);
-  return Named(path, ReadImageInfo(std::span<const uint8_t>(*bytes)));
+  return WithPath(path, ReadImageInfo(std::span<const uint8_t>(*bytes)));
 }
 
 Result<Image<uint16_t>> ReadPng16(const std::filesystem::path& path, int width, int height) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxImageFileBytes);
   if (!bytes) return Fail(bytes.error().message);
-  return Named(path, DecodePng16(*bytes, width, height));
+  return WithPath(path, DecodePng16(*bytes, width, height));
 }
 
 Result<Image<Rgb8>> ReadColor(const std::filesystem::path& path, int width, int height) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxImageFileBytes);
   if (!bytes) return Fail(bytes.error().message);
-  return Named(path, DecodeColor(*bytes, width, height));
+  return WithPath(path, DecodeColor(*bytes, width, height));
 }
 
 Result<std::vector<uint8_t>> ReadColorAsJpeg(const std::filesystem::path& path, int width,
                                              int height) {
   Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxImageFileBytes);
   if (!bytes) return Fail(bytes.error().message);
-  const Result<Image<Rgb8>> image = Named(path, DecodeColor(*bytes, width, height));
+  const Result<Image<Rgb8>> image = WithPath(path, DecodeColor(*bytes, width, height));
   if (!image) return Fail(image.error().message);
   if (ReadImageInfo(std::span<const uint8_t>(*bytes))->kind == ImageFileInfo::Kind::kJpeg) {
     return bytes;

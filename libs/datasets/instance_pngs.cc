@@ -17,13 +17,14 @@ namespace fs = std::filesystem;
 constexpr int64_t kAnyFrame = -1;
 
 struct Instance {
-  ClassId class_id = ClassId::kUnknown;  ///< kUnknown = not a detection
+  ClassId class_id = ClassId::kUnknown;  ///< kUnknown = the instance is not a detection
   float score = 1;
 };
 
-/// (frame_number or kAnyFrame, id in the PNG) -> what it is.
+/// The instances by (frame_number or kAnyFrame, id in the PNG).
 using InstanceTable = std::map<std::pair<int64_t, int64_t>, Instance>;
 
+/// The instance of an id in a frame; null if the table has no row for it.
 const Instance* Find(const InstanceTable& table, int64_t frame_number, int64_t id) {
   auto found = table.find({frame_number, id});
   if (found == table.end()) found = table.find({kAnyFrame, id});
@@ -49,8 +50,8 @@ class InstancePngs : public DetectionSource {
       if (id == 0) continue;
       const Instance* instance = Find(table_, header.frame_number, id);
       if (instance == nullptr) {
-        return Fail(file->second.string() + ": instance " + std::to_string(id) + " is not in " +
-                    table_path_);
+        return Fail(file->second.string() + ": instance " + std::to_string(id) +
+                    " is not in the table " + table_path_);
       }
       if (instance->class_id == ClassId::kUnknown) continue;
       set.detections.push_back({instance->class_id, instance->score, MaskOf(*ids, id)});
@@ -73,7 +74,7 @@ class InstancePngs : public DetectionSource {
   std::map<int64_t, fs::path> files_;
 };
 
-/// Both kinds of table come down to rows of named numbers.
+/// A row of either kind of table: numbers by name.
 using Row = std::map<std::string, double, std::less<>>;
 
 Result<void> AddRow(const Row& row, InstanceTable* table) {
@@ -87,14 +88,20 @@ Result<void> AddRow(const Row& row, InstanceTable* table) {
   const double id = value("id", -1), category = value("category_id", -1);
   const double score = value("score", 1);
   const double frame = value("image_id", static_cast<double>(kAnyFrame));
-  if (!whole(id, 1, 65535)) return Fail("expected an id in 1..65535");
-  if (!whole(category, 0, 65535)) return Fail("expected a category_id in 0..65535");
-  if (!(score >= 0 && score <= 1)) return Fail("expected a score in [0, 1]");
-  if (!whole(frame, -1, 1e15)) return Fail("expected image_id to be a frame number");
+  const auto fail = [&](const std::string& expected, const char* key) {
+    const auto found = row.find(key);
+    return Fail("expected " + expected + ", found " +
+                (found == row.end() ? "none" : std::to_string(found->second)));
+  };
+  if (!whole(id, 1, 65535)) return fail("an id in 1..65535", "id");
+  if (!whole(category, 0, 65535)) return fail("a category_id in 0..65535", "category_id");
+  if (!(score >= 0 && score <= 1)) return fail("a score in [0, 1]", "score");
+  if (!whole(frame, -1, 1e15)) return fail("a frame number as image_id", "image_id");
   const std::pair key(static_cast<int64_t>(frame), static_cast<int64_t>(id));
   const Instance instance{static_cast<ClassId>(category), static_cast<float>(score)};
   if (!table->emplace(key, instance).second) {
-    return Fail("a second row for id " + std::to_string(key.second));
+    return Fail("expected one row per id and frame, found a second row for id " +
+                std::to_string(key.second));
   }
   return {};
 }
@@ -105,12 +112,16 @@ Result<InstanceTable> ParseCsv(const std::string& text) {
   for (size_t i = 1; i < lines.size(); ++i) {
     const std::string where = "line " + std::to_string(lines[i].number) + ": ";
     if (lines[i].words.size() != lines[0].words.size()) {
-      return Fail(where + "expected " + std::to_string(lines[0].words.size()) + " columns");
+      return Fail(where + "expected " + std::to_string(lines[0].words.size()) + " columns, found " +
+                  std::to_string(lines[i].words.size()));
     }
     Row row;
     for (size_t column = 0; column < lines[0].words.size(); ++column) {
       const auto number = ParseNumber(lines[i].words[column]);
-      if (!number) return Fail(where + "expected only numbers");
+      if (!number) {
+        return Fail(where + "expected only numbers, found \"" +
+                    std::string(lines[i].words[column].substr(0, 40)) + "\"");
+      }
       row[std::string(lines[0].words[column])] = *number;
     }
     if (const auto added = AddRow(row, &table); !added) return Fail(where + added.error().message);
@@ -120,11 +131,12 @@ Result<InstanceTable> ParseCsv(const std::string& text) {
 
 Result<InstanceTable> ParseJson(const std::string& text) {
   const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
-  if (!root.is_array()) return Fail("expected a JSON array of objects");
+  if (!root.is_array()) return Fail("expected a JSON array of objects, but the file has none");
   InstanceTable table;
   for (size_t i = 0; i < root.size(); ++i) {
     const std::string where = "entry " + std::to_string(i) + ": ";
-    if (!root[i].is_object()) return Fail(where + "expected an object");
+    if (!root[i].is_object())
+      return Fail(where + "expected an object, found " + root[i].dump().substr(0, 40));
     Row row;
     for (const auto& [key, value] : root[i].items()) {
       if (value.is_number()) row[key] = value.get<double>();
@@ -142,7 +154,7 @@ Result<InstanceTable> ReadTable(const fs::path& path) {
   return table;
 }
 
-/// The last run of digits in the name without extension.
+/// The last number in a file name without extension.
 std::optional<int64_t> LastNumber(const std::string& stem) {
   const size_t last = stem.find_last_of("0123456789");
   if (last == std::string::npos) return std::nullopt;
@@ -158,13 +170,17 @@ Result<std::map<int64_t, fs::path>> ListPngs(const fs::path& folder) {
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     if (entry->path().extension() != ".png") continue;
     const auto number = LastNumber(entry->path().stem().string());
-    if (!number) return Fail(entry->path().string() + ": no frame number in the name");
+    if (!number)
+      return Fail(entry->path().string() +
+                  ": expected a frame number in the file name, found none");
     if (!files.emplace(*number, entry->path()).second) {
-      return Fail(folder.string() + ": two PNGs have number " + std::to_string(*number));
+      return Fail(folder.string() +
+                  ": expected one PNG per frame number, but two PNGs have number " +
+                  std::to_string(*number));
     }
   }
-  if (error) return Fail(folder.string() + ": cannot list the folder: " + error.message());
-  if (files.empty()) return Fail(folder.string() + ": no PNGs in the folder");
+  if (error) return Fail(folder.string() + ": the folder cannot be listed: " + error.message());
+  if (files.empty()) return Fail(folder.string() + ": expected PNG images, found no PNGs");
   return files;
 }
 

@@ -12,12 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In this order of looking: the layouts with the most telling files first.
+// Formats are recognised in this order: those with the most specific files first.
 constexpr std::array<const DatasetFormat*, 7> kFormats{
     &kSceneNnFormat, &kSevenScenesFormat, &kIclFormat,    &kTumFormat,
     &kScanNetFormat, &kRedwoodFormat,     &kReplicaFormat};
 
-/// A listed folder whose unusable frames have been taken out.
+/// The usable frames of a sequence's folder.
 class FolderDataset : public Dataset {
  public:
   FolderDataset(fs::path folder, const char* format, SequenceFiles files, CameraId camera_id)
@@ -56,7 +56,7 @@ class FolderDataset : public Dataset {
     return fs::exists(path) ? std::optional(path.string()) : std::nullopt;
   }
 
-  /// Takes the frames that `options` asks for, and of these only the usable ones.
+  /// Keeps only the frames that `options` selects and that can be used.
   void Select(const DatasetOptions& options) {
     std::vector<FrameFiles> recorded;
     recorded.swap(files_.frames);
@@ -75,7 +75,7 @@ class FolderDataset : public Dataset {
     const PinholeCamera& recorded = files_.depth_from ? files_.depth_from->camera : files_.camera;
     Result<Image<uint16_t>> depth = ReadPng16(path, recorded.width, recorded.height);
     if (!depth) return Fail(depth.error().message);
-    // 65535 means "no return" to Kinects, 0 to everything after this line
+    // Kinects write 65535 for "no return"; the rest of the code expects 0.
     std::replace(depth->pixels().begin(), depth->pixels().end(), uint16_t{65535}, uint16_t{0});
     if (!files_.depth_from) return depth;
     return RegisterDepth(*depth, files_.depth_unit_m, *files_.depth_from, files_.camera);
@@ -104,16 +104,18 @@ Result<const DatasetFormat*> FindFormat(const fs::path& folder, const std::strin
     known += std::string(known.empty() ? "" : "; ") + format->name + ": " + format->looks_like;
   }
   if (name.empty())
-    return Fail(folder.string() + ": no known sequence in this folder (" + known + ")");
-  return Fail("unknown data set format \"" + name + "\"; known are " + known);
+    return Fail(folder.string() + ": no known sequence in this folder; expected one of: " + known);
+  return Fail("unknown data set format \"" + name + "\"; expected one of: " + known);
 }
 
+/// Fails unless the times of the frames increase.
 Result<void> CheckTimes(const fs::path& folder, const std::vector<FrameFiles>& frames) {
   for (size_t i = 1; i < frames.size(); ++i) {
     if (frames[i].utime > frames[i - 1].utime) continue;
-    return Fail(folder.string() + ": frame " + std::to_string(frames[i].number) + " has utime " +
-                std::to_string(frames[i].utime) + ", which is not after " +
-                std::to_string(frames[i - 1].utime) + " of the frame before");
+    return Fail(folder.string() + ": expected increasing times, but frame " +
+                std::to_string(frames[i].number) + " has utime " + std::to_string(frames[i].utime) +
+                ", which is not after " + std::to_string(frames[i - 1].utime) +
+                " of the frame before");
   }
   return {};
 }
@@ -122,17 +124,22 @@ Result<fs::path> CheckFolder(const std::string& path) {
   std::error_code error;
   const fs::path folder = fs::canonical(path, error);
   if (error) return Fail(path + ": " + error.message());
-  if (!fs::is_directory(folder, error)) return Fail(path + ": expected a folder");
+  if (!fs::is_directory(folder, error)) return Fail(path + ": expected a folder, found a file");
   return folder;
 }
 
 }  // namespace
 
 Result<void> CheckOptions(const DatasetOptions& options) {
-  if (options.stride >= 1 && options.max_frames >= 0) return {};
-  return Fail("data set options: stride is " + std::to_string(options.stride) +
-              " (expected 1 or more), max_frames is " + std::to_string(options.max_frames) +
-              " (expected 0 or more)");
+  if (options.stride < 1) {
+    return Fail("data set options: stride is " + std::to_string(options.stride) +
+                "; expected 1 or more");
+  }
+  if (options.max_frames < 0) {
+    return Fail("data set options: max_frames is " + std::to_string(options.max_frames) +
+                "; expected 0 or more");
+  }
+  return {};
 }
 
 Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std::string& format,

@@ -1,6 +1,7 @@
-// Redwood / Open3D: color/N.jpg, depth/N.png (16-bit, mm), trajectory.log; the k-th image has the
-// k-th pose of the log. intrinsics.txt ("width height fx fy cx cy units_per_metre") when there is
-// one, else the PrimeSense default that Redwood names. 30 frames a second.
+// Redwood / Open3D: color/N.jpg, depth/N.png (16-bit, mm) and trajectory.log, whose k-th pose is
+// that of the k-th image. The camera is that of intrinsics.txt ("width height fx fy cx cy
+// units_per_metre"), or, without that file, the PrimeSense default of Redwood. 30 frames per
+// second.
 #include "datasets/formats.h"
 
 namespace vismap {
@@ -15,7 +16,7 @@ bool LooksLikeRedwood(const fs::path& folder) {
 
 struct RedwoodCamera {
   PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
-  double units = 1000;
+  double units = 1000;  ///< depth steps per metre
 };
 
 Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& path) {
@@ -23,7 +24,10 @@ Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& path) {
   const Result<std::vector<double>> n = ReadNumbers(path, 7);
   if (!n) return Fail(n.error().message);
   if (!((*n)[0] >= 1 && (*n)[0] <= 16384 && (*n)[1] >= 1 && (*n)[1] <= 16384 && (*n)[6] >= 1)) {
-    return Fail(path.string() + ": expected \"width height fx fy cx cy units_per_metre\"");
+    return Fail(
+        path.string() +
+        ": expected \"width height fx fy cx cy units_per_metre\" with sides in 1..16384 and "
+        "at least 1 unit per metre");
   }
   return RedwoodCamera{
       {static_cast<int>((*n)[0]), static_cast<int>((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]},

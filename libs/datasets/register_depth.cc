@@ -28,7 +28,7 @@ Image<uint16_t> RegisterDepth(const Image<uint16_t>& depth, double depth_unit_m,
       const Eigen::Vector3d p_C =
           steps * depth_unit_m * (start + u * right) + from.T_C_D.translation();
       const double far = std::round(p_C.z() / depth_unit_m);
-      if (!(far >= 1 && far < kNoReturn)) continue;
+      if (!(far >= 1 && far < kNoReturn)) continue;  // behind the camera, or not representable
       const auto x = std::lround(color.fx * p_C.x() / p_C.z() + color.cx);
       const auto y = std::lround(color.fy * p_C.y() / p_C.z() + color.cy);
       if (!seen.Contains(static_cast<int>(y), static_cast<int>(x))) continue;

@@ -1,7 +1,7 @@
 // Replica as rendered for iMAP and NICE-SLAM: results/frameNNNNNN.jpg, results/depthNNNNNN.png
-// (16-bit), traj.txt (line k = 16 numbers of frame k, camera to world), cam_params.json in the
+// (16-bit), traj.txt (line k has the 16 numbers of T_W_C of frame k) and cam_params.json in the
 // folder or beside it ({"camera": {"w", "h", "fx", "fy", "cx", "cy", "scale"}}, scale = depth steps
-// a metre). Frames count from 0, 30 a second.
+// per metre). Frames count from 0; 30 frames per second.
 #include <nlohmann/json.hpp>
 
 #include "datasets/formats.h"
@@ -17,7 +17,7 @@ bool LooksLikeReplica(const fs::path& folder) {
 
 struct ReplicaCamera {
   PinholeCamera camera;
-  double scale = 0;
+  double scale = 0;  ///< depth steps per metre
 };
 
 Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
@@ -28,18 +28,20 @@ Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
   const nlohmann::json root = nlohmann::json::parse(*text, nullptr, false);
   const auto camera = root.is_object() ? root.find("camera") : root.end();
   if (!root.is_object() || camera == root.end() || !camera->is_object()) {
-    return Fail(path.string() + ": expected {\"camera\": {...}}");
+    return Fail(path.string() +
+                ": expected a JSON object {\"camera\": {...}}, but the file has none");
   }
   for (const char* key : {"w", "h", "fx", "fy", "cx", "cy", "scale"}) {
     const auto value = camera->find(key);
     if (value == camera->end() || !value->is_number() || std::abs(value->get<double>()) > 1e6) {
-      return Fail(path.string() + ": camera." + key + ": expected a number");
+      return Fail(path.string() + ": camera." + key + ": expected a number, found " +
+                  (value == camera->end() ? "no such key" : value->dump().substr(0, 40)));
     }
   }
   const double scale = (*camera)["scale"].get<double>();
   if (!(scale >= 1)) {
     return Fail(path.string() + ": camera.scale is " + std::to_string(scale) +
-                "; expected 1 or more depth steps a metre");
+                "; expected 1 or more depth steps per metre");
   }
   return ReplicaCamera{
       {(*camera)["w"].get<int>(), (*camera)["h"].get<int>(), (*camera)["fx"].get<double>(),
@@ -57,7 +59,7 @@ Result<void> SetReplicaPoses(const fs::path& path, std::vector<FrameFiles>* fram
       if (const auto number = ParseNumber(word)) numbers.push_back(*number);
     }
     if (line.words.size() != 16 || numbers.size() != 16) {
-      return Fail(path.string() + ":" + std::to_string(line.number) + ": expected 16 numbers");
+      return FailAtLine(path, line, "16 numbers");
     }
     poses.push_back(MakePose(RowMajor4x4(numbers.data())));
   }

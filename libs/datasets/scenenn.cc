@@ -1,7 +1,7 @@
-// SceneNN as its players extract it: image/imageNNNNN.png, depth/depthNNNNN.png (16-bit, mm), both
-// counted from 1, trajectory.log (image k has the pose of index k - 1), intrinsic/asus.ini in the
-// sequence or beside it, and optionally timestamp.txt (lines "k utime"). Our own exports may state
-// depth_unit_m in the ini when depth is not in mm.
+// SceneNN as its tools extract it: image/imageNNNNN.png and depth/depthNNNNN.png (16-bit, mm), both
+// counted from 1; trajectory.log, in which image k has the pose of index k - 1; intrinsic/asus.ini
+// in the folder or beside it; and optionally timestamp.txt (lines "k utime"). Our exports add the
+// key depth_unit_m to asus.ini if depth is not in mm.
 #include <map>
 
 #include "datasets/formats.h"
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 struct Ini {
   PinholeCamera camera;
-  double rate = 30;  ///< frames a second
+  double rate = 30;  ///< frames per second
   double depth_unit_m = 0.001;
 };
 
@@ -26,7 +26,8 @@ Result<fs::path> FindIni(const fs::path& folder) {
   for (const fs::path& place : {folder, folder.parent_path()}) {
     if (fs::exists(place / "intrinsic" / "asus.ini")) return place / "intrinsic" / "asus.ini";
   }
-  return Fail(folder.string() + ": no intrinsic/asus.ini in the folder or beside it");
+  return Fail(folder.string() +
+              ": expected intrinsic/asus.ini in the folder or beside it, found none");
 }
 
 Result<Ini> ReadIni(const fs::path& path) {
@@ -38,7 +39,9 @@ Result<Ini> ReadIni(const fs::path& path) {
     if (number) values[line.words.front()] = *number;
   }
   for (const char* key : {"depth_width", "depth_height", "fx", "fy", "cx", "cy"}) {
-    if (!values.contains(key)) return Fail(path.string() + ": no line \"" + key + " NUMBER\"");
+    if (!values.contains(key)) {
+      return Fail(path.string() + ": expected a line \"" + key + " NUMBER\", found none");
+    }
   }
   Ini ini;
   ini.camera = {static_cast<int>(values["depth_width"]),
@@ -50,7 +53,7 @@ Result<Ini> ReadIni(const fs::path& path) {
   if (values.contains("depth_fps")) ini.rate = values["depth_fps"];
   if (!(ini.rate > 0 && ini.rate < 1e4)) {
     return Fail(path.string() + ": depth_fps is " + std::to_string(ini.rate) +
-                "; expected frames a second");
+                "; expected frames per second, above 0 and below 10000");
   }
   if (values.contains("depth_unit_m")) ini.depth_unit_m = values["depth_unit_m"];
   if (!(ini.depth_unit_m > 0 && ini.depth_unit_m <= 1)) {
@@ -70,8 +73,7 @@ Result<Timestamps> ReadTimestamps(const fs::path& path) {
     const auto number = ParseInteger(line.words.front());
     const auto utime = ParseInteger(line.words.back());
     if (line.words.size() != 2 || !number || !utime) {
-      return Fail(path.string() + ":" + std::to_string(line.number) +
-                  ": expected \"IMAGE_NUMBER UTIME\"");
+      return FailAtLine(path, line, "\"IMAGE_NUMBER UTIME\"");
     }
     utimes[*number] = *utime;
   }
@@ -89,7 +91,8 @@ Result<void> SetTimes(const fs::path& folder, double rate, std::vector<FrameFile
   for (FrameFiles& frame : *frames) {
     const auto found = utimes->find(frame.number);
     if (found == utimes->end()) {
-      return Fail(path.string() + ": no line for image " + std::to_string(frame.number));
+      return Fail(path.string() + ": expected a line for every image, found no line for image " +
+                  std::to_string(frame.number));
     }
     frame.utime = found->second;
   }
@@ -102,7 +105,8 @@ Result<void> SetLoggedPoses(const fs::path& path, std::vector<FrameFiles>* frame
   std::map<int64_t, const Result<Pose>*> poses;
   for (const LoggedPose& pose : *log) {
     if (!poses.emplace(pose.index, &pose.T_W_C).second) {
-      return Fail(path.string() + ": two poses of index " + std::to_string(pose.index));
+      return Fail(path.string() + ": expected one pose per index, found two poses of index " +
+                  std::to_string(pose.index));
     }
   }
   for (FrameFiles& frame : *frames) {

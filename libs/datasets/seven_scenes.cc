@@ -37,7 +37,7 @@ Result<PinholeCamera> ReadSevenScenesIntrinsics(const fs::path& path) {
 }
 
 // Sets the depth registration to the colour camera, and changes the poses to those of that camera.
-void SeeAsKinectColor(SequenceFiles* files) {
+void RegisterToKinectColor(SequenceFiles* files) {
   DepthSource from{files->camera, Pose::Identity()};
   from.T_C_D.translation() = Eigen::Vector3d(-kKinectBaseline, 0, 0);
   files->camera = kKinectColor;
@@ -71,7 +71,7 @@ Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
                       .color_camera = {},
                       .depth_unit_m = 0.001,
                       .frames = std::move(*frames)};
-  if (IsKinectDepth(*camera)) SeeAsKinectColor(&files);
+  if (IsKinectDepth(*camera)) RegisterToKinectColor(&files);
   return files;
 }
 

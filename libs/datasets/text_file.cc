@@ -42,8 +42,18 @@ std::vector<TextLine> SplitLines(std::string_view text) {
   return lines;
 }
 
+tl::unexpected<Error> FailAtLine(const std::filesystem::path& path, const TextLine& line,
+                                 const std::string& expected) {
+  const char* begin = line.words.front().data();
+  const char* end = line.words.back().data() + line.words.back().size();
+  const std::string_view found(begin, static_cast<size_t>(end - begin));
+  return Fail(path.string() + ":" + std::to_string(line.number) + ": expected " + expected +
+              ", found \"" + std::string(found.substr(0, 80)) + "\"");
+}
+
 std::optional<double> ParseNumber(std::string_view word) {
-  // how the C library of older Windows, on which 7-Scenes was written, prints NaN and infinity
+  // The C library of older Windows, on which 7-Scenes was recorded, prints NaN and infinity like
+  // "-1.#IND".
   if (word.find(".#") != std::string_view::npos) return std::numeric_limits<double>::quiet_NaN();
   if (word.starts_with('+')) word.remove_prefix(1);
   double number = 0;
@@ -68,8 +78,8 @@ Result<std::vector<double>> ReadNumbers(const std::filesystem::path& path, size_
     for (const std::string_view word : line.words) {
       const std::optional<double> number = ParseNumber(word);
       if (!number) {
-        return Fail(path.string() + ":" + std::to_string(line.number) + ": \"" +
-                    std::string(word.substr(0, 40)) + "\" is not a number");
+        return Fail(path.string() + ":" + std::to_string(line.number) +
+                    ": expected a number, found \"" + std::string(word.substr(0, 40)) + "\"");
       }
       numbers.push_back(*number);
     }
@@ -110,14 +120,16 @@ Result<std::vector<NumberedFile>> ListNumberedFiles(const NamePattern& pattern) 
       if (number) files.push_back({*number, entry->path()});
     }
   }
-  if (error) return Fail(pattern.folder.string() + ": cannot list the folder: " + error.message());
+  if (error)
+    return Fail(pattern.folder.string() + ": the folder cannot be listed: " + error.message());
   std::sort(files.begin(), files.end(),
             [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
   const auto twice = std::adjacent_find(
       files.begin(), files.end(),
       [](const NumberedFile& a, const NumberedFile& b) { return a.number == b.number; });
   if (twice != files.end()) {
-    return Fail(pattern.folder.string() + ": two files have number " +
+    return Fail(pattern.folder.string() + ": expected one file " + pattern.prefix + "N" +
+                pattern.suffixes[0] + " per number, but two files have number " +
                 std::to_string(twice->number));
   }
   return files;

@@ -12,38 +12,43 @@
 
 namespace vismap {
 
-/// Whole text file; fails naming it. At most 1 GiB.
+/// Reads a text file of at most 1 GiB. Fails, naming the file, if it cannot be read.
 Result<std::string> ReadTextFile(const std::filesystem::path& path);
 
-/// One line of a text file, cut at blanks and commas.
+/// A line of a text file, split into words at blanks and commas.
 struct TextLine {
-  int number = 0;  ///< from 1, as editors count
+  int number = 0;  ///< counts from 1
   std::vector<std::string_view> words;
 };
 
-/// The lines of `text` that are neither blank nor begin with '#'. The words point into `text`.
+/// The lines of a text, without blank lines and lines that begin with '#'. The words point into
+/// `text`.
 std::vector<TextLine> SplitLines(std::string_view text);
 
-/// A floating-point number in C syntax whatever the locale; "inf", "nan" and Windows' "-1.#IND" are
-/// numbers too (not finite). None when the whole word is not one.
+/// An error about a line of a file: `PATH:LINE: expected EXPECTED, found "THE LINE"`.
+tl::unexpected<Error> FailAtLine(const std::filesystem::path& path, const TextLine& line,
+                                 const std::string& expected);
+
+/// Parses a floating-point number in C syntax, independent of the locale; none if the word is not a
+/// number. "inf", "nan" and "-1.#IND" of Windows are numbers that are not finite.
 std::optional<double> ParseNumber(std::string_view word);
 
-/// A decimal integer; none when the whole word is not one.
+/// Parses a decimal integer; none if the word is not one.
 std::optional<int64_t> ParseInteger(std::string_view word);
 
-/// All numbers of a text file; fails naming file, line and word, or when there are not exactly
-/// `count` of them.
+/// Reads a text file of exactly `count` numbers. Fails, naming file, line and word, if there is
+/// anything else in it, or if the count differs.
 Result<std::vector<double>> ReadNumbers(const std::filesystem::path& path, size_t count);
 
-/// The 4x4 matrix whose rows follow each other in these 16 numbers.
+/// The 4x4 matrix with these 16 numbers, row by row.
 Eigen::Matrix4d RowMajor4x4(const double* numbers);
 
-/// The digits between `prefix` and `suffix` of a file name, as a number; none when the name is not
-/// of this form.
+/// The number between `prefix` and `suffix` in a file name; none if the name does not have this
+/// form.
 std::optional<int64_t> NumberInName(std::string_view name, std::string_view prefix,
                                     std::string_view suffix);
 
-/// Files named prefix, digits, and one of the suffixes in one folder.
+/// Describes the files of a folder whose names are the prefix, digits, and one of the suffixes.
 struct NamePattern {
   std::filesystem::path folder;
   std::string prefix;
@@ -55,8 +60,8 @@ struct NumberedFile {
   std::filesystem::path path;
 };
 
-/// All files of a pattern, ascending by their number. Fails when the folder cannot be read or two
-/// files have one number.
+/// All files of a pattern, ascending by number. Fails if the folder cannot be read or if two files
+/// have the same number.
 Result<std::vector<NumberedFile>> ListNumberedFiles(const NamePattern& pattern);
 
 }  // namespace vismap

@@ -1,8 +1,9 @@
 // TUM RGB-D: rgb.txt and depth.txt (lines "time file"), or associations.txt (lines "time file time
-// file"), groundtruth.txt (lines "time tx ty tz qx qy qz qw", camera to world), 5000 steps a metre,
-// time in seconds. Frames are numbered from 0 in the order of depth.txt or associations.txt.
-// ICL-NUIM in TUM's layout: associations.txt and one *.gt.freiburg; its time is the number of the
-// frame, 30 a second. Both take their intrinsics from camera.txt ("fx fy cx cy") when there is one.
+// file"), and groundtruth.txt (lines "time tx ty tz qx qy qz qw", T_W_C). Depth has 5000 steps per
+// metre, times are in seconds. Frames are numbered from 0 in the order of depth.txt or
+// associations.txt. ICL-NUIM in TUM's layout: associations.txt and one *.gt.freiburg. Its times are
+// frame numbers; 30 frames per second. Both formats use the intrinsics of camera.txt ("fx fy cx
+// cy") if it exists.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -15,11 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDepthUnit = 1.0 / 5000;
-constexpr double kMaxTimeDifference = 0.02;  // [s], as the tools of the benchmark
+constexpr double kMaxTimeDifference = 0.02;  // [s], as in the tools of the benchmark
 constexpr double kIclRate = 30;
 
 struct TimedFile {
-  double time = 0;  ///< as written: seconds, or frames for ICL
+  double time = 0;  ///< as in the file: seconds, or the frame number for ICL
   fs::path path;
 };
 
@@ -32,10 +33,6 @@ struct TimedPose {
   Result<Pose> T_W_C = Pose::Identity();
 };
 
-tl::unexpected<Error> FailAt(const fs::path& path, const TextLine& line, const std::string& what) {
-  return Fail(path.string() + ":" + std::to_string(line.number) + ": " + what);
-}
-
 Result<std::vector<TimedFile>> ReadList(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
@@ -43,27 +40,28 @@ Result<std::vector<TimedFile>> ReadList(const fs::path& path) {
   for (const TextLine& line : SplitLines(*text)) {
     const auto time = ParseNumber(line.words[0]);
     if (line.words.size() != 2 || !time || !std::isfinite(*time)) {
-      return FailAt(path, line, "expected \"TIME FILE\"");
+      return FailAtLine(path, line, "\"TIME FILE\"");
     }
     files.push_back({*time, path.parent_path() / line.words[1]});
   }
-  if (files.empty()) return Fail(path.string() + ": no images listed");
+  if (files.empty()) return Fail(path.string() + ": expected lines \"TIME FILE\", found none");
   return files;
 }
 
-/// The depth file is the one whose path says so: TUM lists colour first, ICL depth.
+/// Parses a line of associations.txt. The depth file is the one whose path contains "depth",
+/// because TUM lists colour first and ICL depth first.
 Result<TimedPair> ParseAssociation(const fs::path& path, const TextLine& line) {
-  if (line.words.size() != 4) return FailAt(path, line, "expected \"TIME FILE TIME FILE\"");
+  if (line.words.size() != 4) return FailAtLine(path, line, "\"TIME FILE TIME FILE\"");
   std::array<TimedFile, 2> files;
   std::array<bool, 2> is_depth{};
   for (size_t i = 0; i < 2; ++i) {
     const auto time = ParseNumber(line.words[2 * i]);
-    if (!time || !std::isfinite(*time)) return FailAt(path, line, "expected a time");
+    if (!time || !std::isfinite(*time)) return FailAtLine(path, line, "\"TIME FILE TIME FILE\"");
     files[i] = {*time, path.parent_path() / line.words[2 * i + 1]};
     is_depth[i] = line.words[2 * i + 1].find("depth") != std::string_view::npos;
   }
   if (is_depth[0] == is_depth[1]) {
-    return FailAt(path, line, "expected exactly one path with \"depth\" in it");
+    return FailAtLine(path, line, "exactly one path with \"depth\" in it");
   }
   return is_depth[0] ? TimedPair{files[1], files[0]} : TimedPair{files[0], files[1]};
 }
@@ -77,12 +75,13 @@ Result<std::vector<TimedPair>> ReadAssociations(const fs::path& path) {
     if (!pair) return Fail(pair.error().message);
     pairs.push_back(*pair);
   }
-  if (pairs.empty()) return Fail(path.string() + ": no images listed");
+  if (pairs.empty())
+    return Fail(path.string() + ": expected lines \"TIME FILE TIME FILE\", found none");
   return pairs;
 }
 
-/// As the benchmark's associate.py: the closest pairs first, each file at most once. Depth images
-/// without a partner keep an empty colour path.
+/// Pairs colour and depth files by time, like associate.py of the benchmark: the closest pairs
+/// first, each file at most once. Depth images without a partner get an empty colour path.
 std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<TimedFile> depths) {
   const auto by_time = [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; };
   std::stable_sort(colors.begin(), colors.end(), by_time);
@@ -94,7 +93,7 @@ std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<Time
       ++begin;
     }
     for (size_t c = begin; c < colors.size(); ++c) {
-      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;
+      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;  // all others are later
       candidates.emplace_back(std::abs(colors[c].time - depths[d].time), d, c);
     }
   }
@@ -103,7 +102,7 @@ std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<Time
   for (size_t d = 0; d < depths.size(); ++d) pairs[d].depth = depths[d];
   std::vector<bool> color_used(colors.size(), false);
   for (const auto& [difference, d, c] : candidates) {
-    if (color_used[c] || !pairs[d].color.path.empty()) continue;
+    if (color_used[c] || !pairs[d].color.path.empty()) continue;  // one of them has a partner
     pairs[d].color = colors[c];
     color_used[c] = true;
   }
@@ -112,9 +111,9 @@ std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<Time
 
 Result<Pose> PoseOf(const std::vector<double>& n) {
   const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
-  // files give 4 digits; anything farther from unit length is not a rotation
+  // The files have 4 digits. A quaternion that is farther from unit length is not a rotation.
   if (!(std::abs(q.norm() - 1) < 0.01)) {
-    return Fail("quaternion has length " + std::to_string(q.norm()) + "; expected 1");
+    return Fail("the quaternion has length " + std::to_string(q.norm()) + "; expected 1");
   }
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = q.normalized().toRotationMatrix();
@@ -122,7 +121,7 @@ Result<Pose> PoseOf(const std::vector<double>& n) {
   return MakePose(matrix);
 }
 
-/// Sorted by time.
+/// Reads the poses of a file, sorted by time.
 Result<std::vector<TimedPose>> ReadPoses(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
@@ -133,16 +132,19 @@ Result<std::vector<TimedPose>> ReadPoses(const fs::path& path) {
       if (const auto number = ParseNumber(word)) numbers.push_back(*number);
     }
     if (line.words.size() != 8 || numbers.size() != 8 || !std::isfinite(numbers[0])) {
-      return FailAt(path, line, "expected \"TIME TX TY TZ QX QY QZ QW\"");
+      return FailAtLine(path, line, "\"TIME TX TY TZ QX QY QZ QW\"");
     }
     poses.push_back({numbers[0], PoseOf(numbers)});
   }
-  if (poses.empty()) return Fail(path.string() + ": no poses");
+  if (poses.empty()) {
+    return Fail(path.string() + ": expected lines \"TIME TX TY TZ QX QY QZ QW\", found no poses");
+  }
   std::stable_sort(poses.begin(), poses.end(),
                    [](const TimedPose& a, const TimedPose& b) { return a.time < b.time; });
   return poses;
 }
 
+/// The pose that is nearest in time. Fails if it is farther away than `max_difference`.
 Result<Pose> PoseAt(const std::vector<TimedPose>& poses, double time, double max_difference) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), time,
@@ -153,8 +155,8 @@ Result<Pose> PoseAt(const std::vector<TimedPose>& poses, double time, double max
   }
   const double difference = std::abs(nearest->time - time);
   if (difference <= max_difference) return nearest->T_W_C;
-  return Fail("no pose at time " + std::to_string(time) + "; the nearest is " +
-              std::to_string(difference) + " away");
+  return Fail("there is no pose at time " + std::to_string(time) + "; the nearest one is at time " +
+              std::to_string(nearest->time));
 }
 
 Result<PinholeCamera> ReadCameraFile(const fs::path& path) {
@@ -168,8 +170,8 @@ bool Contains(const std::string& text, std::initializer_list<const char*> words)
                      [&](const char* word) { return text.find(word) != std::string::npos; });
 }
 
-/// What the benchmark recommends: the ROS default for the distorted fr1 and fr2, the calibration
-/// for the undistorted fr3.
+/// The intrinsics that the benchmark recommends: the ROS default for fr1 and fr2, whose images are
+/// distorted, and the calibration for fr3, whose images are undistorted.
 Result<PinholeCamera> TumCamera(const fs::path& folder) {
   if (fs::exists(folder / "camera.txt")) return ReadCameraFile(folder / "camera.txt");
   const std::string name = folder.filename().string();
@@ -179,9 +181,10 @@ Result<PinholeCamera> TumCamera(const fs::path& folder) {
   if (Contains(name, {"fr3", "freiburg3"})) {
     return PinholeCamera{.fx = 535.4, .fy = 539.2, .cx = 320.1, .cy = 247.6};
   }
-  return Fail(folder.string() +
-              ": the intrinsics are unknown: the folder's name has none of fr1, fr2, fr3 and there "
-              "is no camera.txt with \"fx fy cx cy\"");
+  return Fail(
+      folder.string() +
+      ": the intrinsics are unknown; expected a camera.txt with \"fx fy cx cy\", or fr1, fr2 "
+      "or fr3 in the name of the folder");
 }
 
 Result<PinholeCamera> IclCamera(const fs::path& folder) {
@@ -189,9 +192,8 @@ Result<PinholeCamera> IclCamera(const fs::path& folder) {
   return PinholeCamera{.fx = 481.2, .fy = -480, .cx = 319.5, .cy = 239.5};
 }
 
-/// A negative fy means an image whose y axis points up, hence a left-handed camera and world (those
-/// of POV-Ray). Mirroring y of both gives a right-handed camera with y down in a right-handed
-/// world.
+/// Converts a left-handed camera and world (those of POV-Ray) to right-handed ones by mirroring y
+/// of both. A left-handed camera has a negative fy: y of its images points up.
 void MakeRightHanded(SequenceFiles* files) {
   if (!(files->camera.fy < 0)) return;
   files->camera.fy = -files->camera.fy;
@@ -277,7 +279,7 @@ Result<SequenceFiles> ListIcl(const fs::path& folder) {
   std::vector<FrameFiles> frames = MakeFrames(*pairs, *poses, 0);
   for (FrameFiles& frame : frames) {
     const auto number = NumberInName(frame.depth.filename().string(), "", ".png");
-    if (!number) return Fail(frame.depth.string() + ": expected a number as the name");
+    if (!number) return Fail(frame.depth.string() + ": expected a number as file name");
     frame.number = *number;
     frame.utime = UtimeAtRate(*number, kIclRate);
   }

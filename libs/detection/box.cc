@@ -29,6 +29,7 @@ std::vector<Candidate> SuppressOverlaps(std::vector<Candidate> candidates, float
   std::vector<Candidate> kept;
   for (const Candidate& candidate : candidates) {
     if (static_cast<int>(kept.size()) >= max_count) break;
+    // A kept candidate of the same class covers it.
     const bool hidden = std::any_of(kept.begin(), kept.end(), [&](const Candidate& stronger) {
       return stronger.class_index == candidate.class_index &&
              Overlap(stronger.box, candidate.box) > max_iou;

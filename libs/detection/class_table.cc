@@ -11,8 +11,8 @@
 namespace vismap {
 namespace {
 
-// Ids of COCO's list of 91 that have no annotations: street sign, hat, shoe, eye glasses, plate,
-// mirror, window, desk, door, blender, hair brush.
+// Ids of COCO's list of 91 classes for which there are no annotations: street sign, hat, shoe, eye
+// glasses, plate, mirror, window, desk, door, blender, hair brush.
 constexpr std::array kNotAnnotated = {12, 26, 29, 30, 45, 66, 68, 69, 71, 83, 91};
 
 std::string Trimmed(const std::string& text) {
@@ -58,17 +58,18 @@ Result<ClassTable> LoadClassTable(const std::string& path) {
   for (std::string line; std::getline(text, line);) {
     ++number;
     line = Trimmed(line);
-    if (line.empty()) {  // an empty last line is no class
+    if (line.empty()) {  // empty lines are allowed only at the end
       ++blank;
       continue;
     }
     const std::string where = path + ":" + std::to_string(number) + ": ";
-    if (blank > 0) return Fail(where + "comes after an empty line; every line is one class");
+    if (blank > 0)
+      return Fail(where + "expected no class after an empty line, because every line is one class");
     const Result<ClassId> id = ParseLine(line);
     if (!id) return Fail(where + id.error().message);
     table.push_back(*id);
   }
-  if (table.empty()) return Fail(path + ": has no classes, expected one per line");
+  if (table.empty()) return Fail(path + ": expected one class per line, found no classes");
   return table;
 }
 

@@ -14,15 +14,16 @@ namespace {
 
 const std::vector<std::string> kMaskRcnnOutputs = {"detection_out_final", "detection_masks"};
 
-/// kAuto decided by the file's name.
+/// The kind of the network; kAuto is resolved by the file name.
 Result<DnnModelKind> KindOf(const DnnDetectorOptions& options) {
   if (options.kind != DnnModelKind::kAuto) return options.kind;
   const std::string ending = std::filesystem::path(options.model).extension();
   if (ending == ".onnx") return DnnModelKind::kYoloSeg;
   if (ending == ".pb") return DnnModelKind::kMaskRcnn;
-  return Fail(options.model +
-              ": what comes out of it cannot be told from its name; expected .onnx (YOLO) or .pb "
-              "(Mask R-CNN), or its kind in the config");
+  return Fail(
+      options.model +
+      ": the kind of this network is unknown; expected .onnx (YOLO) or .pb (Mask R-CNN), or "
+      "the key `kind` in the config");
 }
 
 Result<ClassTable> ClassesOf(const DnnDetectorOptions& options) {
@@ -30,7 +31,7 @@ Result<ClassTable> ClassesOf(const DnnDetectorOptions& options) {
   return options.kind == DnnModelKind::kMaskRcnn ? Coco90() : Coco80();
 }
 
-/// The input that was asked for, or that the model states; zeros = that of the image.
+/// The size of the input that the options or the model state; zeros = that of the image.
 Result<InputSize> InputSizeOf(const DnnDetectorOptions& options) {
   if (options.input_size > 0) return InputSize{options.input_size, options.input_size};
   if (!options.graph.empty()) return InputSize{};
@@ -62,7 +63,7 @@ Result<std::unique_ptr<DnnDetector>> DnnDetector::Load(const DnnDetectorOptions&
   if (!input) return tl::unexpected(input.error());
   std::unique_ptr<DnnDetector> detector(
       new DnnDetector(decided, std::move(*network), std::move(*classes), *input));
-  const auto tried = detector->Look(Image<Rgb8>(640, 480));
+  const auto tried = detector->FindInstances(Image<Rgb8>(640, 480));
   if (!tried) return Fail(options.model + ": " + tried.error().message);
   return detector;
 }
@@ -73,7 +74,7 @@ Letterbox DnnDetector::FitInput(const Image<Rgb8>& color) const {
   return FitLetterbox(color.width(), color.height(), width, height);
 }
 
-Result<std::vector<Detection>> DnnDetector::Look(const Image<Rgb8>& color) {
+Result<std::vector<Detection>> DnnDetector::FindInstances(const Image<Rgb8>& color) {
   if (options_.kind == DnnModelKind::kMaskRcnn) {
     const auto outputs = network_.Run(MaskRcnnInput(color, FitInput(color)), kMaskRcnnOutputs);
     if (!outputs) return tl::unexpected(outputs.error());
@@ -88,7 +89,7 @@ Result<std::vector<Detection>> DnnDetector::Look(const Image<Rgb8>& color) {
 
 Result<DetectionSet> DnnDetector::Detect(const Image<Rgb8>& color, const FrameHeader& header) {
   Require(!color.empty(), "a detector looks at a colour image");
-  auto detections = Look(color);
+  auto detections = FindInstances(color);
   if (!detections) return Fail(options_.model + ": " + detections.error().message);
   return DetectionSet{header.utime, header.camera_id, header.frame_number, std::move(*detections)};
 }

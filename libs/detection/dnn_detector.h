@@ -36,7 +36,7 @@ class DnnDetector {
  private:
   DnnDetector(const DnnDetectorOptions& options, Network network, ClassTable classes,
               InputSize input);
-  Result<std::vector<Detection>> Look(const Image<Rgb8>& color);
+  Result<std::vector<Detection>> FindInstances(const Image<Rgb8>& color);
   Letterbox FitInput(const Image<Rgb8>& color) const;
 
   DnnDetectorOptions options_;

@@ -16,11 +16,11 @@ Result<void> CheckShapes(const Tensor& found, const Tensor& masks, size_t classe
                          masks.shape[1] == static_cast<int>(classes) && masks.shape[2] > 0 &&
                          masks.shape[3] > 0;
   if (rows_fit && (masks_fit || rows[2] == 0)) return {};
-  return Fail("expected Mask R-CNN's 1x1xNx7 and Nx" + std::to_string(classes) +
+  return Fail("expected the outputs of Mask R-CNN, 1x1xNx7 and Nx" + std::to_string(classes) +
               "xHEIGHTxWIDTH, found " + ShapeText(found.shape) + " and " + ShapeText(masks.shape));
 }
 
-/// Rows that count, with boxes in image pixels; `source` = row.
+/// The rows with a known class and enough score, with boxes in image pixels; `source` = row.
 std::vector<Candidate> Candidates(const Tensor& found, int image_width, int image_height,
                                   const ClassTable& classes, float min_score) {
   const auto width = static_cast<float>(image_width), height = static_cast<float>(image_height);
@@ -30,7 +30,7 @@ std::vector<Candidate> Candidates(const Tensor& found, int image_width, int imag
     const bool known = at[1] >= 0 && at[1] < static_cast<float>(classes.size());
     if (!known || !(at[2] >= min_score) || !std::isfinite(at[3] + at[4] + at[5] + at[6])) continue;
     const auto index = static_cast<size_t>(at[1]);
-    if (classes[index] == ClassId::kUnknown) continue;
+    if (classes[index] == ClassId::kUnknown) continue;  // a class to drop
     candidates.push_back({static_cast<int>(index),
                           std::min(at[2], 1.0f),
                           {at[3] * width, at[4] * height, at[5] * width, at[6] * height},
@@ -39,6 +39,7 @@ std::vector<Candidate> Candidates(const Tensor& found, int image_width, int imag
   return candidates;
 }
 
+/// The mask of a candidate, placed over its box.
 SoftMask OverBox(const Tensor& masks, const Candidate& candidate) {
   SoftMask soft;
   soft.width = masks.shape[3];

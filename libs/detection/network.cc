@@ -8,22 +8,22 @@
 namespace vismap {
 namespace {
 
-/// What OpenCV says, in one line and without the places in its sources.
-std::string Sentence(const cv::Exception& exception) {
+/// The message of an exception of OpenCV in one line, without positions in its source files.
+std::string OneLine(const cv::Exception& exception) {
   std::string text = exception.err.empty() ? exception.msg : exception.err;
   for (char& c : text) c = c == '\n' || c == '\r' ? ' ' : c;
   const size_t last = text.find_last_not_of(' ');
   return text.substr(0, std::min<size_t>(last == std::string::npos ? 0 : last + 1, 300));
 }
 
-/// Runs `action`; none of what OpenCV and the libraries below it throw gets out.
+/// Runs `action`, and turns exceptions of OpenCV and of the libraries below it into errors.
 template <typename Action>
-Result<void> Guarded(const std::string& what, const Action& action) {
+Result<void> CatchExceptions(const std::string& what, const Action& action) {
   try {
     action();
     return {};
   } catch (const cv::Exception& exception) {
-    return Fail(what + ": OpenCV says: " + Sentence(exception));
+    return Fail(what + ": OpenCV says: " + OneLine(exception));
   } catch (const std::exception& exception) {
     return Fail(what + ": " + exception.what());
   }
@@ -32,7 +32,7 @@ Result<void> Guarded(const std::string& what, const Action& action) {
 Result<void> CheckFile(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_regular_file(path, error)) return {};
-  return Fail(path + ": no such file, expected a network");
+  return Fail(path + ": no such file; expected a network");
 }
 
 Tensor FromMat(const cv::Mat& mat) {
@@ -56,7 +56,7 @@ struct Network::Net {
       std::string found;
       for (const cv::String& output : net.getUnconnectedOutLayersNames())
         found += (found.empty() ? "" : ", ") + output;
-      return Fail("expected an output " + name + ", found " + found);
+      return Fail("expected an output " + name + ", found " + (found.empty() ? "none" : found));
     }
     return {};
   }
@@ -68,7 +68,7 @@ Network::Network(Network&&) noexcept = default;
 Network& Network::operator=(Network&&) noexcept = default;
 
 Result<Network> Network::Load(const std::string& model, const std::string& graph, int threads) {
-  // Libraries do not log; what is wrong comes as an exception, too.
+  // Our libraries do not log. OpenCV reports its errors as exceptions, too.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   if (const auto there = CheckFile(model); !there) return tl::unexpected(there.error());
   if (!graph.empty()) {
@@ -76,7 +76,7 @@ Result<Network> Network::Load(const std::string& model, const std::string& graph
   }
   auto net = std::make_unique<Net>();
   const bool tensorflow = !graph.empty() || std::filesystem::path(model).extension() == ".pb";
-  const auto read = Guarded(model + ": cannot be read as a network", [&] {
+  const auto read = CatchExceptions(model + ": cannot be read as a network", [&] {
     net->net =
         tensorflow ? cv::dnn::readNetFromTensorflow(model, graph) : cv::dnn::readNetFromONNX(model);
     net->net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
@@ -92,7 +92,7 @@ Result<std::vector<Tensor>> Network::Run(const Tensor& input,
                                          const std::vector<std::string>& outputs) {
   if (const auto named = net_->CheckNames(outputs); !named) return tl::unexpected(named.error());
   std::vector<Tensor> tensors;
-  const auto run = Guarded("the network cannot be run", [&] {
+  const auto run = CatchExceptions("the network cannot be run", [&] {
     const cv::Mat blob(input.shape, CV_32F, const_cast<float*>(input.values.data()));
     net_->net.setInput(blob);
     std::vector<cv::String> names(outputs.begin(), outputs.end());

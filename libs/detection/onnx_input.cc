@@ -20,7 +20,7 @@ constexpr uint64_t kModelGraph = 7, kGraphInput = 11, kValueType = 2, kTypeTenso
                    kTensorShape = 2, kShapeDimension = 1, kDimensionValue = 1;
 
 /// Reads the varint at the front and removes it. None if it is not valid.
-std::optional<uint64_t> TakeNumber(Bytes* rest) {
+std::optional<uint64_t> ReadVarint(Bytes* rest) {
   uint64_t value = 0;
   for (int shift = 0; shift < 64 && !rest->empty(); shift += 7) {
     const uint8_t byte = rest->front();
@@ -31,7 +31,7 @@ std::optional<uint64_t> TakeNumber(Bytes* rest) {
   return std::nullopt;
 }
 
-std::optional<Bytes> TakeBytes(Bytes* rest, uint64_t count) {
+std::optional<Bytes> ReadBytes(Bytes* rest, uint64_t count) {
   if (count > rest->size()) return std::nullopt;
   const Bytes taken = rest->first(static_cast<size_t>(count));
   *rest = rest->subspan(static_cast<size_t>(count));
@@ -39,21 +39,21 @@ std::optional<Bytes> TakeBytes(Bytes* rest, uint64_t count) {
 }
 
 /// Reads the field at the front and removes it. None at the end, or if there is no valid field.
-std::optional<Field> TakeField(Bytes* rest) {
-  const auto key = TakeNumber(rest);
+std::optional<Field> ReadField(Bytes* rest) {
+  const auto key = ReadVarint(rest);
   if (!key) return std::nullopt;
   Field field{*key >> 3, 0, {}};
   const uint64_t wire = *key & 7;
   if (wire == 0) {
-    const auto number = TakeNumber(rest);
+    const auto number = ReadVarint(rest);
     field.number = number.value_or(0);
     return number ? std::optional(field) : std::nullopt;
   }
-  const auto size = wire == 2   ? TakeNumber(rest)
+  const auto size = wire == 2   ? ReadVarint(rest)
                     : wire == 1 ? std::optional<uint64_t>(8)
                     : wire == 5 ? std::optional<uint64_t>(4)
                                 : std::nullopt;
-  const auto bytes = size ? TakeBytes(rest, *size) : std::nullopt;
+  const auto bytes = size ? ReadBytes(rest, *size) : std::nullopt;
   if (!bytes) return std::nullopt;
   field.bytes = *bytes;
   return field;
@@ -62,7 +62,7 @@ std::optional<Field> TakeField(Bytes* rest) {
 /// All fields with this id in a message.
 std::vector<Field> FieldsOf(Bytes message, uint64_t id) {
   std::vector<Field> fields;
-  while (const auto field = TakeField(&message)) {
+  while (const auto field = ReadField(&message)) {
     if (field->id == id) fields.push_back(*field);
   }
   return fields;

@@ -9,13 +9,15 @@ namespace vismap {
 namespace {
 
 constexpr char kExpectedOutputs[] =
-    "expected a YOLO segmentation head's 1xFEATURESxROWS and 1xCOEFFICIENTSxHEIGHTxWIDTH";
+    "expected a YOLO segmentation head with the outputs 1xFEATURESxROWS and "
+    "1xCOEFFICIENTSxHEIGHTxWIDTH";
 
 bool IsHead(const Tensor& tensor) { return tensor.shape.size() == 3 && tensor.shape[0] == 1; }
 bool IsPrototypes(const Tensor& tensor) {
   return tensor.shape.size() == 4 && tensor.shape[0] == 1 && !tensor.values.empty();
 }
 
+/// The class with the highest score in a row, without its box.
 Candidate BestOfRow(const YoloLayout& layout, const Tensor& head, int row) {
   const int first_class = layout.objectness ? 5 : 4;
   Candidate best{.class_index = 0, .score = -1, .box = {}, .source = row};
@@ -39,7 +41,7 @@ Result<YoloOutputs> SortYoloOutputs(std::vector<Tensor> outputs) {
     Tensor* place = IsHead(output)         ? &sorted.head
                     : IsPrototypes(output) ? &sorted.prototypes
                                            : nullptr;
-    // YOLOv5 exports may carry the heads of its three scales (five dimensions), too.
+    // Exports of YOLOv5 may also have the heads of its three scales, with five dimensions.
     if (place == nullptr) continue;
     if (!place->shape.empty()) return Fail(std::string(kExpectedOutputs) + ", found " + found);
     *place = std::move(output);
@@ -54,7 +56,7 @@ Result<YoloLayout> FindYoloLayout(const YoloOutputs& outputs, int classes) {
   const int coefficients = outputs.prototypes.shape[1];
   const int first = outputs.head.shape[1], second = outputs.head.shape[2];
   for (const bool objectness : {false, true}) {
-    // Each family's own order goes first, in case both dimensions fit.
+    // If both dimensions fit, the usual order of the family is used.
     for (const bool features_first : {!objectness, objectness}) {
       YoloLayout layout{classes, coefficients, features_first ? second : first, objectness,
                         features_first};
@@ -66,7 +68,7 @@ Result<YoloLayout> FindYoloLayout(const YoloOutputs& outputs, int classes) {
               std::to_string(expected) + " (v8, v11) or " + std::to_string(expected + 1) +
               " (v5): box, " + std::to_string(classes) + " classes, " +
               std::to_string(coefficients) +
-              " mask coefficients; a model with other classes needs their names");
+              " mask coefficients; for a model with other classes, set class_names");
 }
 
 float YoloFeature(const YoloLayout& layout, const Tensor& head, int feature, int row) {

@@ -58,7 +58,7 @@ AnyClassScore ScoreAnyClass(const GroundTruth& truth, const TransferredLabels& l
   std::vector<NamedShare> named(truth.objects.size());
   const std::vector<int> objects = truth.ObjectOfPoints();
   for (size_t i = 0; i < objects.size(); ++i) {
-    if (objects[i] < 0) continue;
+    if (objects[i] < 0) continue;  // the point belongs to no object
     const auto object = static_cast<size_t>(objects[i]);
     NamedShare& share = truth.objects[object].is_structure ? structure : named[object];
     ++share.points;
@@ -69,7 +69,7 @@ AnyClassScore ScoreAnyClass(const GroundTruth& truth, const TransferredLabels& l
   for (size_t t = 0; t < groups.truths.size(); ++t) {
     const TrueObject& object = truth.objects[groups.truths[t].object];
     if (groups.truths[t].vertices < options.min_vertices || object.frames < options.min_frames)
-      continue;
+      continue;  // too small, or seen too rarely
     const bool is_known = object.class_id != ClassId::kUnknown;
     (is_known ? known : unknown).push_back(BestIou(groups, t));
     fragments.push_back(Fragments(groups, t));

@@ -51,7 +51,7 @@ struct MeanPanoptic {
 struct FreeSpaceEvaluation {
   double cell_size = 0;  ///< [m]
   CellShares truth;      ///< states of the cells at the points of the ground truth
-  InventedCells invented;
+  OccupiedCells occupied;
   std::optional<RayScore> rays;            ///< only with the depth images
   std::optional<FreeSpaceScore> analytic;  ///< only of computed scenes
 };

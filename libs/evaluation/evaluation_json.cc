@@ -128,9 +128,9 @@ void AddCells(const std::string& name, const CellShares& cells, Json* json) {
 Json ToJson(const FreeSpaceEvaluation& free_space) {
   Json json = {{"cell_size_m", free_space.cell_size}};
   AddCells("truth", free_space.truth, &json);
-  json["occupied_cells"] = free_space.invented.occupied;
+  json["occupied_cells"] = free_space.occupied.cells;
   json["occupied_far_from_truth"] =
-      Part(free_space.invented.far_from_truth, free_space.invented.occupied);
+      Part(free_space.occupied.far_from_truth, free_space.occupied.cells);
   if (free_space.rays) {
     AddCells("free", free_space.rays->free, &json);
     AddCells("surface", free_space.rays->surface, &json);

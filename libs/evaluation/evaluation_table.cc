@@ -95,16 +95,17 @@ std::string Surface(const char* title, const std::optional<DistanceSummary>& sum
                 summary->within_radius * 100);
 }
 
-std::string Found(const char* title, const DiscoveryScore& score) {
+std::string DiscoveryLine(const char* title, const DiscoveryScore& score) {
   return Format("%-24s %d; found at IoU 0.5 %s %%, at 0.25 %s %%; mean IoU %s %%\n", title,
                 score.objects, Percent(score.recall50).c_str(), Percent(score.recall25).c_str(),
                 Percent(score.mean_iou).c_str());
 }
 
-std::string Things(const Evaluation& e) {
+std::string DiscoveryLines(const Evaluation& e) {
   const AnyClassScore& any = e.any_class;
   const PanopticScore& panoptic = e.any_class_panoptic;
-  return Found("objects of COCO classes", any.known) + Found("unknown objects", any.unknown) +
+  return DiscoveryLine("objects of COCO classes", any.known) +
+         DiscoveryLine("unknown objects", any.unknown) +
          Format(
              "%-24s %s per object; unknown objects given a class %d; structure inside "
              "objects %s %%\n",
@@ -131,7 +132,7 @@ std::string FreeSpace(const FreeSpaceEvaluation& space) {
   std::string text = Format("cells of %-15s ", Format("%.3g m", space.cell_size).c_str()) +
                      "true surface: " + Cells(space.truth) +
                      Format("; occupied cells far from it %.1f %%\n",
-                            PercentOf(space.invented.far_from_truth, space.invented.occupied));
+                            PercentOf(space.occupied.far_from_truth, space.occupied.cells));
   if (space.rays)
     text += Format("%-24s ", "") + "measured free space: " + Cells(space.rays->free) + "\n" +
             Format("%-24s ", "") + "measured surface: " + Cells(space.rays->surface) + "\n";
@@ -153,7 +154,7 @@ std::string EvaluationTable(const Evaluation& e) {
       Format("%s (%s): %zu objects on %zu points; map: %d instances with a class, %zu vertices\n",
              e.truth_name.c_str(), e.truth_format.c_str(), e.truth_objects, e.truth_points,
              e.pred_instances, e.map_vertices);
-  text += Classes(e) + Things(e) + Surface("accuracy", e.surface.accuracy) +
+  text += Classes(e) + DiscoveryLines(e) + Surface("accuracy", e.surface.accuracy) +
           Surface("completeness", e.surface.completeness);
   for (const FreeSpaceEvaluation& space : e.free_space) text += FreeSpace(space);
   return text;

@@ -13,7 +13,7 @@ void AddFrame(const OccupancyMap& map, const SensorFrame& frame, const RayOption
   for (int v = first; v < frame.depth.height(); v += options.pixel_step) {
     for (int u = first; u < frame.depth.width(); u += options.pixel_step) {
       const double z = frame.depth(v, u) * frame.depth_unit_m;
-      if (z < options.min_depth || z > options.max_depth) continue;
+      if (z < options.min_depth || z > options.max_depth) continue;  // no return, or out of range
       const Eigen::Vector3d ray_C((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
       const double stretch = ray_C.norm();  // distance from the camera divided by depth
       for (double r = options.first; r < z * stretch - options.margin; r += options.step)
@@ -37,15 +37,16 @@ CellShares CellsAt(const OccupancyMap& map, std::span<const Eigen::Vector3f> poi
   return shares;
 }
 
-InventedCells CountInvented(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W,
+OccupiedCells CountOccupied(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W,
                             double margin) {
   std::vector<Eigen::Vector3d> points;
   points.reserve(points_W.size());
   for (const Eigen::Vector3f& p_W : points_W) points.push_back(p_W.cast<double>());
   const NearestPoints truth(std::move(points));
-  InventedCells cells;
+  OccupiedCells cells;
   for (const BlockIndex& index : map.SortedIndices()) {
     const BlockOccupancy& block = map.At(index);
+    // The block has no occupied cell.
     if (block.is(CellState::kFree) || block.is(CellState::kUnknown)) continue;
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       if (block.At(offset) != CellState::kOccupied) continue;
@@ -53,7 +54,7 @@ InventedCells CountInvented(const OccupancyMap& map, std::span<const Eigen::Vect
                                  index.y * kBlockSide + offset / kBlockSide % kBlockSide,
                                  index.z * kBlockSide + offset / (kBlockSide * kBlockSide));
       const auto nearest = truth.Nearest((cell.array() + 0.5) * map.cell_size());
-      ++cells.occupied;
+      ++cells.cells;
       cells.far_from_truth += !nearest || nearest->distance > margin;
     }
   }

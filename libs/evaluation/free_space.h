@@ -18,12 +18,15 @@ struct CellShares {
 /// error, because a planner would plan through the surface.
 CellShares CellsAt(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W);
 
-/// Occupied cells whose centre has no point of the true surface within `margin` [m]. They are false
-/// obstacles, as far as the ground truth is complete.
-struct InventedCells {
-  int64_t occupied = 0, far_from_truth = 0;
+/// The number of occupied cells, and of those whose centre has no point of the true surface nearby.
+/// The latter are false obstacles, as far as the ground truth is complete.
+struct OccupiedCells {
+  int64_t cells = 0, far_from_truth = 0;
 };
-InventedCells CountInvented(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W,
+
+/// Counts the occupied cells of a map. `margin` [m]: a cell is far from the truth if its centre has
+/// no point of the true surface within this distance.
+OccupiedCells CountOccupied(const OccupancyMap& map, std::span<const Eigen::Vector3f> points_W,
                             double margin);
 
 /// Where depth images are sampled.

@@ -7,7 +7,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool HoldsFile(const fs::path& folder, const std::string& ending) {
+// Whether a folder has a file whose name has this ending.
+bool HasFile(const fs::path& folder, const std::string& ending) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     if (entry.path().filename().string().ends_with(ending)) return true;
@@ -33,13 +34,14 @@ Result<GroundTruth> ReadGroundTruth(const fs::path& folder) {
   std::error_code error;
   const fs::path real = fs::canonical(folder, error);
   if (error) return Fail(folder.string() + ": " + error.message());
-  if (!fs::is_directory(real, error)) return Fail(folder.string() + ": expected a folder");
-  if (HoldsFile(real, "_vh_clean_2.ply")) return ReadScanNetTruth(real);
+  if (!fs::is_directory(real, error))
+    return Fail(folder.string() + ": expected a folder, found a file");
+  if (HasFile(real, "_vh_clean_2.ply")) return ReadScanNetTruth(real);
   const std::string id = real.filename().string();
   if (fs::exists(real / (id + ".ply")) || fs::exists(real / (id + ".xml")))
     return ReadSceneNnTruth(real);
-  return Fail(folder.string() + ": no ground truth; expected " + id + ".ply and " + id +
-              ".xml (SceneNN) or *_vh_clean_2.ply (ScanNet)");
+  return Fail(folder.string() + ": there is no ground truth in this folder; expected " + id +
+              ".ply and " + id + ".xml (SceneNN) or *_vh_clean_2.ply (ScanNet)");
 }
 
 }  // namespace vismap

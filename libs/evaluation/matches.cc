@@ -9,7 +9,7 @@ namespace {
 
 // A group of points: (0, instance), or (1, segment) of points without an instance.
 using Group = std::pair<int, uint32_t>;
-constexpr Group kNobodys{1, 0};  // points without instance and segment
+constexpr Group kNoGroup{1, 0};  // points without instance and segment
 
 Group GroupAt(const TransferredLabels& labels, size_t point, bool with_segments) {
   if (labels.instance[point] != InstanceId::kNone) return {0, Raw(labels.instance[point])};
@@ -20,7 +20,7 @@ Group GroupAt(const TransferredLabels& labels, size_t point, bool with_segments)
 std::map<Group, size_t> AddGroups(const std::vector<Group>& groups, InstanceMatches* matches) {
   std::map<Group, size_t> index_of;
   for (const Group& group : groups) {
-    if (group != kNobodys) index_of.emplace(group, 0);
+    if (group != kNoGroup) index_of.emplace(group, 0);
   }
   for (auto& [group, index] : index_of) {
     index = matches->predictions.size();
@@ -47,8 +47,8 @@ std::map<int, size_t> AddObjects(const GroundTruth& truth, const std::vector<int
 }
 
 // Counts the points of the groups and of the objects that `wanted` accepts, and those they share.
-InstanceMatches Count(const GroundTruth& truth, const std::vector<Group>& groups,
-                      const std::function<bool(const TrueObject&)>& wanted) {
+InstanceMatches CountOverlaps(const GroundTruth& truth, const std::vector<Group>& groups,
+                              const std::function<bool(const TrueObject&)>& wanted) {
   const std::vector<int> objects = truth.ObjectOfPoints();
   InstanceMatches matches;
   const std::map<Group, size_t> index_of_group = AddGroups(groups, &matches);
@@ -57,7 +57,7 @@ InstanceMatches Count(const GroundTruth& truth, const std::vector<Group>& groups
     const auto object = index_of_object.find(objects[point]);
     const bool on_void = object == index_of_object.end();
     if (!on_void) ++matches.truths[object->second].vertices;
-    if (groups[point] == kNobodys) continue;
+    if (groups[point] == kNoGroup) continue;
     const size_t group = index_of_group.at(groups[point]);
     ++matches.predictions[group].vertices;
     ++(on_void ? matches.predictions[group].on_void : matches.common[object->second][group]);
@@ -79,9 +79,10 @@ InstanceMatches MatchInstances(const GroundTruth& truth, const TransferredLabels
                                std::span<const EvaluatedClass> classes) {
   std::set<ClassId> wanted;
   for (const EvaluatedClass& known : classes) wanted.insert(known.class_id);
-  InstanceMatches matches = Count(truth, Groups(labels, false), [&](const TrueObject& object) {
-    return !object.is_structure && wanted.contains(object.class_id);
-  });
+  InstanceMatches matches =
+      CountOverlaps(truth, Groups(labels, false), [&](const TrueObject& object) {
+        return !object.is_structure && wanted.contains(object.class_id);
+      });
   std::map<InstanceId, std::map<ClassId, int64_t>> class_counts;
   for (size_t i = 0; i < labels.instance.size(); ++i)
     ++class_counts[labels.instance[i]][labels.class_id[i]];
@@ -97,8 +98,8 @@ InstanceMatches MatchInstances(const GroundTruth& truth, const TransferredLabels
 }
 
 InstanceMatches MatchGroups(const GroundTruth& truth, const TransferredLabels& labels) {
-  InstanceMatches matches = Count(truth, Groups(labels, true),
-                                  [](const TrueObject& object) { return !object.is_structure; });
+  InstanceMatches matches = CountOverlaps(
+      truth, Groups(labels, true), [](const TrueObject& object) { return !object.is_structure; });
   for (TruthInstance& object : matches.truths) object.class_id = ClassId::kUnknown;
   return matches;
 }

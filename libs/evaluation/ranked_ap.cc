@@ -55,14 +55,14 @@ std::optional<double> ScoreRanked(const InstanceMatches& matches, const Evaluate
         matches.truths[t].vertices >= options.min_object_vertices)
       objects.push_back(t);
   }
-  if (objects.empty()) return std::nullopt;
+  if (objects.empty()) return std::nullopt;  // the class does not occur
   std::set<size_t> used;
   std::vector<bool> hits;
   for (const size_t prediction : RankedPredictions(matches, known, options)) {
     double best = 0;
     std::optional<size_t> match;
     for (const size_t object : objects) {
-      if (used.contains(object)) continue;
+      if (used.contains(object)) continue;  // matched by a prediction with a higher score
       const double iou = matches.Iou(object, prediction);
       if (iou <= best) continue;
       best = iou;

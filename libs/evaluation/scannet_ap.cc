@@ -74,7 +74,7 @@ class Matcher {
     int64_t ignored = matches_.predictions[prediction].on_void;
     for (const size_t truth : truths_) {
       if (matches_.Common(truth, prediction) == 0) continue;
-      if (matches_.Iou(truth, prediction) > overlap_) return;
+      if (matches_.Iou(truth, prediction) > overlap_) return;  // not a false positive
       if (!IsLarge(truth)) ignored += matches_.Common(truth, prediction);
     }
     const double share = static_cast<double>(ignored) /

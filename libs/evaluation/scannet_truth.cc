@@ -19,7 +19,8 @@ Result<nlohmann::json> ReadJson(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return tl::unexpected(text.error());
   nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object()) return Fail(path.string() + ": expected a JSON object");
+  if (!json.is_object())
+    return Fail(path.string() + ": expected a JSON object, but the file has none");
   return json;
 }
 
@@ -28,8 +29,10 @@ Result<std::vector<int64_t>> ReadSegments(const fs::path& path, size_t vertices)
   if (!json) return tl::unexpected(json.error());
   const auto found = json->find("segIndices");
   if (found == json->end() || !found->is_array() || found->size() != vertices) {
-    return Fail(path.string() + ": expected segIndices, one for each of " +
-                std::to_string(vertices) + " vertices");
+    return Fail(
+        path.string() + ": expected segIndices, one for each of " + std::to_string(vertices) +
+        " vertices, found " +
+        (found == json->end() || !found->is_array() ? "no list" : std::to_string(found->size())));
   }
   std::vector<int64_t> segments;
   for (const nlohmann::json& segment : *found) {
@@ -97,14 +100,15 @@ Result<void> ReadObjects(const fs::path& path, const ClassNames& names,
     for (const nlohmann::json& group : json->at("segGroups")) {
       const auto id = group.at("objectId").get<int64_t>();
       if (id < 0 || id >= std::numeric_limits<uint32_t>::max())
-        return Fail(path.string() + ": objectId is " + std::to_string(id));
+        return Fail(path.string() + ": objectId is " + std::to_string(id) +
+                    "; expected a number in 0..4294967294");
       truth->objects.push_back(ToObject(id, group.at("label").get<std::string>(), names));
       for (const nlohmann::json& segment : group.at("segments"))
         label_of[segment.get<int64_t>()] = truth->objects.back().label;
     }
   } catch (const nlohmann::json::exception& error) {
     return Fail(path.string() +
-                ": expected segGroups of objectId, label, segments: " + error.what());
+                ": expected segGroups with objectId, label and segments, but: " + error.what());
   }
   for (const int64_t segment : segments) {
     const auto found = label_of.find(segment);
@@ -119,7 +123,7 @@ Result<std::string> FindScene(const fs::path& folder) {
     const std::string name = entry.path().filename().string();
     if (name.ends_with(kMeshEnding)) return name.substr(0, name.size() - kMeshEnding.size());
   }
-  return Fail(folder.string() + ": no file *" + kMeshEnding);
+  return Fail(folder.string() + ": expected a file *" + kMeshEnding + ", found none");
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ ClassId ClassOf(const Attributes& attributes) {
 Result<TrueObject> ToObject(const Attributes& attributes, const std::string& name) {
   const auto label = ParseInteger(Value(attributes, "id"));
   if (!label || *label < 0 || *label > std::numeric_limits<uint32_t>::max()) {
-    return Fail(name + ": label element: expected id=\"NUMBER\", found '" +
+    return Fail(name + ": expected label elements with id=\"NUMBER\", found '" +
                 Value(attributes, "id") + "'");
   }
   const std::string kind = KindOf(attributes);
@@ -59,7 +59,8 @@ Result<std::vector<TrueObject>> ReadAnnotation(const fs::path& path) {
     const Result<TrueObject> object = ToObject(attributes, path.string());
     if (!object) return tl::unexpected(object.error());
     if (!seen.insert(object->label).second)
-      return Fail(path.string() + ": two labels with the id " + std::to_string(object->label));
+      return Fail(path.string() + ": expected one label per id, found two labels with the id " +
+                  std::to_string(object->label));
     if (object->label != 0 && !Value(attributes, "text").empty()) objects.push_back(*object);
   }
   return objects;

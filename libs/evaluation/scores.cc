@@ -26,7 +26,7 @@ FreeSpaceScore ScoreFreeSpace(const OccupancyMap& map, const TrueDistance& truth
     }
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       const CellState state = block.At(offset);
-      if (state == CellState::kUnknown) continue;
+      if (state == CellState::kUnknown) continue;  // never wrong
       const Eigen::Vector3d cell(index.x * kBlockSide + offset % kBlockSide,
                                  index.y * kBlockSide + offset / kBlockSide % kBlockSide,
                                  index.z * kBlockSide + offset / (kBlockSide * kBlockSide));

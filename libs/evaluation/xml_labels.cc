@@ -30,7 +30,7 @@ void SkipBlanks(std::string_view* text) {
 
 // Reads NAME="VALUE" at the front of the text and removes it. Returns false if the text does not
 // begin with an attribute.
-bool TakeAttribute(std::string_view* text, std::map<std::string, std::string>* attributes) {
+bool ReadAttribute(std::string_view* text, std::map<std::string, std::string>* attributes) {
   const size_t equals = text->find('=');
   if (equals == std::string_view::npos) return false;
   std::string_view key = text->substr(0, equals);
@@ -69,9 +69,11 @@ Result<std::vector<std::map<std::string, std::string>>> ParseXmlLabels(std::stri
     text.remove_prefix(kLabel.size());
     labels.emplace_back();
     for (SkipBlanks(&text); !text.starts_with('/') && !text.starts_with('>'); SkipBlanks(&text)) {
-      if (!TakeAttribute(&text, &labels.back())) {
+      const std::string_view attribute = text;
+      if (!ReadAttribute(&text, &labels.back())) {
         return Fail(name + ": label element " + std::to_string(labels.size()) +
-                    ": expected attributes NAME=\"VALUE\"");
+                    ": expected attributes NAME=\"VALUE\", found '" +
+                    std::string(attribute.substr(0, 40)) + "'");
       }
     }
   }

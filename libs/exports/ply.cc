@@ -9,7 +9,8 @@
 namespace vismap {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PLY values are copied as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "numbers of PLY files are little-endian and are copied without conversion");
 
 template <typename T>
 void Append(T value, std::vector<uint8_t>* bytes) {

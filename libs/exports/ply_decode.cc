@@ -11,7 +11,8 @@
 namespace vismap {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "PLY values are copied as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "numbers of PLY files are little-endian and are copied without conversion");
 
 enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
 
@@ -77,7 +78,7 @@ double ReadNumber(NumberType type, const uint8_t* at) {
 struct Property {
   std::string name;
   NumberType type = NumberType::kFloat;
-  std::optional<NumberType> count_type{};  ///< set = a list
+  std::optional<NumberType> count_type{};  ///< set = the property is a list
 };
 
 struct Element {
@@ -89,7 +90,7 @@ struct Element {
 struct PlyHeader {
   std::vector<Element> elements;
   PlyInfo info;
-  size_t size = 0;  ///< bytes, with the line end
+  size_t size = 0;  ///< [bytes], with the last line break
 };
 
 void ParseComment(std::istringstream& words, PlyInfo* info) {
@@ -120,7 +121,7 @@ std::optional<Property> ParseProperty(std::istringstream& words) {
   return property;
 }
 
-// One line of the header; false = it makes no sense.
+// Parses one line of the header. Returns false if it is not valid.
 bool ParseLine(const std::string& line, PlyHeader* header) {
   std::istringstream words(line);
   std::string key;
@@ -151,12 +152,14 @@ Result<PlyHeader> ParseHeader(std::span<const uint8_t> bytes, const std::string&
     std::string line;
     while (header.size < bytes.size() && bytes[header.size] != '\n') {
       line.push_back(static_cast<char>(bytes[header.size++]));
-      if (line.size() > 4096) return Fail(name + ": expected a PLY header, found a very long line");
+      if (line.size() > 4096)
+        return Fail(name + ": expected a PLY header, found a line of more than 4096 characters");
     }
     ++header.size;
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (number == 1) {
-      if (line != "ply") return Fail(name + ": expected a PLY file, the first line is not 'ply'");
+      if (line != "ply")
+        return Fail(name + ": expected a PLY file, but the first line is not 'ply'");
       continue;
     }
     if (line == "end_header") {
@@ -171,7 +174,7 @@ Result<PlyHeader> ParseHeader(std::span<const uint8_t> bytes, const std::string&
   return Fail(name + ": the file ends inside its header");
 }
 
-// Walks over the body; every read is checked against its end.
+// Reads the numbers of the body one after the other. Read returns false at its end.
 class Cursor {
  public:
   explicit Cursor(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -187,9 +190,11 @@ class Cursor {
   std::span<const uint8_t> bytes_;
 };
 
-// All lists of numbers that one element of a file has; plain properties are lists of one.
+// The values of one vertex or face: a list of numbers per property. A property that is not a list
+// has one number.
 using Record = std::vector<std::vector<double>>;
 
+// Returns false if the file ends within the record.
 bool ReadRecord(const Element& element, Cursor* cursor, Record* record) {
   record->resize(element.properties.size());
   for (size_t i = 0; i < element.properties.size(); ++i) {
@@ -208,7 +213,8 @@ bool ReadRecord(const Element& element, Cursor* cursor, Record* record) {
   return true;
 }
 
-// Smallest possible size of one record, to refuse absurd counts before making room for them.
+// The smallest possible size of one record [bytes]. It is used to refuse counts that the file
+// cannot hold, before memory is allocated for them.
 uint64_t MinimumSize(const Element& element) {
   uint64_t size = 0;
   for (const Property& property : element.properties) {
@@ -219,6 +225,7 @@ uint64_t MinimumSize(const Element& element) {
 
 constexpr size_t kMissing = std::numeric_limits<size_t>::max();
 
+// Index of the property with this name, or kMissing. `list` = whether it must be a list.
 size_t Find(const Element& element, const char* name, bool list = false) {
   for (size_t i = 0; i < element.properties.size(); ++i) {
     const Property& property = element.properties[i];
@@ -227,7 +234,8 @@ size_t Find(const Element& element, const char* name, bool list = false) {
   return kMissing;
 }
 
-// An id out of a number of any type; false = not a whole number in range.
+// Converts a number of any type to an id. Returns false if it is not a whole number in range. A
+// missing column leaves the id as it is.
 template <typename Id>
 bool ToId(const Record& record, size_t column, Id* id) {
   if (column == kMissing) return true;
@@ -246,6 +254,7 @@ uint8_t ToByte(const Record& record, size_t column) {
   return value >= 0 && value <= 255 ? static_cast<uint8_t>(value) : 0;
 }
 
+// The index of each property of a vertex that is used; kMissing = the file does not have it.
 struct VertexColumns {
   std::array<size_t, 3> position, normal, color;
   size_t segment, instance, class_id;
@@ -285,7 +294,9 @@ Result<void> ReadVertices(const Element& element, const std::string& name, Curso
                           Mesh* mesh) {
   const VertexColumns columns(element);
   for (const size_t column : columns.position) {
-    if (column == kMissing) return Fail(name + ": expected vertex properties x, y and z");
+    if (column == kMissing)
+      return Fail(name +
+                  ": expected the vertex properties x, y and z, but not all of them are there");
   }
   mesh->vertices.resize(element.count);
   Record record;
@@ -296,13 +307,13 @@ Result<void> ReadVertices(const Element& element, const std::string& name, Curso
     }
     if (!ToVertex(record, columns, &mesh->vertices[i])) {
       return Fail(name + ": vertex " + std::to_string(i) +
-                  ": an id is not a whole number in range");
+                  ": expected segment, instance and class to be whole numbers in range");
     }
   }
   return {};
 }
 
-// A polygon as a fan of triangles; false = an index out of range.
+// Appends a polygon as a fan of triangles. Returns false if an index is out of range.
 bool AppendPolygon(const std::vector<double>& corners, Mesh* mesh) {
   std::vector<uint32_t> indices;
   for (const double corner : corners) {
@@ -319,7 +330,8 @@ Result<void> ReadFaces(const Element& element, const std::string& name, Cursor* 
                        Mesh* mesh) {
   size_t column = Find(element, "vertex_indices", true);
   if (column == kMissing) column = Find(element, "vertex_index", true);
-  if (column == kMissing) return Fail(name + ": expected a face list vertex_indices");
+  if (column == kMissing)
+    return Fail(name + ": expected the face property list vertex_indices, but it is not there");
   Record record;
   for (uint64_t i = 0; i < element.count; ++i) {
     if (!ReadRecord(element, cursor, &record)) {
@@ -327,8 +339,8 @@ Result<void> ReadFaces(const Element& element, const std::string& name, Cursor* 
                   std::to_string(element.count));
     }
     if (!AppendPolygon(record[column], mesh)) {
-      return Fail(name + ": face " + std::to_string(i) + ": expected indices below " +
-                  std::to_string(mesh->vertices.size()));
+      return Fail(name + ": face " + std::to_string(i) + ": expected vertex indices below " +
+                  std::to_string(mesh->vertices.size()) + ", found one out of range");
     }
   }
   return {};
@@ -339,7 +351,7 @@ Result<void> SkipElement(const Element& element, const std::string& name, Cursor
   Record record;
   for (uint64_t i = 0; i < element.count; ++i) {
     if (!ReadRecord(element, cursor, &record)) {
-      return Fail(name + ": the file ends inside element " + element.name);
+      return Fail(name + ": the file ends inside the element '" + element.name + "'");
     }
   }
   return {};
@@ -348,9 +360,10 @@ Result<void> SkipElement(const Element& element, const std::string& name, Cursor
 Result<void> ReadElement(const Element& element, const std::string& name, Cursor* cursor,
                          Mesh* mesh) {
   const uint64_t smallest = MinimumSize(element);
+  // The file is too short for so many entries.
   if (smallest > 0 && element.count > cursor->left() / smallest) {
-    return Fail(name + ": expected " + std::to_string(element.count) + " of element " +
-                element.name + ", found only " + std::to_string(cursor->left()) + " bytes");
+    return Fail(name + ": expected " + std::to_string(element.count) + " entries of element '" +
+                element.name + "', found only " + std::to_string(cursor->left()) + " bytes");
   }
   if (element.name == "vertex") return ReadVertices(element, name, cursor, mesh);
   if (element.name == "face" && element.count > 0) return ReadFaces(element, name, cursor, mesh);

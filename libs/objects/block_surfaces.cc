@@ -26,8 +26,8 @@ Eigen::Vector3d FirstCenter(const BlockIndex& block, double voxel_size) {
 
 // The offset of a vertex from the centre of the first voxel, in 1/32 of a voxel. None for a vertex
 // on the face to the next block, because the mesh of that block has it, too.
-std::optional<std::array<uint8_t, 3>> PlaceIn(const Eigen::Vector3d& from_first_m,
-                                              double voxel_size) {
+std::optional<std::array<uint8_t, 3>> OffsetInBlock(const Eigen::Vector3d& from_first_m,
+                                                    double voxel_size) {
   const Eigen::Array3d voxels = from_first_m.array() / voxel_size + kNearestVertex / 2;
   if ((voxels >= kBlockSide).any()) return std::nullopt;
   const Eigen::Array3d steps = (voxels.max(0.0) * kSteps).floor();
@@ -54,7 +54,7 @@ std::vector<BlockSurfaces::Piece> BlockSurfaces::PiecesOf(const BlockMesh& block
   };
   const Eigen::Vector3d first_W = FirstCenter(block.block, voxel_size);
   for (const MeshVertex& vertex : block.mesh.vertices) {
-    const auto place = PlaceIn(vertex.position_W.cast<double>() - first_W, voxel_size);
+    const auto place = OffsetInBlock(vertex.position_W.cast<double>() - first_W, voxel_size);
     if (!place) continue;
     Piece& piece = piece_of(vertex.segment);
     ++piece.vertices;
@@ -107,7 +107,7 @@ std::vector<BlockIndex> BlockSurfaces::Blocks() const {
   return blocks;
 }
 
-BlockSurfaces::Amount BlockSurfaces::Of(SegmentLabel label) const {
+BlockSurfaces::Amount BlockSurfaces::AmountOf(SegmentLabel label) const {
   return Raw(label) < amounts_.size() ? amounts_[Raw(label)] : Amount{};
 }
 

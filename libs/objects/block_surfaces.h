@@ -36,7 +36,7 @@ class BlockSurfaces {
   std::vector<BlockIndex> Blocks() const;
 
   /// Zero for labels that never had a surface.
-  Amount Of(SegmentLabel label) const;
+  Amount AmountOf(SegmentLabel label) const;
   /// Appends an even sample of half the vertices of a label in one block [m], rounded to 1/32 of a
   /// voxel. Appends nothing when the block has no surface of the label. `voxel_size` [m].
   void AddPoints(SegmentLabel label, const BlockIndex& block, double voxel_size,

@@ -17,7 +17,7 @@ namespace vismap {
 namespace {
 
 // An object that rises less than this above the plane keeps its vertices there [m].
-constexpr double kStands = 0.1;
+constexpr double kMinRise = 0.1;
 
 double DistanceTo(const SurfacePlane& plane, const MeshVertex& vertex) {
   return std::abs((vertex.position_W.cast<double>() - plane.point_W).dot(plane.normal_W));
@@ -37,9 +37,9 @@ class Contacts {
   std::vector<SegmentLabel> Structure() const {
     // Pairs compare by distance, then by label, so the result does not depend on the edges' order.
     using Contact = std::pair<double, SegmentLabel>;
-    std::vector<Contact> closest(mesh_.vertices.size(), {kNever, SegmentLabel::kNone});
+    std::vector<Contact> closest(mesh_.vertices.size(), {kInfinity, SegmentLabel::kNone});
     ForEachContact([&](uint32_t rim, SegmentLabel structure, double away) {
-      if (rises_[OwnerOf(rim)].at(structure) < kStands) return;
+      if (rises_[OwnerOf(rim)].at(structure) < kMinRise) return;
       closest[rim] = std::min(closest[rim], {away, structure});
     });
     std::vector<SegmentLabel> structure;
@@ -48,7 +48,7 @@ class Contacts {
   }
 
  private:
-  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   size_t OwnerOf(uint32_t vertex) const {
     return owner_of_label_[Raw(mesh_.vertices[vertex].segment)];
@@ -59,7 +59,7 @@ class Contacts {
   template <typename Visit>
   void ForEachContact(const Visit& visit) const {
     const auto touch = [&](uint32_t rim, uint32_t beside) {
-      const double away = Away(rim, beside);
+      const double away = DistanceToStructure(rim, beside);
       if (away <= distance_) visit(rim, mesh_.vertices[beside].segment, away);
     };
     for (const auto& [a, b, c] : mesh_.triangles) {
@@ -103,11 +103,11 @@ class Contacts {
     });
   }
 
-  // Distance from the vertex `rim` to the structure plane of the vertex `beside` [m]; kNever if
+  // Distance from the vertex `rim` to the structure plane of the vertex `beside` [m]; kInfinity if
   // `beside` is not structure, or if both are.
-  double Away(uint32_t rim, uint32_t beside) const {
+  double DistanceToStructure(uint32_t rim, uint32_t beside) const {
     const auto& plane = planes_[Raw(mesh_.vertices[beside].segment)];
-    if (!plane || planes_[Raw(mesh_.vertices[rim].segment)]) return kNever;
+    if (!plane || planes_[Raw(mesh_.vertices[rim].segment)]) return kInfinity;
     return DistanceTo(*plane, mesh_.vertices[rim]);
   }
 

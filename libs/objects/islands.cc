@@ -59,14 +59,14 @@ class Islands {
         })) {
     Measure(mesh);
     MarkCandidates(options);
-    FollowBorders(mesh);
+    MeasureBorders(mesh);
   }
 
   uint32_t count() const { return static_cast<uint32_t>(pieces_.size()); }
   uint32_t PieceOf(size_t vertex) const { return piece_of_[vertex]; }
 
   /// The segment that surrounds a piece; kNone if the piece is not an island.
-  SegmentLabel Around(uint32_t piece) const {
+  SegmentLabel SurroundingSegment(uint32_t piece) const {
     const Piece& island = pieces_[piece];
     if (!island.candidate) return SegmentLabel::kNone;  // too large
     std::map<Owner, double> by_owner;
@@ -118,7 +118,7 @@ class Islands {
   }
 
   // Counts the edges from candidates to other pieces, and adds up the normals beyond the border.
-  void FollowBorders(const Mesh& mesh) {
+  void MeasureBorders(const Mesh& mesh) {
     const auto add = [&](uint32_t from, uint32_t to) {
       Piece& piece = pieces_[piece_of_[from]];
       if (!piece.candidate) return;
@@ -153,7 +153,8 @@ class Islands {
 void AbsorbIslands(const MeshingOptions& options, Mesh* mesh) {
   const Islands islands(options, *mesh);
   std::vector<SegmentLabel> around(islands.count());
-  for (uint32_t piece = 0; piece < islands.count(); ++piece) around[piece] = islands.Around(piece);
+  for (uint32_t piece = 0; piece < islands.count(); ++piece)
+    around[piece] = islands.SurroundingSegment(piece);
   for (size_t i = 0; i < mesh->vertices.size(); ++i) {
     const SegmentLabel segment = around[islands.PieceOf(i)];
     if (segment != SegmentLabel::kNone) mesh->vertices[i].segment = segment;

@@ -27,16 +27,16 @@ LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels);
 /// normal is within 3 degrees. Both have unit length. Without this correction, a camera that was
 /// held at an angle or a world frame that is not level would tilt every box, and no plane would
 /// count as floor.
-Eigen::Vector3d LevelUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
-                        const StructureOptions& options);
+Eigen::Vector3d RefineUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
+                         const StructureOptions& options);
 
 /// The objects of a map with all values that follow from the label table and from the amount of
 /// surface of each label. Box, plane, spread and structure are not set.
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options);
 
-/// The same options, with up_W corrected by LevelUp if `up_is_guess` is set.
-ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces);
+/// The same options, with up_W corrected by RefineUp if `up_is_guess` is set.
+ObjectOptions WithRefinedUp(ObjectOptions options, const LabelSurfaces& surfaces);
 
 /// Sets the box of an object, and plane and spread of a discovered segment, from the points of its
 /// surface [m] or an even sample of them. Does nothing for removed objects.
@@ -49,6 +49,6 @@ void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* obje
 /// Erases the discovered segments that are not structure and too insignificant to be objects, see
 /// min_discovered_frames, min_discovered_area and min_discovered_fill. Structure must have been set
 /// (SetStructure). A removed object has no surface left, so only its number of frames is checked.
-void LeaveOutScraps(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
+void EraseInsignificant(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 }  // namespace vismap

@@ -5,15 +5,15 @@
 namespace vismap {
 namespace {
 
-constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
+constexpr uint32_t kNoIndex = std::numeric_limits<uint32_t>::max();
 
 // The index in `objects` of the object that owns each segment label; indexed by label.
 std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
   std::vector<uint32_t> owner;
   for (uint32_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].removed()) continue;
+    if (objects[i].removed()) continue;  // the rest of its surface belongs to no object
     for (const SegmentLabel label : objects[i].segments) {
-      if (Raw(label) >= owner.size()) owner.resize(size_t{Raw(label)} + 1, kNobody);
+      if (Raw(label) >= owner.size()) owner.resize(size_t{Raw(label)} + 1, kNoIndex);
       owner[Raw(label)] = i;
     }
   }
@@ -23,22 +23,24 @@ std::vector<uint32_t> OwnerOfLabel(std::span<const ObjectSummary> objects) {
 // Copies single triangles of a mesh, and each vertex that they use once.
 class Cutter {
  public:
-  explicit Cutter(const Mesh& mesh) : mesh_(mesh), moved_(mesh.vertices.size(), kNobody) {}
+  explicit Cutter(const Mesh& mesh) : mesh_(mesh), moved_(mesh.vertices.size(), kNoIndex) {}
 
   Mesh Cut(const std::vector<uint32_t>& triangles) {
     Mesh part;
     for (const uint32_t i : triangles) {
       const auto& [a, b, c] = mesh_.triangles[i];
-      part.triangles.push_back({Move(a, &part), Move(b, &part), Move(c, &part)});
+      part.triangles.push_back(
+          {IndexInPart(a, &part), IndexInPart(b, &part), IndexInPart(c, &part)});
     }
-    for (const uint32_t used : used_) moved_[used] = kNobody;
+    for (const uint32_t used : used_) moved_[used] = kNoIndex;
     used_.clear();
     return part;
   }
 
  private:
-  uint32_t Move(uint32_t vertex, Mesh* part) {
-    if (moved_[vertex] == kNobody) {
+  // The index of a vertex in the part, to which it is copied at its first use.
+  uint32_t IndexInPart(uint32_t vertex, Mesh* part) {
+    if (moved_[vertex] == kNoIndex) {
       moved_[vertex] = static_cast<uint32_t>(part->vertices.size());
       part->vertices.push_back(mesh_.vertices[vertex]);
       used_.push_back(vertex);
@@ -57,13 +59,13 @@ std::vector<Mesh> CutObjects(const Mesh& mesh, std::span<const ObjectSummary> ob
   const std::vector<uint32_t> owner_of_label = OwnerOfLabel(objects);
   const auto owner = [&](uint32_t vertex) {
     const size_t label = Raw(mesh.vertices[vertex].segment);
-    return label < owner_of_label.size() ? owner_of_label[label] : kNobody;
+    return label < owner_of_label.size() ? owner_of_label[label] : kNoIndex;
   };
   std::vector<std::vector<uint32_t>> triangles(objects.size());
   for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto& [a, b, c] = mesh.triangles[i];
     const uint32_t winner = owner(b) == owner(c) ? owner(b) : owner(a);
-    if (winner != kNobody) triangles[winner].push_back(i);
+    if (winner != kNoIndex) triangles[winner].push_back(i);
   }
   Cutter cutter(mesh);
   std::vector<Mesh> parts;

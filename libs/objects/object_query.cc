@@ -25,8 +25,8 @@ Result<void> SetPart(std::string_view part, ObjectQuery* query) {
   if (key == "id") return SetId(value, query);
   if (key == "class") return SetClassOf(value, query);
   if (key == "region") return SetRegion(value, query);
-  return Fail("unknown filter of objects '" + std::string(part) +
-              "'; known are id=N, class=NAME and region=x0,y0,z0,x1,y1,z1, with ; between");
+  return Fail("unknown condition for objects '" + std::string(part) +
+              "'; expected id=N, class=NAME or region=x0,y0,z0,x1,y1,z1, separated by ';'");
 }
 
 /// The smallest box along the axes of W that contains an oriented box.
@@ -71,7 +71,7 @@ Result<void> SetId(const std::string& text, ObjectQuery* query) {
   digits.remove_prefix(digits.starts_with("segment_") ? 8 : is_segment ? 1 : 0);
   uint32_t number = 0;
   if (!ParseNumber(digits, &number) || number == 0) {
-    return Fail("'" + text + "' is no id of an object; expected an instance such as 7, or a " +
+    return Fail("'" + text + "' is not the id of an object; expected an instance such as 7, or a " +
                 "segment such as s12");
   }
   if (is_segment) {
@@ -100,7 +100,7 @@ Result<void> SetRegion(const std::string& text, ObjectQuery* query) {
   const Eigen::Map<const Eigen::Vector3d> low(numbers.data()), high(numbers.data() + 3);
   if (!good || !(low.array() <= high.array()).all()) {
     return Fail("'" + text +
-                "' is no region; expected x0,y0,z0,x1,y1,z1 in metres with x0 <= x1, " +
+                "' is not a region; expected x0,y0,z0,x1,y1,z1 in metres with x0 <= x1, " +
                 "y0 <= y1, z0 <= z1");
   }
   query->region_W = Eigen::AlignedBox3d(low, high);

@@ -20,7 +20,7 @@ constexpr double kGrowth = 0.1;          // relative change after which a measur
 LabelSurfaces AmountsOf(const SemanticMap& map, const BlockSurfaces& surfaces) {
   LabelSurfaces amounts(Raw(map.labels.next_label()));
   for (size_t i = 0; i < amounts.size(); ++i) {
-    const BlockSurfaces::Amount amount = surfaces.Of(static_cast<SegmentLabel>(i));
+    const BlockSurfaces::Amount amount = surfaces.AmountOf(static_cast<SegmentLabel>(i));
     amounts[i].vertices = amount.vertices;
     amounts[i].area = amount.area;
   }
@@ -54,19 +54,19 @@ bool IsLargeAndAsBefore(int64_t points, int64_t before) {
 
 // Estimates the upward direction again when the area of all surface has changed by a tenth. All
 // boxes depend on this direction, so they are all measured again if it changes.
-void ObjectTracker::LevelWhenGrown(const SemanticMap& map, const BlockSurfaces& surfaces,
-                                   const Places& places, const ObjectOptions& options,
-                                   LabelSurfaces amounts) {
+void ObjectTracker::UpdateUp(const SemanticMap& map, const BlockSurfaces& surfaces,
+                             const Places& places, const ObjectOptions& options,
+                             LabelSurfaces amounts) {
   double area = 0;
   for (const LabelSurface& amount : amounts) area += amount.area;
-  if (std::abs(area - leveled_area_) < kGrowth * leveled_area_) return;
-  leveled_area_ = area;
+  if (std::abs(area - up_area_) < kGrowth * up_area_) return;  // the estimate is still valid
+  up_area_ = area;
   for (size_t i = 1; i < amounts.size(); ++i) {
     const auto label = static_cast<SegmentLabel>(i);
     if (amounts[i].area >= options.structure.area)
       amounts[i].points_W = PointsOf(std::span(&label, 1), map, surfaces, places);
   }
-  const Eigen::Vector3d up_W = WithLevelUp(options, amounts).up_W;
+  const Eigen::Vector3d up_W = WithRefinedUp(options, amounts).up_W;
   if (up_W != up_W_) measured_.clear();
   up_W_ = up_W;
 }
@@ -78,7 +78,7 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
   const LabelSurfaces amounts = AmountsOf(map, surfaces);
   ObjectOptions options = given;
   if (given.up_is_guess) {
-    LevelWhenGrown(map, surfaces, places, given, amounts);
+    UpdateUp(map, surfaces, places, given, amounts);
     options.up_W = up_W_;
     options.up_is_guess = false;
   }
@@ -95,11 +95,11 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
   }
   ParallelFor(objects.size(), 1, [&](size_t i) {
     ObjectSummary& object = objects[i];
-    if (object.removed()) return;
+    if (object.removed()) return;  // it has no box
     Measured& record = *records[i];
     std::vector<std::pair<SegmentLabel, uint32_t>> from;
     for (const SegmentLabel label : object.segments)
-      from.emplace_back(label, surfaces.Of(label).version);
+      from.emplace_back(label, surfaces.AmountOf(label).version);
     if (from != record.from && !IsLargeAndAsBefore(object.points, record.points)) {
       MeasureObject(PointsOf(object.segments, map, surfaces, places), options, &object);
       record = {std::move(from), object.points, object.box, object.plane, object.spread};
@@ -110,7 +110,7 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
   });
   measured_ = std::move(measured);
   SetStructure(options, &objects);
-  LeaveOutScraps(options, &objects);
+  EraseInsignificant(options, &objects);
   return objects;
 }
 

@@ -42,12 +42,12 @@ class ObjectTracker {
   // An object is known by its instance, or, if it is discovered, by its segment.
   using Key = std::pair<InstanceId, SegmentLabel>;
 
-  void LevelWhenGrown(const SemanticMap& map, const BlockSurfaces& surfaces, const Places& places,
-                      const ObjectOptions& options, LabelSurfaces amounts);
+  void UpdateUp(const SemanticMap& map, const BlockSurfaces& surfaces, const Places& places,
+                const ObjectOptions& options, LabelSurfaces amounts);
 
   std::map<Key, Measured> measured_;
   Eigen::Vector3d up_W_ = Eigen::Vector3d::UnitZ();  // upward direction of all boxes
-  double leveled_area_ = 0;  // area of all surface when up_W_ was estimated [m^2]
+  double up_area_ = 0;  // area of all surface when up_W_ was estimated [m^2]
 };
 
 }  // namespace vismap

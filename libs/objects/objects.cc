@@ -106,10 +106,10 @@ int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces
   return count;
 }
 
-// Whether an object is to be listed: it has enough surface, or it was removed, which is then set in
-// `object`.
-bool StandsOrStood(const LabelTable& table, const LabelSurfaces& surfaces,
-                   const ObjectOptions& options, ObjectSummary* object) {
+// Sets the state of an object. Returns whether it is to be listed: it was removed, or it has enough
+// surface.
+bool SetState(const LabelTable& table, const LabelSurfaces& surfaces, const ObjectOptions& options,
+              ObjectSummary* object) {
   const int64_t least =
       object->discovered() ? options.min_discovered_points : options.min_instance_points;
   const int64_t points = CountPoints(object->segments, surfaces);
@@ -133,8 +133,8 @@ int64_t NewestUtime(const LabelTable& table) {
 
 // Erases the removed objects that are too old or too many. Objects that were removed in the same
 // frame are kept or erased together.
-void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
-               std::vector<ObjectSummary>* removed) {
+void EraseOldest(int64_t newest_utime, const ObjectOptions& options,
+                 std::vector<ObjectSummary>* removed) {
   const double max_age = options.removed_max_age * 1e6;  // [us]
   std::vector<int64_t> times;
   for (const ObjectSummary& object : *removed) times.push_back(object.removed_utime);
@@ -142,7 +142,8 @@ void ForgetOld(int64_t newest_utime, const ObjectOptions& options,
   const auto most = static_cast<size_t>(options.removed_max_count);
   std::erase_if(*removed, [&](const ObjectSummary& object) {
     const int64_t age = newest_utime - object.removed_utime;
-    if (max_age > 0 && static_cast<double>(age) > max_age) return true;
+    if (max_age > 0 && static_cast<double>(age) > max_age) return true;  // too old
+    // Too many: only objects that were removed after the first one to erase are kept.
     return times.size() > most && object.removed_utime <= times[most];
   });
 }
@@ -153,15 +154,15 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
                                        const ObjectOptions& options) {
   std::vector<ObjectSummary> objects, removed;
   const auto list = [&](ObjectSummary object) {
-    if (!StandsOrStood(table, surfaces, options, &object)) return;
+    if (!SetState(table, surfaces, options, &object)) return;
     (object.removed() ? removed : objects).push_back(std::move(object));
   };
   for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
   for (const SegmentLabel label : table.Alive()) {
     if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
   }
-  if (removed.empty()) return objects;
-  ForgetOld(NewestUtime(table), options, &removed);
+  if (removed.empty()) return objects;  // NewestUtime need not be computed
+  EraseOldest(NewestUtime(table), options, &removed);
   objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
                  std::make_move_iterator(removed.end()));
   return objects;
@@ -243,14 +244,14 @@ void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* obje
   for (size_t i = 0; i < kinds.size(); ++i) (*objects)[i].structure = kinds[i];
 }
 
-void LeaveOutScraps(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
+void EraseInsignificant(const ObjectOptions& options, std::vector<ObjectSummary>* objects) {
   std::erase_if(*objects, [&](const ObjectSummary& object) {
     return object.discovered() && !object.is_structure() && !IsThing(object, options);
   });
 }
 
-ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces) {
-  if (options.up_is_guess) options.up_W = LevelUp(options.up_W, surfaces, options.structure);
+ObjectOptions WithRefinedUp(ObjectOptions options, const LabelSurfaces& surfaces) {
+  if (options.up_is_guess) options.up_W = RefineUp(options.up_W, surfaces, options.structure);
   options.up_is_guess = false;
   return options;
 }
@@ -258,13 +259,13 @@ ObjectOptions WithLevelUp(ObjectOptions options, const LabelSurfaces& surfaces) 
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
                                             const ObjectOptions& given) {
   const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
-  const ObjectOptions options = WithLevelUp(given, surfaces);
+  const ObjectOptions options = WithRefinedUp(given, surfaces);
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
   ParallelFor(objects.size(), 1, [&](size_t i) {
     MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);
   });
   SetStructure(options, &objects);
-  LeaveOutScraps(options, &objects);
+  EraseInsignificant(options, &objects);
   return objects;
 }
 

@@ -43,7 +43,7 @@ struct ObjectSummary {
 
 struct ObjectOptions {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< unit length; third axis of the boxes
-  bool up_is_guess = false;         ///< up_W is an estimate that LevelUp may correct
+  bool up_is_guess = false;         ///< up_W is an estimate that RefineUp may correct
   int min_instance_points = 10;     ///< instances with fewer vertices are not listed
   int min_discovered_points = 100;  ///< discovered segments with fewer vertices are not listed
   /// A discovered segment that is not structure is listed only if at least so many frames observed

@@ -23,7 +23,7 @@ bool Confirms(const LabelRecord& record, InstanceId instance) {
 }
 
 // Erases the instances that none of their labels confirms.
-void LeaveOutHearsay(const LabelTable& table, LabelReadOut* read_out) {
+void EraseUnconfirmed(const LabelTable& table, LabelReadOut* read_out) {
   std::erase_if(read_out->instances, [&](const auto& entry) {
     const auto& [id, instance] = entry;
     const auto confirms = [&](SegmentLabel label) { return Confirms(table.Record(label), id); };
@@ -61,7 +61,7 @@ LabelReadOut ReadLabels(const LabelTable& table, std::span<const double> sizes) 
       instance.class_probability[class_id] += static_cast<double>(evidence) * SizeOf(label, sizes);
     }
   }
-  LeaveOutHearsay(table, &read_out);
+  EraseUnconfirmed(table, &read_out);
   for (auto& [id, instance] : read_out.instances) Normalise(&instance);
   return read_out;
 }

@@ -33,7 +33,7 @@ StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, dou
                      const StructureOptions& options) {
   const bool large = IsLarge(plane, options);
   if (!IsLevel(plane, up_W, options)) {
-    if (!large) return StructureKind::kNone;
+    if (!large) return StructureKind::kNone;  // too small for a wall or a slope
     return IsUpright(plane, up_W, options) ? StructureKind::kWall : StructureKind::kSloped;
   }
   const double height = plane.point_W.dot(up_W) - floor;
@@ -48,9 +48,9 @@ StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, dou
 
 // Whether a flat, level piece is at the height of a floor: small pieces of floor between objects
 // are floor, too.
-bool IsBitOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
-                  std::span<const StructureKind> kinds, const Eigen::Vector3d& up_W,
-                  const StructureOptions& options) {
+bool IsPieceOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
+                    std::span<const StructureKind> kinds, const Eigen::Vector3d& up_W,
+                    const StructureOptions& options) {
   if (bit.share < options.share || !IsLevel(bit, up_W, options)) return false;
   for (size_t i = 0; i < planes.size(); ++i) {
     const double above = (bit.point_W - planes[i].point_W).dot(up_W);
@@ -82,7 +82,7 @@ bool IsFlush(const SurfacePlane& plane, const SurfaceSpread& own, const SurfaceS
 }
 
 // Flat objects lie on table tops, so nothing is joined to those.
-bool TakesFlushPieces(StructureKind kind) {
+bool AcceptsFlushPieces(StructureKind kind) {
   return kind != StructureKind::kNone && kind != StructureKind::kTableTop;
 }
 
@@ -132,7 +132,7 @@ std::vector<StructureKind> NameStructure(std::span<const SurfacePlane> planes,
   }
   const std::vector<StructureKind> large = kinds;
   for (size_t i = 0; i < planes.size(); ++i) {
-    if (large[i] == StructureKind::kNone && IsBitOfFloor(planes[i], planes, large, up_W, options))
+    if (large[i] == StructureKind::kNone && IsPieceOfFloor(planes[i], planes, large, up_W, options))
       kinds[i] = StructureKind::kFloor;
   }
   return kinds;
@@ -192,9 +192,9 @@ void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const Surfa
     if (known[i] != StructureKind::kNone || spreads[i].bounds_W.isEmpty()) continue;
     double closest = 1;
     for (size_t j = 0; j < known.size(); ++j) {
-      if (!TakesFlushPieces(known[j])) continue;
+      if (!AcceptsFlushPieces(known[j])) continue;  // no structure, or a table top
       const double distance = FlushDistance(planes[j], spreads[i], options);
-      if (distance >= closest) continue;
+      if (distance >= closest) continue;  // not flush, or another plane is nearer
       if (spreads[i].bounds_W.exteriorDistance(spreads[j].bounds_W) > options.flush_gap) continue;
       closest = distance;
       (*kinds)[i] = known[j];
@@ -202,8 +202,8 @@ void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const Surfa
   }
 }
 
-Eigen::Vector3d LevelUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
-                        const StructureOptions& options) {
+Eigen::Vector3d RefineUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfaces,
+                         const StructureOptions& options) {
   SurfacePlane best;
   for (const LabelSurface& surface : surfaces) {
     if (surface.area < options.area || surface.area <= best.area) continue;

@@ -12,7 +12,7 @@ constexpr int kTitleRows = 36;
 constexpr int kLegendRow = 22;
 constexpr size_t kMaxSwatches = 6;
 
-// Draws on an image with OpenCV, which only has to know where the pixels are.
+// A view of the pixels of an image for OpenCV's drawing functions.
 cv::Mat AsMat(Image<Rgb8>* image) {
   return {image->height(), image->width(), CV_8UC3, image->data()};
 }
@@ -45,7 +45,7 @@ std::string NameOf(ClassId id, const ClassNamer& class_name) {
   return name.empty() ? "class " + std::to_string(Raw(id)) : name;
 }
 
-// The class name at the middle of each object, dark on a light halo.
+// Writes the class name at the centre of each object, in dark letters with a light outline.
 void NameObjects(std::span<const ObjectSummary> objects, const ClassNamer& class_name,
                  const View& view, Image<Rgb8>* image) {
   const cv::Mat mat = AsMat(image);
@@ -65,7 +65,8 @@ int EntryWidth(const LegendEntry& entry) {
   return static_cast<int>(entry.swatches.size()) * 18 + 8 + TextWidth(entry.text, 0.48) + 24;
 }
 
-// Fills columns from the top; what does not fit is counted in a last line.
+// Writes the entries in columns from the top. If not all fit, the last line tells how many are
+// missing.
 void DrawLegend(const std::vector<LegendEntry>& entries, const cv::Rect& area, const cv::Mat& mat) {
   const int rows = std::max(1, area.height / kLegendRow);
   int u = area.x;
@@ -100,7 +101,7 @@ Rgb8 SwatchOf(const ObjectSummary& object, Coloring coloring) {
   return VertexColor(vertex, coloring);
 }
 
-// One swatch per different colour, as long as there is room.
+// Adds a swatch for a new colour, up to kMaxSwatches.
 void AddSwatch(Rgb8 color, LegendEntry* entry) {
   auto& swatches = entry->swatches;
   if (swatches.size() >= kMaxSwatches) return;
@@ -142,14 +143,15 @@ std::vector<LegendEntry> MakeLegend(std::span<const ObjectSummary> objects, Colo
   add("instance without class", unnamed);
   add("unknown object", unknown);
   add("structure", structure);
-  if (coloring != Coloring::kRgb) legend.push_back({{kNobodyColor}, "not segmented"});
+  if (coloring != Coloring::kRgb) legend.push_back({{kUnsegmentedColor}, "not segmented"});
   return legend;
 }
 
 Image<Rgb8> RenderMapOverview(const Mesh& mesh, std::span<const ObjectSummary> objects,
                               const ClassNamer& class_name, const std::string& title,
                               const OverviewOptions& options) {
-  Require(options.width >= 320 && options.height >= 240, "an overview has room for its parts");
+  Require(options.width >= 320 && options.height >= 240,
+          "an overview has at least 320 x 240 pixels");
   const int legend_rows = std::max(3, options.height / 7 / kLegendRow);
   const int legend_height = legend_rows * kLegendRow + kMargin;
   const int picture_height = options.height - kTitleRows - legend_height;

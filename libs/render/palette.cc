@@ -24,7 +24,7 @@ double Hue(uint32_t id) { return Fraction(0.08 + id * 0.61803398874989485); }
 }  // namespace
 
 Rgb8 StrongColor(uint32_t id) {
-  if (id == 0) return kNobodyColor;
+  if (id == 0) return kUnsegmentedColor;
   // After some ids, hues are close to earlier ones. Two levels of brightness and of saturation keep
   // such colours different.
   const double value = 0.95 - 0.22 * (id / 5 % 2);
@@ -33,7 +33,7 @@ Rgb8 StrongColor(uint32_t id) {
 }
 
 Rgb8 PaleColor(uint32_t id) {
-  if (id == 0) return kNobodyColor;
+  if (id == 0) return kUnsegmentedColor;
   return FromHsv(Hue(id), 0.16, 0.80 + 0.05 * (id / 5 % 3));
 }
 

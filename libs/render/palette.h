@@ -15,7 +15,7 @@ enum class Coloring {
 };
 
 /// The colour of an id. An id has the same colour in every picture. The hues of successive ids
-/// differ by the golden ratio. Id 0 is grey (kNobodyColor).
+/// differ by the golden ratio. Id 0 is grey (kUnsegmentedColor).
 Rgb8 StrongColor(uint32_t id);
 Rgb8 PaleColor(uint32_t id);
 
@@ -23,6 +23,6 @@ Rgb8 PaleColor(uint32_t id);
 Rgb8 VertexColor(const MeshVertex& vertex, Coloring coloring);
 
 /// The colour of surface without a segment.
-inline constexpr Rgb8 kNobodyColor{150, 150, 150};
+inline constexpr Rgb8 kUnsegmentedColor{150, 150, 150};
 
 }  // namespace vismap

@@ -79,7 +79,8 @@ std::pair<int, int> PixelRange(float a, float b, float c, int low, int high) {
 
 void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                   const Canvas& canvas) {
-  if (!a.visible || !b.visible || !c.visible) return;
+  if (!a.visible || !b.visible || !c.visible)
+    return;  // triangles are not clipped at the near plane
   // Front faces are counter-clockwise. In the picture, whose v points down, they are clockwise and
   // have a negative area. Back faces are not drawn.
   const float area = Cross(a, b, c.u, c.v);
@@ -92,9 +93,9 @@ void DrawTriangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVert
       const float wa = Cross(b, c, x, y) / area;
       const float wb = Cross(c, a, x, y) / area;
       const float wc = 1 - wa - wb;
-      if (wa < 0 || wb < 0 || wc < 0) continue;
+      if (wa < 0 || wb < 0 || wc < 0) continue;  // outside of the triangle
       const float closeness = wa * a.closeness + wb * b.closeness + wc * c.closeness;
-      if (closeness <= (*canvas.closeness)(v, u)) continue;
+      if (closeness <= (*canvas.closeness)(v, u)) continue;  // hidden by another triangle
       (*canvas.closeness)(v, u) = closeness;
       const Eigen::Vector3f rgb = wa * a.rgb + wb * b.rgb + wc * c.rgb;
       (*canvas.image)(v, u) = {ToByte(rgb.x()), ToByte(rgb.y()), ToByte(rgb.z())};
@@ -123,7 +124,7 @@ Image<Rgb8> Rasterize(const Mesh& mesh, const View& view, Coloring coloring) {
 }
 
 // Averages squares of `factor` x `factor` pixels.
-Image<Rgb8> Shrink(const Image<Rgb8>& large, int factor) {
+Image<Rgb8> Downsample(const Image<Rgb8>& large, int factor) {
   Image<Rgb8> small(large.width() / factor, large.height() / factor);
   const int samples = factor * factor;
   for (int v = 0; v < small.height(); ++v) {
@@ -153,7 +154,7 @@ Image<Rgb8> RenderMesh(const Mesh& mesh, const View& view, Coloring coloring) {
   fine.scale *= kSmooth;
   // The centre of a pixel is between its samples.
   fine.center = (view.center.array() + 0.5) * kSmooth - 0.5;
-  return Shrink(Rasterize(mesh, fine, coloring), kSmooth);
+  return Downsample(Rasterize(mesh, fine, coloring), kSmooth);
 }
 
 std::optional<Eigen::Vector2d> ProjectToView(const View& view, const Eigen::Vector3d& p_W) {

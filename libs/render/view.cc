@@ -32,7 +32,7 @@ std::vector<Vector3d> SampleFaces(const Mesh& mesh, size_t limit) {
 }
 
 // T_V_W of a viewer at `eye` who looks along `forward`, with the top of the picture towards `up`.
-Pose LookFrom(const Vector3d& eye, const Vector3d& forward, const Vector3d& up) {
+Pose ViewPose(const Vector3d& eye, const Vector3d& forward, const Vector3d& up) {
   const Vector3d z = forward.normalized();
   const Vector3d x = z.cross(up).normalized();
   const Vector3d y = z.cross(x);
@@ -59,7 +59,7 @@ Vector3d Toward(const SceneBox& scene, double azimuth, double elevation) {
 
 // The distance from the scene's centre [m] at which all corners of its box are in the picture.
 double FittingDistance(const SceneBox& scene, const View& view, const Vector3d& toward) {
-  const Eigen::Matrix3d R_V_W = LookFrom(toward, -toward, scene.up_W).linear();
+  const Eigen::Matrix3d R_V_W = ViewPose(toward, -toward, scene.up_W).linear();
   const double margin = 0.94;
   double distance = 0.1;
   for (const Vector3d& corner : Corners(scene)) {
@@ -87,6 +87,7 @@ void CropToContent(const Mesh& mesh, View* view) {
   for (size_t i = 0; i < mesh.triangles.size(); i += stride) {
     const Vector3d p_W = mesh.vertices[mesh.triangles[i][0]].position_W.cast<double>();
     const Vector3d p = view->T_V_W * p_W;
+    // Behind the viewer, or facing away.
     if (p.z() <= 0 || (view->T_V_W.linear() * FaceVector(mesh, i)).dot(p) >= 0) continue;
     us.push_back(p.x() / p.z());
     vs.push_back(p.y() / p.z());
@@ -102,7 +103,7 @@ void CropToContent(const Mesh& mesh, View* view) {
 
 // Moves a direction to the local mean of the face normals: the normalised sum of the face vectors
 // within 25 degrees of it, then twice of those within 12 degrees. `area` = length of the last sum.
-Vector3d Settle(const std::vector<Vector3d>& faces, Vector3d direction, double* area) {
+Vector3d RefineDirection(const std::vector<Vector3d>& faces, Vector3d direction, double* area) {
   for (int round = 0; round < 3; ++round) {
     const double cosine = std::cos((round == 0 ? 25 : 12) * kDegree);
     Vector3d sum = Vector3d::Zero();
@@ -140,7 +141,7 @@ Peak StrongestPeak(const std::vector<Vector3d>& faces, const Vector3d& center, d
   for (const Vector3d& start : Directions(400)) {
     if (start.dot(center) < std::cos(angle)) continue;
     Peak peak;
-    peak.direction = Settle(faces, start, &peak.area);
+    peak.direction = RefineDirection(faces, start, &peak.area);
     if (peak.area > best.area && peak.direction.dot(center) >= std::cos(angle)) best = peak;
   }
   return best;
@@ -173,7 +174,7 @@ View PerspectiveView(const SceneBox& scene, double azimuth, double elevation, in
   view.center = MiddleOf(width, height);
   const Vector3d toward = Toward(scene, azimuth, elevation);
   const Vector3d eye = scene.center_W + toward * FittingDistance(scene, view, toward);
-  view.T_V_W = LookFrom(eye, -toward, scene.up_W);
+  view.T_V_W = ViewPose(eye, -toward, scene.up_W);
   return view;
 }
 
@@ -189,7 +190,7 @@ View TopDownView(const SceneBox& scene, int width, int height) {
   view.scale = 0.94 * std::min(width / across, height / along);
   view.center = MiddleOf(width, height);
   const Vector3d eye = scene.center_W + scene.up_W * (scene.size.z() + 1);
-  view.T_V_W = LookFrom(eye, -scene.up_W, scene.R_W_B.col(upright ? 0 : 1));
+  view.T_V_W = ViewPose(eye, -scene.up_W, scene.R_W_B.col(upright ? 0 : 1));
   return view;
 }
 

@@ -43,7 +43,7 @@ Steps StepsAt(const Image<float>& depth, int v, int u, int dv, int du) {
 }
 
 /// Whether a pixel is beside a depth discontinuity or beside a pixel without depth.
-bool BesideStep(const Steps& across, const Steps& down, double z) {
+bool IsBesideStep(const Steps& across, const Steps& down, double z) {
   const double limit = std::max(0.05, 0.03 * z);
   return !(std::max(across.LargestMagnitude(), down.LargestMagnitude()) <= limit) ||
          std::isnan(across.Slope()) || std::isnan(down.Slope());
@@ -73,14 +73,14 @@ Image<float> AddDepthNoise(const Image<float>& depth, const PinholeCamera& camer
     const int v = static_cast<int>(row);
     for (int u = 0; u < depth.width(); ++u) {
       const double z = depth(v, u);
-      if (!(z >= noise.min_depth && z <= noise.max_depth)) continue;
+      if (!(z >= noise.min_depth && z <= noise.max_depth)) continue;  // out of range, or NaN
       const Steps across = StepsAt(depth, v, u, 0, 1), down = StepsAt(depth, v, u, 1, 0);
-      if (BesideStep(across, down, z)) {
+      if (IsBesideStep(across, down, z)) {
         const uint64_t pixel =
             row * static_cast<uint64_t>(depth.width()) + static_cast<uint64_t>(u);
-        if (Uniform(Mix(dropout_key, pixel)) < noise.edge_dropout) continue;
+        if (Uniform(Mix(dropout_key, pixel)) < noise.edge_dropout) continue;  // edge dropout
       } else if (ViewCosine(camera, v, u, z, across.Slope(), down.Slope()) < noise.grazing_cosine) {
-        continue;
+        continue;  // grazing view
       }
       noisy(v, u) = static_cast<float>(Measure(z, field.At(v, u), camera.fx * noise.baseline,
                                                noise.scale * noise.disparity_step,

@@ -112,7 +112,7 @@ class Walk {
 };
 
 /// The difference between two poses; 1 = 0.35 m or about 13 degrees.
-double Effort(const Pose& a, const Pose& b) {
+double PoseDifference(const Pose& a, const Pose& b) {
   const double way = (b.translation() - a.translation()).norm() / 0.35;
   const double turn = (b.linear().col(2) - a.linear().col(2)).norm() / 0.23;
   return std::sqrt(way * way + turn * turn);
@@ -129,7 +129,7 @@ std::vector<Pose> MakeOfficeWalk(int count) {
   for (size_t i = 0; i < pieces; ++i) {
     const double next = i + 1 == pieces ? 0 : static_cast<double>(i + 1) / kPieces;
     const double s = static_cast<double>(i) / kPieces;
-    effort.push_back(effort.back() + Effort(walk.At(s), walk.At(next)));
+    effort.push_back(effort.back() + PoseDifference(walk.At(s), walk.At(next)));
   }
   std::vector<Pose> poses;
   size_t piece = 0;

@@ -8,8 +8,8 @@ namespace {
 constexpr int kSeenPixels = 50;  // a frame shows an object if it has at least so many pixels
 
 // Whether a point of the surface is visible: its depth agrees with that of its pixel within 2 %.
-bool Sees(const PinholeCamera& camera, const Pose& T_C_W, const Image<float>& depth,
-          const Eigen::Vector3d& p_W) {
+bool IsVisible(const PinholeCamera& camera, const Pose& T_C_W, const Image<float>& depth,
+               const Eigen::Vector3d& p_W) {
   const Eigen::Vector3d p_C = T_C_W * p_W;
   if (p_C.z() < 0.1) return false;
   const Eigen::Vector2d pixel = camera.Project(p_C);
@@ -29,19 +29,20 @@ void SeenSurface::AddView(const FrameHeader& header, Rendering&& image) {
   depths_.push_back(std::move(image.depth));
 }
 
-bool SeenSurface::Saw(const Eigen::Vector3d& p_W) const {
+bool SeenSurface::IsSeen(const Eigen::Vector3d& p_W) const {
   for (size_t i = 0; i < depths_.size(); ++i) {
-    if (Sees(camera_, T_C_W_[i], depths_[i], p_W)) return true;
+    if (IsVisible(camera_, T_C_W_[i], depths_[i], p_W)) return true;
   }
   return false;
 }
 
 LabelledMesh SeenSurface::Triangles(const Scene& scene, double spacing) const {
-  return Tessellate(scene, spacing,
-                    [&](const Eigen::Vector3d& p_W, const Eigen::Vector3d&) { return Saw(p_W); });
+  return Tessellate(scene, spacing, [&](const Eigen::Vector3d& p_W, const Eigen::Vector3d&) {
+    return IsSeen(p_W);
+  });
 }
 
-SeenSurface LookAround(const SyntheticOptions& options) {
+SeenSurface RenderSeenSurface(const SyntheticOptions& options) {
   const Scene scene = MakeScene(options);
   SeenSurface seen;
   for (const FrameHeader& header : MakeHeaders(options))

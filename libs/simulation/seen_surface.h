@@ -22,7 +22,7 @@ class SeenSurface {
   const std::map<uint16_t, int>& frames_of_object() const { return frames_of_object_; }
 
   /// Whether some frame saw this point of the surface [m], with nothing in front of it.
-  bool Saw(const Eigen::Vector3d& p_W) const;
+  bool IsSeen(const Eigen::Vector3d& p_W) const;
 
   /// The part of the scene's surface that some frame saw, as triangles with edges of about
   /// `spacing` [m] (see Tessellate).
@@ -36,6 +36,6 @@ class SeenSurface {
 };
 
 /// Renders all frames of a computed sequence and returns the surface that they saw.
-SeenSurface LookAround(const SyntheticOptions& options);
+SeenSurface RenderSeenSurface(const SyntheticOptions& options);
 
 }  // namespace vismap

@@ -10,7 +10,8 @@ Result<std::unique_ptr<Dataset>> OpenSequence(const std::string& path, const std
     if (format == "synthetic") {
       return Fail(
           path +
-          ": a computed sequence is written synthetic:room or synthetic:office, not as a path");
+          ": expected synthetic:room or synthetic:office for the format \"synthetic\", found "
+          "another path");
     }
     return OpenDataset(path, format, options);
   }

@@ -52,9 +52,10 @@ DetectionSet SimulateDetections(const Scene& scene, const Image<uint16_t>& objec
   for (const auto& [id, measured] : MeasureObjects(object_ids)) {
     const auto& [pixels, box] = measured;
     const SceneObject* object = FindObject(scene, id);
+    // The detector does not know the object's class, or the object is too small.
     if (object == nullptr || object->kind != ObjectKind::kKnown || pixels < min_pixels) continue;
     const uint64_t key = Mix(frame_key, id);
-    if (Uniform(Mix(key, 1)) < noise.miss_rate) continue;
+    if (Uniform(Mix(key, 1)) < noise.miss_rate) continue;  // missed in this frame
     Mask mask = NoisyMask(object_ids, id, box, noise.mask, key);
     if (mask.inside.empty()) continue;
     const auto score = static_cast<float>(0.6 + 0.4 * Uniform(Mix(key, 3)));

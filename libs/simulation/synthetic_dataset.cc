@@ -89,29 +89,29 @@ class SyntheticDetections : public DetectionSource {
         detect_every_(options.detect_every) {}
 
   Result<DetectionSet> ForFrame(const FrameHeader& header) const override {
-    if (!IsOurs(header) || !LookedAt(header)) {
+    if (!IsOfSequence(header) || !DetectorRan(header)) {
       return DetectionSet{header.utime, header.camera_id, header.frame_number, {}};
     }
     const FrameHeader& truth = headers_[static_cast<size_t>(header.frame_number - 1)];
     if (header.camera != truth.camera) {
-      return Fail("synthetic detections: the frame's camera is " +
-                  std::to_string(header.camera.width) + "x" + std::to_string(header.camera.height) +
-                  ", not that of the sequence, " + std::to_string(truth.camera.width) + "x" +
-                  std::to_string(truth.camera.height));
+      return Fail("synthetic detections: expected a frame of the sequence's camera, " +
+                  std::to_string(truth.camera.width) + "x" + std::to_string(truth.camera.height) +
+                  ", found a frame of another camera, " + std::to_string(header.camera.width) +
+                  "x" + std::to_string(header.camera.height));
     }
     const Scene shown = SceneInFrame(scene_, header.frame_number);
     return SimulateDetections(shown, RenderInstances(shown, truth.camera, truth.T_W_C), header,
                               noise_);
   }
 
-  bool LookedAt(const FrameHeader& header) const override {
-    return !IsOurs(header) || (header.frame_number - 1) % detect_every_ == 0;
+  bool DetectorRan(const FrameHeader& header) const override {
+    return !IsOfSequence(header) || (header.frame_number - 1) % detect_every_ == 0;
   }
 
   int64_t size() const override { return -1; }
 
  private:
-  bool IsOurs(const FrameHeader& header) const {
+  bool IsOfSequence(const FrameHeader& header) const {
     return header.frame_number >= 1 && header.frame_number <= static_cast<int64_t>(headers_.size());
   }
 

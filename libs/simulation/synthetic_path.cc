@@ -46,21 +46,21 @@ Result<void> AddChange(std::string_view key, std::string_view value, SyntheticOp
 
 /// Removes the part before the next comma, and the comma, from the front of a text. Returns the
 /// part.
-std::string_view TakePart(std::string_view* text) {
+std::string_view PopPart(std::string_view* text) {
   const std::string_view part = text->substr(0, text->find(','));
   text->remove_prefix(std::min(part.size() + 1, text->size()));
   return part;
 }
 
 Result<void> AddMove(std::string_view value, SyntheticOptions* options) {
-  const Result<void> changed = AddChange("move", TakePart(&value), options);
+  const Result<void> changed = AddChange("move", PopPart(&value), options);
   if (!changed) return Fail(changed.error().message + ",DX,DY");
   Eigen::Vector2d by;
   for (double& metres : by) {
-    const auto set = SetNumber("move", TakePart(&value), -1000.0, 1000.0, &metres);
+    const auto set = SetNumber("move", PopPart(&value), -1000.0, 1000.0, &metres);
     if (!set) return Fail(set.error().message + ", as ID@FRAME,DX,DY");
   }
-  if (!value.empty()) return Fail("synthetic: move has more than ID@FRAME,DX,DY");
+  if (!value.empty()) return Fail("synthetic: move: expected ID@FRAME,DX,DY, found more after it");
   options->changes.back().moved = by;
   return {};
 }
@@ -96,7 +96,7 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "move") return AddMove(value, o);
   return Fail(
       "synthetic: unknown parameter \"" + std::string(key) +
-      "\"; known are frames, width, noise, seed, rate, tours, detection_rate, "
+      "\"; expected frames, width, noise, seed, rate, tours, detection_rate, "
       "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
 }
 
@@ -118,7 +118,7 @@ Result<SyntheticOptions> ParseSyntheticPath(const std::string& path) {
   SyntheticOptions options;
   options.scene = rest.substr(0, question);
   if (options.scene != "room" && options.scene != "office") {
-    return Fail("synthetic: unknown scene \"" + options.scene + "\"; known are room, office");
+    return Fail("synthetic: unknown scene \"" + options.scene + "\"; expected room or office");
   }
   if (options.scene == "office") options.frames = kOfficeFrames;
   rest.remove_prefix(std::min(question + 1, rest.size()));

@@ -14,7 +14,7 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return tl::unexpected(header.error());
   context->status->Set(ProcessState::kRunning);
-  if (!source.LookedAt(*header)) {
+  if (!source.DetectorRan(*header)) {
     context->bus->Publish(kDetectionsChannel, EncodeNotLooked(*header));
     context->status->Count("frames_not_looked_at");
     return {};

@@ -107,7 +107,7 @@ LogDetections::LogDetections(LogReader reader, const RecordedRun& run, bool all)
   }
 }
 
-bool LogDetections::LookedAt(const FrameHeader& header) const {
+bool LogDetections::DetectorRan(const FrameHeader& header) const {
   return messages_.contains(KeyOfHeader(header));
 }
 

@@ -76,7 +76,7 @@ Result<FreeSpaceEvaluation> ScoreCells(const OccupancyMap& cells, const TruthSou
   FreeSpaceEvaluation result;
   result.cell_size = cells.cell_size();
   result.truth = CellsAt(cells, source.truth.points_W);
-  result.invented = CountInvented(cells, source.truth.points_W, kFarFromTruth);
+  result.occupied = CountOccupied(cells, source.truth.points_W, kFarFromTruth);
   if (source.depth) {
     const Result<RayScore> rays = ScoreRays(cells, **source.depth, {});
     if (!rays) return tl::unexpected(rays.error());

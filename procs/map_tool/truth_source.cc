@@ -39,7 +39,7 @@ Result<TruthSource> ComputeTruth(const std::string& path) {
   source.depth = MakeSyntheticDataset(*options, {});
   options->tours = 1;  // all tours see the same
   const auto scene = std::make_shared<const Scene>(MakeScene(*options));
-  source.truth = ToGroundTruth(*scene, LookAround(*options));
+  source.truth = ToGroundTruth(*scene, RenderSeenSurface(*options));
   source.distance = [scene](const Eigen::Vector3d& p_W) { return SignedDistance(*scene, p_W); };
   return source;
 }

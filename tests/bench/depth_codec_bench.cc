@@ -1,8 +1,8 @@
-// Which lossless code for 16-bit depth? Ours (zstd over two byte planes of differences) beside PNG
+// Compares lossless codecs for 16-bit depth: ours (zstd over two byte planes of differences), PNG
 // and RVL (Wilson, "Fast Lossless Depth Image Compression", 2017), on the depth images of a data
 // set:
 //   depth_codec_bench --dataset=DIR [Google Benchmark's flags]
-// without --dataset on the built-in room.
+// Without --dataset, it uses the built-in room.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -33,7 +33,7 @@ Depth DecodePng(const Bytes& bytes, int width, int height) {
   return depth;
 }
 
-/// Numbers in groups of 3 bits and a continuation bit, two groups a byte.
+/// Writes numbers in groups of 3 bits and a continuation bit, with two groups per byte.
 struct NibbleWriter {
   Bytes bytes;
   bool half = false;

@@ -1,4 +1,4 @@
-// Saving and loading a recorded map.
+// Measures saving and loading of a recorded map.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 

@@ -1,4 +1,5 @@
-// Free space and octrees of a recorded map. Run alone: vismap's part must be small beside a frame.
+// Measures free space and octrees of a recorded map. The time of an update must be small compared
+// to that of a frame. Run it on a machine that does nothing else.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -14,7 +15,7 @@ namespace {
 
 using testing_support::SnapshotOf;
 
-/// A map and the last frames' changes, made once for all benchmarks.
+/// A map and the changes of its last frames, made once for all benchmarks.
 struct Recorded {
   SemanticMap map;
   std::vector<std::vector<BlockIndex>> changes;
@@ -62,7 +63,7 @@ void BM_BuildOctree(benchmark::State& state) {
   state.counters["nodes"] = static_cast<double>(octree->nodes);
 }
 
-/// The recorded map `side` x `side` times, side by side on the floor.
+/// A map of `side` x `side` copies of the recorded map, side by side on the floor.
 OccupancyMap Tiled(const OccupancyMap& map, int side) {
   constexpr int32_t kPitch = 100;  // blocks: 8 m
   OccupancyMap tiled(map.cell_size());
@@ -75,7 +76,7 @@ OccupancyMap Tiled(const OccupancyMap& map, int side) {
   return tiled;
 }
 
-/// Makes one voxel of every block of a frame occupied, or what it was before.
+/// Sets one voxel of every block that a frame changed to occupied, or back to its state before.
 void ToggleBlocks(const OccupancyMap& before, std::span<const BlockIndex> frame, bool occupied,
                   OccupancyMap* map) {
   for (const BlockIndex& index : frame) {
@@ -86,8 +87,9 @@ void ToggleBlocks(const OccupancyMap& before, std::span<const BlockIndex> frame,
   }
 }
 
-/// The octree after the changes of a frame, beside that of the whole map built anew, for maps of
-/// range(0)^2 rooms. The first must not grow with the map; "ratio" is how much more the second is.
+/// Compares the update of an octree after a frame with a new octree of the whole map, for maps of
+/// range(0)^2 rooms. The time of the update must not grow with the map. "ratio" is the time of the
+/// new octree divided by that of the update.
 void BM_OctreeAfterAFrame(benchmark::State& state) {
   const Recorded& recorded = Recorded::Get();
   const OccupancyMap before =

@@ -1,8 +1,8 @@
-// Maps a sequence in one process and prints what each stage takes per frame: median and 95th
-// percentile, beside what was asked for, what the published code takes (Grinvald 2019; up to 3 m,
-// without free space), and what the naive reference takes on the same input in the same run
-// (tests/support/naive; one thread, every k-th frame). The naive results must equal the fast ones,
-// else the exit code is 1.
+// Maps a sequence in one process and prints the time of each stage per frame: median and 95th
+// percentile, the target, the time of the published code (Grinvald 2019; up to 3 m, without free
+// space), and the time of the naive reference on the same input in the same run
+// (tests/support/naive; one thread, every k-th frame). The exit code is 1 if the results of the
+// naive reference differ.
 #include <unistd.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ struct Arguments {
   std::string json;
 };
 
-/// A row of the table; figures that nobody stated are 0.
+/// A row of the table; 0 = no such figure.
 struct Row {
   const char* stage;
   double target_ms;
@@ -56,10 +56,10 @@ constexpr Row kRows[] = {
     {"total", 23, 1401},        {"total at 2 cm", 16, 0},     {"mesh of changes", 5, 0},
     {"saving", 150, 0},         {"loading", 150, 0}};
 
-/// What was measured; stages by the names above.
+/// The times of all stages, with the names above.
 struct Measurement {
   StageTimes fast, naive;
-  StageTimes ratios;  // naive over fast, of the same frame
+  StageTimes ratios;  // time of naive / time of fast, for the same frame
   int naive_frames = 0, naive_differences = 0;
   size_t surface_blocks = 0;
 };
@@ -74,7 +74,7 @@ auto Timed(double* ms, const Work& work) {
   return result;
 }
 
-/// Milliseconds of the stages of one frame, by the names above.
+/// The times of the stages of one frame [ms], with the names above.
 struct FrameTimes {
   double surface = 0, segments = 0, refinement = 0, association = 0, integration = 0;
 
@@ -119,7 +119,7 @@ class Bench {
     integration_.max_range = integration_.free_space_range = range;
   }
 
-  /// `compare` = the naive stages look at this frame, too.
+  /// Maps a frame. `compare` = run the naive stages on it, too.
   void Map(const InputFrame& input, bool compare, Measurement* out) {
     const PinholeCamera& camera = input.frame.header.camera;
     FrameTimes fast;
@@ -171,7 +171,7 @@ class Bench {
     if (!(naive_image.index == image.index)) ++out->naive_differences;
   }
 
-  /// `before` = the map before the frame; it is used up.
+  /// `before` is the map before the frame; it is changed.
   void CompareMaps(const SegmentedFrame& frame, const FrameAssociation& association,
                    SemanticMap* before, const FrameTimes& fast, FrameTimes* slow,
                    Measurement* out) const {
@@ -183,7 +183,7 @@ class Bench {
     if (!SameAssociation(association, naive_association)) ++out->naive_differences;
     if (HashMap(*before) != HashMap(map_)) ++out->naive_differences;
     ++out->naive_frames;
-    slow->refinement = fast.refinement;  // has no fast path
+    slow->refinement = fast.refinement;  // refinement has no naive version
     Add(*slow, &out->naive);
     AddRatios(*slow, fast, &out->ratios);
   }
@@ -204,7 +204,7 @@ class Bench {
   }
 
   SemanticMap map_;
-  bool whole_;  // with meshes
+  bool whole_;  // whether meshes are updated, too
   AssociationOptions association_;
   IntegrationOptions integration_;
 };
@@ -213,7 +213,7 @@ Measurement Measure(const InputSequence& sequence, double range, int naive_every
   Measurement fine;
   Bench at_1_cm(0.01, range, true), at_2_cm(0.02, range, false);
   for (size_t i = 0; i < sequence.size(); ++i) {
-    // The middle frame of every k, when the map has something in it.
+    // The middle frame of every k frames, so that the map is not empty.
     const auto k = static_cast<size_t>(naive_every);
     const bool compare = k > 0 && i % k == k / 2;
     at_1_cm.Map(sequence.Read(i), compare, &fine);
@@ -274,7 +274,7 @@ nlohmann::ordered_json TableJson(double range, const Measurement& measured) {
   return table;
 }
 
-/// "model, n cores, load average": figures of a busy machine are worth less.
+/// "model, n cores, load average x". The load shows whether the machine was busy.
 std::string Machine() {
   std::ifstream cpus("/proc/cpuinfo"), loads("/proc/loadavg");
   std::string line, model = "unknown processor", load;

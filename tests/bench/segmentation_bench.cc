@@ -1,5 +1,5 @@
-// Times of the segmentation stage on one 640x480 frame with Kinect noise, step by step, and beside
-// each the published method as the naive reference (counter "speedup" = published time / ours).
+// Measures the steps of the segmentation on one 640x480 frame with Kinect noise, and compares each
+// with the published method, the naive reference (counter "speedup" = published time / ours).
 #include <benchmark/benchmark.h>
 
 #include <chrono>

@@ -1,11 +1,13 @@
-// Watches a bus while a pipeline runs on it: how many frames are integrated, how fast, and how long
-// after the sensor's message. Used by scripts/bench-transport.
-// Usage: transport_bench LCM_URL FRAMES SECONDS (gives up after so long without a message)
-//        transport_bench LCM_URL FRAMES SECONDS RATE   (sends frames itself, 168 kB as the built-in
-//                                                 room's of 640x480; 0 = each when the last is
-//                                                 back)
-//        transport_bench LCM_URL commit          (commits every frame at once, in the map server's
-//                                                 place, until killed: what transport alone takes)
+// Measures on a bus how many frames a running pipeline integrates, how fast, and how long after the
+// sensor's message. scripts/bench-transport uses it.
+// Usage: transport_bench LCM_URL FRAMES SECONDS
+//            Waits for the commits of so many frames. Ends after SECONDS without a message.
+//        transport_bench LCM_URL FRAMES SECONDS RATE
+//            Sends the frames itself: 168 kB each, as those of the built-in room of 640x480, RATE
+//            per second. RATE 0: sends each frame after the commit of the one before.
+//        transport_bench LCM_URL commit
+//            Commits every frame at once instead of the map server, until it is killed. This
+//            measures the time of the transport alone.
 
 #include <algorithm>
 #include <cstdio>
@@ -49,7 +51,7 @@ int CommitAll(const char* url) {
   return 0;
 }
 
-/// Frames on their way and back.
+/// Measures the times between frames and their commits.
 class Watch {
  public:
   Watch(Bus* bus, size_t frames, double patience)
@@ -63,9 +65,10 @@ class Watch {
     });
   }
 
-  void OfTheSensor() {
+  /// Measures the frames that the sensor sends.
+  void SubscribeToSensor() {
     bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
-                                 [this](const rgbd_frame_t& frame) { Note(frame); });
+                                 [this](const rgbd_frame_t& frame) { CountFrame(frame); });
   }
 
   void SendAll(double rate) {
@@ -78,7 +81,7 @@ class Watch {
         bus_.Spin(start + static_cast<double>(i) / rate - MonotonicSeconds());
       }
       frame.utime = static_cast<int64_t>(i);
-      Note(frame);
+      CountFrame(frame);
       bus_.Publish(kRgbdFrameChannel, frame);
       while (rate <= 0 && milliseconds_.size() <= i && MonotonicSeconds() - last_ < patience_) {
         bus_.Spin(0.05);
@@ -102,7 +105,7 @@ class Watch {
   }
 
  private:
-  void Note(const rgbd_frame_t& frame) {
+  void CountFrame(const rgbd_frame_t& frame) {
     last_ = MonotonicSeconds();
     if (sent_.empty()) first_ = last_;
     sent_.try_emplace(KeyOf(frame), last_);
@@ -139,7 +142,7 @@ int main(int argc, char** argv) {
     while (!peers.Ready("map-server")) (*bus)->Spin(0.05);
     watch.SendAll(std::strtod(argv[4], nullptr));
   } else {
-    watch.OfTheSensor();
+    watch.SubscribeToSensor();
   }
   watch.WaitForAll();
   watch.Print();

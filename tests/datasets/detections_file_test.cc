@@ -72,10 +72,10 @@ TEST(CocoResults, WhatIsWrittenIsReadBack) {
     }
   }
   first.frame_number = -1;
-  EXPECT_FALSE(WriteCocoResults(path, std::vector{first})) << "nobody could find them again";
+  EXPECT_FALSE(WriteCocoResults(path, std::vector{first})) << "no frame_number";
 }
 
-TEST(CocoResults, AFrameThatNobodyMentionsHasNoDetections) {
+TEST(CocoResults, AFrameWithoutEntriesHasNoDetections) {
   const TempFolder folder;
   folder.Write("d.json", "[" + Entry("[6]") + "]");
   const auto source = LoadCocoResults((folder / "d.json").string());

@@ -63,7 +63,7 @@ TEST(ReadColorAsJpeg, MutationsGiveAJpegOrANamedError) {
   }
 }
 
-// A camera of twice the resolution around the same centre: each pixel comes from its own direction.
+// For a camera of twice the resolution, each pixel has the colour of its own direction.
 TEST(ResampleColor, TakesThePixelInTheSameDirection) {
   Image<Rgb8> large(8, 6);
   for (int v = 0; v < 6; ++v) {

@@ -1,5 +1,4 @@
-// Tiny folders of every format, written on the fly, and what happens when something in them is
-// missing or broken.
+// Opens small folders of every format that the tests write, also with missing and malformed files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -131,7 +130,7 @@ SensorFrame ReadOrFail(const Dataset& dataset, size_t i) {
   return frame.value_or(SensorFrame{});
 }
 
-/// The error of opening or of reading every frame; "" for none.
+/// The error of opening the sequence or of reading its frames; "" = none.
 std::string ErrorOf(const std::filesystem::path& path) {
   const auto dataset = OpenDataset(path.string(), "");
   if (!dataset) return dataset.error().message;
@@ -427,7 +426,7 @@ TEST(OpenDataset, RefusesBadOptionsFoldersAndFormats) {
               HasSubstr("no known sequence"));
 }
 
-/// One way to break a sequence and what the error must say.
+/// A way to break a sequence, and the words that the error must contain.
 struct Breakage {
   const char* name;
   void (*write)(const TempFolder&);
@@ -548,7 +547,7 @@ std::vector<Breakage> Breakages() {
       {"SevenScenesPoseIsText",
        WriteSevenScenes,
        Put(frame2 + ".pose.txt", "1 0 0 0\n0 1 O 0\n"),
-       {"frame-000002.pose.txt:2", "\"O\" is not a number"}},
+       {"frame-000002.pose.txt:2", "expected a number, found \"O\""}},
       {"SevenScenesDepthMissing",
        WriteSevenScenes,
        Remove(frame2 + ".depth.png"),

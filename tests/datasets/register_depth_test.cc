@@ -9,7 +9,7 @@ constexpr double kUnit = 0.001;
 constexpr PinholeCamera kDepthCamera{160, 120, 146, 146, 80, 60};
 constexpr PinholeCamera kColorCamera{160, 120, 131, 131, 80, 60};
 
-/// A depth camera 25 mm to the left of the colour camera, turned a little towards it.
+/// A depth camera that is 25 mm to the left of the colour camera and turned a little towards it.
 DepthSource Beside() {
   DepthSource from{kDepthCamera, Pose::Identity()};
   from.T_C_D.translation() = Eigen::Vector3d(-0.025, 0.002, 0.003);
@@ -18,7 +18,7 @@ DepthSource Beside() {
   return from;
 }
 
-/// Depth along z [m] of the plane n * p = d of C at a pixel of a camera at T_C_X.
+/// The depth [m] of the plane n * p = d of C at a pixel of a camera with the pose T_C_X.
 double DepthOfPlane(const Eigen::Vector3d& n_C, double d, const PinholeCamera& camera,
                     const Pose& T_C_X, int u, int v) {
   const Eigen::Vector3d ray_C =
@@ -71,10 +71,11 @@ std::vector<uint16_t> Returns(const Image<uint16_t>& depth) {
 }
 
 TEST(RegisterDepth, TheNearerReturnHidesTheFartherOneInEitherOrder) {
-  // 0.1 m beside each other, the cameras see a point at 1 m 14.6 pixels apart, at 2 m 7.3.
+  // The cameras are 0.1 m apart. The disparity of a point is 14.6 pixels at 1 m and 7.3 pixels at 2
+  // m.
   struct Case {
     double beside;      // [m]
-    int u_near, u_far;  // both fall on column 55
+    int u_near, u_far;  // both are projected to column 55
   };
   for (const auto& [beside, u_near, u_far] : {Case{0.1, 40, 48}, Case{-0.1, 70, 62}}) {
     DepthSource from{kDepthCamera, Pose::Identity()};

@@ -53,7 +53,8 @@ Tensor Head(const std::vector<Row>& rows, bool objectness, Order order) {
   return head;
 }
 
-/// Of an input of 64 x 64: the first prototype is high in the left half, the second in the top.
+/// Prototypes of an input of 64 x 64: the first is high in the left half, the second in the upper
+/// half.
 Tensor HalfPrototypes() {
   constexpr int kCells = 16;
   Tensor prototypes{{1, kCoefficients, kCells, kCells}, {}};
@@ -98,7 +99,7 @@ TEST(YoloDetections, OneBoxWithItsHalfMaskInEveryLayout) {
 }
 
 TEST(YoloDetections, LetterboxedMaskComesBackToTheImage) {
-  // 640x480 into 64x64: a tenth, the lower 16 rows are padding.
+  // An image of 640x480 in an input of 64x64 is scaled by 1/10; the lower 16 rows are padding.
   const Letterbox letterbox = FitLetterbox(640, 480, 64, 64);
   EXPECT_EQ(letterbox.width, 64);
   EXPECT_EQ(letterbox.height, 48);
@@ -172,7 +173,7 @@ TEST(YoloDetections, WrongShapesAreNamed) {
               AllOf(HasSubstr("the head is 1x12x1"), HasSubstr("9 (v8, v11) or 10 (v5)")));
 }
 
-/// Mask R-CNN's masks: of every class 4 x 4, high in the left half for class 2 only.
+/// Masks of Mask R-CNN, 4 x 4 for every class; only class 2 is high, in the left half.
 Tensor ClassMasks(int count) {
   Tensor masks{{count, 3, 4, 4}, {}};
   for (int i = 0; i < count * 3; ++i) {

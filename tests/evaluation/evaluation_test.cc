@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kGap = 0.01f;  // between points of a row [m]
 
-// A row of points along x, made piece by piece, and a map of it.
+// A ground truth of points in a row along x, and a map of it.
 struct Row {
   GroundTruth truth;
   EvaluatedMap map;
@@ -20,7 +20,7 @@ struct Row {
     truth.objects.push_back(
         {.label = label, .name = name, .class_id = class_id, .is_structure = is_structure});
   }
-  // `mapped` = false: the map has nothing here.
+  // Adds points to the ground truth and, if `mapped`, to the map.
   void Add(int count, uint32_t label, uint32_t segment, uint32_t instance, uint16_t class_id,
            bool mapped = true) {
     for (int i = 0; i < count; ++i) {
@@ -38,8 +38,8 @@ struct Row {
   }
 };
 
-// A chair of which a fifth is a segment of its own, a lamp that the map calls a chair, a thing that
-// was discovered, a floor that a table runs into, and a table of which nothing was mapped.
+// A chair, a fifth of which is a separate segment; a lamp that the map calls a chair; an object
+// that was discovered; a floor into which a table reaches; and a table that was not mapped.
 Row MakeRow() {
   Row row;
   row.Object(1, "chair", ClassId{62});
@@ -144,9 +144,9 @@ TEST(Evaluation, FindsSurfaceInFreeCellsAndObstaclesThatAreNotThere) {
   EXPECT_EQ(shares.free, 1);
   EXPECT_EQ(shares.occupied, 1);
   EXPECT_EQ(shares.unknown, 2);
-  const InventedCells invented = CountInvented(map, points, 0.15);
-  EXPECT_EQ(invented.occupied, 2);
-  EXPECT_EQ(invented.far_from_truth, 1);
+  const OccupiedCells occupied = CountOccupied(map, points, 0.15);
+  EXPECT_EQ(occupied.cells, 2);
+  EXPECT_EQ(occupied.far_from_truth, 1);
 }
 
 TEST(EvaluationReport, HasTheFiguresInJsonAndInTheTable) {

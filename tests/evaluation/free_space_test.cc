@@ -75,10 +75,10 @@ TEST(ScoreRays, PassesTheFailureOfAFrameOn) {
   EXPECT_EQ(score.error().message, "frame 2 is broken");
 }
 
-TEST(CountInvented, WithoutATruthEveryObstacleIs) {
-  const InventedCells cells = CountInvented(MapBeforeWall(), {}, 0.15);
-  EXPECT_EQ(cells.occupied, 4 * kBlockVoxels);
-  EXPECT_EQ(cells.far_from_truth, cells.occupied);
+TEST(CountOccupied, WithoutATruthAllCellsAreFar) {
+  const OccupiedCells cells = CountOccupied(MapBeforeWall(), {}, 0.15);
+  EXPECT_EQ(cells.cells, 4 * kBlockVoxels);
+  EXPECT_EQ(cells.far_from_truth, cells.cells);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST(ScanNetAp, ClassWithoutObjectsHasNoneAndWithoutPredictionsZero) {
   MatchesByHand matches;
   EXPECT_FALSE(ScoreScanNet(matches, kChair, {}).ap);
   const size_t chair = matches.Truth(kChair, 500);
-  matches.Prediction(kTable, 500, {{chair, 500}});  // of another class: not looked at
+  matches.Prediction(kTable, 500, {{chair, 500}});  // of another class: ignored
   EXPECT_EQ(ScoreScanNet(matches, kChair, {}).ap, 0);
 }
 

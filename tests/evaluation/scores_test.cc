@@ -40,7 +40,7 @@ TEST(ScoreObjects, CountsTheBestGroupAndTheFragments) {
   };
   add(60, 7, 1, 3, 62);  // a chair, most of it in instance 3 ...
   add(30, 7, 2, 0, 0);   // ... and a piece of its own
-  add(10, 7, 0, 0, 0);   // ... and surface without a label
+  add(10, 7, 0, 0, 0);   // ... and surface without a segment
   add(20, 0, 1, 3, 62);  // instance 3 spills over
   add(50, 8, 4, 0, 0);   // a thing that was discovered
   const auto scores = ScoreObjects(mesh, truth);

@@ -102,7 +102,7 @@ TEST(Ply, SaysWhatIsWrong) {
     const auto file = DecodePly(bytes, "a.ply");
     return file ? std::string("no error") : file.error().message;
   };
-  EXPECT_EQ(message(Bytes("PK\n")), "a.ply: expected a PLY file, the first line is not 'ply'");
+  EXPECT_EQ(message(Bytes("PK\n")), "a.ply: expected a PLY file, but the first line is not 'ply'");
   EXPECT_EQ(message(Bytes("ply\n")), "a.ply: the file ends inside its header");
   EXPECT_NE(message(Bytes("ply\nformat ascii 1.0\n")).find("line 2"), std::string::npos);
   EXPECT_NE(message(Bytes("ply\nelement vertex 1\nproperty float x\nend_header\nabcd"))
@@ -113,7 +113,8 @@ TEST(Ply, SaysWhatIsWrong) {
             std::string::npos);
   Mesh mesh = SmallMesh();
   mesh.triangles[1][2] = 5;
-  EXPECT_EQ(message(EncodePly(mesh, {})), "a.ply: face 1: expected indices below 5");
+  EXPECT_EQ(message(EncodePly(mesh, {})),
+            "a.ply: face 1: expected vertex indices below 5, found one out of range");
 }
 
 TEST(Ply, EveryTruncationIsAnError) {

@@ -147,17 +147,17 @@ TEST(OpenRecordedDetections, NoDetectorLookedIsNotNothingFound) {
   const auto source = OpenRecordedDetections(builder.Finish());
   ASSERT_TRUE(source) << source.error().message;
   const auto header = [](int64_t utime) { return SmallSensorFrame(utime).header; };
-  EXPECT_TRUE((*source)->LookedAt(header(1000)));
+  EXPECT_TRUE((*source)->DetectorRan(header(1000)));
   const Result<DetectionSet> set = (*source)->ForFrame(header(1000));
   ASSERT_TRUE(set) << set.error().message;
   ASSERT_EQ(set->detections.size(), 2u);
   EXPECT_EQ(set->detections[0].class_id, ClassId{62});
   EXPECT_EQ(set->detections[0].mask, SmallDetections().detections[0].mask);
-  EXPECT_TRUE((*source)->LookedAt(header(2000)));
+  EXPECT_TRUE((*source)->DetectorRan(header(2000)));
   EXPECT_THAT((*source)->ForFrame(header(2000))->detections, IsEmpty());
-  EXPECT_FALSE((*source)->LookedAt(header(3000)));
-  EXPECT_FALSE((*source)->LookedAt(header(4000)));
-  EXPECT_FALSE((*source)->LookedAt(SmallSensorFrame(1000, 4).header));
+  EXPECT_FALSE((*source)->DetectorRan(header(3000)));
+  EXPECT_FALSE((*source)->DetectorRan(header(4000)));
+  EXPECT_FALSE((*source)->DetectorRan(SmallSensorFrame(1000, 4).header));
 }
 
 TEST(OpenRecordedDetections, LateOnesAreNotUsedWhereTheMapDidWithout) {
@@ -168,10 +168,10 @@ TEST(OpenRecordedDetections, LateOnesAreNotUsedWhereTheMapDidWithout) {
   builder.Frame(2000).Detections(2000).Commit(2000, 2);
   const std::string path = builder.Finish();
   const auto source = OpenRecordedDetections(path);
-  EXPECT_FALSE((*source)->LookedAt(SmallSensorFrame(1000).header));
-  EXPECT_TRUE((*source)->LookedAt(SmallSensorFrame(2000).header));
+  EXPECT_FALSE((*source)->DetectorRan(SmallSensorFrame(1000).header));
+  EXPECT_TRUE((*source)->DetectorRan(SmallSensorFrame(2000).header));
   const auto all = OpenRecordedDetections(path + "?frames=all");
-  EXPECT_TRUE((*all)->LookedAt(SmallSensorFrame(1000).header));
+  EXPECT_TRUE((*all)->DetectorRan(SmallSensorFrame(1000).header));
 }
 
 TEST(OpenRecordedDetections, MasksOfAnotherSizeAreAnError) {

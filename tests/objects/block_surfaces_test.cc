@@ -17,7 +17,8 @@ namespace {
 
 using testing_support::MeshBlocks;
 
-/// A wall in two segments, seen from several places; 5 cm off the grid, so that all axes matter.
+/// A map of a wall with two segments, seen from several positions that are off the voxel grid along
+/// all axes.
 SemanticMap MapOfWall(int frames) {
   SemanticMap map({0.02, 4});
   for (int i = 0; i < frames; ++i) {
@@ -43,8 +44,8 @@ TEST(BlockSurfaces, HoldWhatTheWholeMeshHas) {
   UpdateAll(map, &surfaces);
   const double voxel = map.voxels.voxel_size();
   for (size_t label = 0; label < labels; ++label) {
-    const BlockSurfaces::Amount amount = surfaces.Of(static_cast<SegmentLabel>(label));
-    // Vertices at the rim of what was seen, on the edge between two blocks, may be nobody's.
+    const BlockSurfaces::Amount amount = surfaces.AmountOf(static_cast<SegmentLabel>(label));
+    // Vertices at the border of the observed space, on the face between two blocks, may be missing.
     EXPECT_LE(amount.vertices, whole[label].vertices) << label;
     EXPECT_GE(amount.vertices, whole[label].vertices - whole[label].vertices / 50) << label;
     EXPECT_NEAR(amount.area, whole[label].area, 1e-7) << label;
@@ -68,7 +69,7 @@ TEST(BlockSurfaces, NothingIsLeftOfBlocksThatLostTheirSurface) {
   UpdateAll(map, &surfaces);
   const std::vector<BlockIndex> blocks = surfaces.Blocks();
   ASSERT_FALSE(blocks.empty());
-  const uint32_t version = surfaces.Of(SegmentLabel{1}).version;
+  const uint32_t version = surfaces.AmountOf(SegmentLabel{1}).version;
   UpdateAll(map, &surfaces);  // the same again
   for (const BlockIndex& block : blocks) {
     EXPECT_TRUE(surfaces.Has(block));
@@ -77,11 +78,11 @@ TEST(BlockSurfaces, NothingIsLeftOfBlocksThatLostTheirSurface) {
     EXPECT_FALSE(surfaces.Has(block));
   }
   for (size_t label = 0; label < Raw(map.labels.next_label()); ++label) {
-    EXPECT_EQ(surfaces.Of(static_cast<SegmentLabel>(label)).vertices, 0);
-    EXPECT_EQ(surfaces.Of(static_cast<SegmentLabel>(label)).area, 0);
+    EXPECT_EQ(surfaces.AmountOf(static_cast<SegmentLabel>(label)).vertices, 0);
+    EXPECT_EQ(surfaces.AmountOf(static_cast<SegmentLabel>(label)).area, 0);
   }
-  EXPECT_NE(surfaces.Of(SegmentLabel{1}).version, version);
-  EXPECT_EQ(surfaces.Of(SegmentLabel{1000}).vertices, 0);
+  EXPECT_NE(surfaces.AmountOf(SegmentLabel{1}).version, version);
+  EXPECT_EQ(surfaces.AmountOf(SegmentLabel{1000}).vertices, 0);
 }
 
 }  // namespace

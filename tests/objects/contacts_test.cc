@@ -19,7 +19,7 @@ struct Point {
   SegmentLabel segment = kFloor;
 };
 
-/// A sheet over the floor; everything but the floor and the rug belongs to the table.
+/// A sheet of floor. All segments except the floor and the rug belong to the table.
 Mesh Sheet(const std::function<Point(int, int)>& point, int side = kSide) {
   Mesh mesh;
   for (int v = 0; v < side; ++v) {
@@ -43,7 +43,7 @@ Mesh Sheet(const std::function<Point(int, int)>& point, int side = kSide) {
   return mesh;
 }
 
-/// How far a vertex is from the middle, as squares go around it.
+/// The distance of a vertex from the middle in the maximum norm [vertices].
 int Ring(int u, int v) { return std::max(std::abs(u - kSide / 2), std::abs(v - kSide / 2)); }
 
 /// A leg of 9 x 9 vertices: its outermost ring is at the given height, the rest above.
@@ -84,7 +84,7 @@ TEST(AbsorbContacts, LeavesTheRimOfWhatIsFlat) {
 }
 
 TEST(AbsorbContacts, AnInstanceStandsAsAWhole) {
-  constexpr SegmentLabel kCastor{4};  // less than 10 cm high, but of the table
+  constexpr SegmentLabel kCastor{4};  // less than 10 cm high, but part of the table
   Mesh mesh = Sheet([](int u, int v) {
     if (Ring(u, v) > 4) return Point{};
     return Point{Ring(u, v) == 4 ? 0.005F : 0.3F, Ring(u, v) < 3 ? kLeg : kCastor};
@@ -118,7 +118,7 @@ TEST(AbsorbContacts, SmallOrRoughSurfacesAreNoStructure) {
 TEST(AbsorbContacts, InstancesAreNoStructure) {
   Mesh mesh = Sheet([](int u, int v) { return WithLeg(u, v, 0.005F); });
   for (MeshVertex& vertex : mesh.vertices) {
-    if (vertex.segment == kFloor) vertex.instance = InstanceId{8};  // a bed, say
+    if (vertex.segment == kFloor) vertex.instance = InstanceId{8};  // such as a bed
   }
   AbsorbContacts(kDistance, &mesh);
   EXPECT_EQ(Count(mesh, kLeg), 81);

@@ -92,7 +92,7 @@ TEST(AbsorbIslands, LeavesWhatIsLargeForItsObjectOrLargeAtAll) {
 }
 
 TEST(AbsorbIslands, LeavesWhatStandsOnASurface) {
-  // The end of a leg: as wide as the shred, but its surface faces sideways.
+  // The end of a leg is as wide as the island, but its surface faces sideways.
   Mesh mesh = WallWith([](int u, int v) { return InDisc(u, v, 4) ? kOnChair : kOnWall; });
   for (size_t i = 0; i < 60 * 60; ++i) {
     if (mesh.vertices[i].segment != kChair) continue;
@@ -122,7 +122,7 @@ TEST(AbsorbIslands, LeavesWhatLiesBetweenOthers) {
 }
 
 TEST(AbsorbIslands, LeavesNothingOfWhatIsAllShreds) {
-  // Rough, as noise is: what has a body must be flush, what has none need not be.
+  // The normals vary as with noise. An island must be flush only if its owner has a larger piece.
   std::mt19937 random(3);
   std::normal_distribution<float> noise(0, 1);
   const auto shreds = [](int u, int v) { return u % 10 < 3 && v % 10 < 3 ? kOnChair : kOnWall; };
@@ -145,7 +145,7 @@ TEST(AbsorbIslands, LeavesUnlabelledSurfaceAlone) {
 }
 
 TEST(AbsorbIslands, TakesTheMainSegmentOfAnInstance) {
-  // A chair of two segments has a shred of the wall's in it.
+  // A chair of two segments has an island of the wall's in it.
   const SegmentLabel seat{4};
   Mesh mesh;
   AddSquare(

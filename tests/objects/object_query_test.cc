@@ -67,12 +67,12 @@ TEST(ObjectQuery, SaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf("id=99"), HasSubstr("no object with id 99; its instances are 1, 4, 6"));
   EXPECT_THAT(ErrorOf("id=s99"), HasSubstr("no object with id s99"));
   for (const std::string id : {"", "0", "-1", "x", "s", "7 ", "4294967296"})
-    EXPECT_THAT(ErrorOf("id=" + id), HasSubstr("'" + id + "' is no id"));
+    EXPECT_THAT(ErrorOf("id=" + id), HasSubstr("'" + id + "' is not the id"));
   EXPECT_THAT(ErrorOf("class=chairs"), HasSubstr("'chairs' is neither a COCO class"));
   for (const std::string region :
        {"", "1", "0,0,0,1,1", "0,0,0,1,1,1,1", "0,0,0,1,1,x", "0,0,0,1,1,nan", "0,0,2,1,1,1"})
-    EXPECT_THAT(ErrorOf("region=" + region), HasSubstr("'" + region + "' is no region"));
-  EXPECT_THAT(ErrorOf("colour=red"), HasSubstr("unknown filter of objects 'colour=red'"));
+    EXPECT_THAT(ErrorOf("region=" + region), HasSubstr("'" + region + "' is not a region"));
+  EXPECT_THAT(ErrorOf("colour=red"), HasSubstr("unknown condition for objects 'colour=red'"));
 }
 
 TEST(ObjectQuery, ItsTextIsReadBack) {

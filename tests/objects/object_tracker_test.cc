@@ -17,7 +17,7 @@ namespace {
 using testing::LookAtWall;
 using testing_support::MeshBlocks;
 
-/// Blocks where a label has votes, by a look at all of them.
+/// The blocks in which a label has votes, found by checking all blocks.
 class AllPlaces {
  public:
   explicit AllPlaces(const SemanticMap& map) {
@@ -38,7 +38,7 @@ class AllPlaces {
   std::map<SegmentLabel, std::vector<BlockIndex>> places_;
 };
 
-/// All surfaces of a map, made anew.
+/// The surfaces of all blocks of a map.
 BlockSurfaces Surfaces(const SemanticMap& map) {
   BlockSurfaces surfaces;
   for (const BlockMesh& block : MeshBlocks(map, map.voxels.SortedIndices(), ShowLabels(map.labels)))
@@ -46,14 +46,15 @@ BlockSurfaces Surfaces(const SemanticMap& map) {
   return surfaces;
 }
 
-/// Boxes around all points: a share of them would end where few points decide.
+/// Options whose boxes contain all points, because outliers would depend on a few points.
 ObjectOptions WholeBoxes() {
   ObjectOptions options;
   options.box_outliers = 0;
   return options;
 }
 
-/// The objects of the map's whole mesh, as blocks show it: only whole meshes give rims away.
+/// The objects of the mesh of the whole map. Contacts are off, because block meshes do not have
+/// them.
 std::vector<ObjectSummary> WholeObjects(const SemanticMap& map, const ObjectOptions& options) {
   MeshingOptions meshing;
   meshing.contact_voxels = 0;
@@ -67,13 +68,13 @@ void ExpectSame(const std::vector<ObjectSummary>& a, const std::vector<ObjectSum
     EXPECT_EQ(a[i].segments, b[i].segments);
     EXPECT_EQ(a[i].class_id, b[i].class_id);
     EXPECT_EQ(a[i].state, b[i].state);
-    // Vertices at the rim of what was seen, on the edge between two blocks, may be nobody's.
+    // Vertices at the border of the observed space, on the face between two blocks, may be missing.
     EXPECT_NEAR(static_cast<double>(a[i].points), static_cast<double>(b[i].points),
                 0.02 * static_cast<double>(b[i].points));
     EXPECT_NEAR(a[i].score, b[i].score, 1e-2);
     EXPECT_NEAR(a[i].area, b[i].area, 1e-7);
     EXPECT_EQ(a[i].is_structure(), b[i].is_structure());
-    // Boxes are fitted to an even pick of the points: a strip that few points connect may be left
+    // Boxes are fitted to a sample of the points, so a strip with a thin connection may be left
     // out.
     EXPECT_LT((a[i].box.size - b[i].box.size).cwiseAbs().maxCoeff(), 0.11);
     EXPECT_LT((a[i].box.center_W - b[i].box.center_W).norm(), 0.11);
@@ -96,7 +97,7 @@ TEST(ObjectTracker, FollowsAGrowingMap) {
   }
 }
 
-/// A plate before a wall that fills most of the view, as an object of its own.
+/// A frame of a plate that covers most of a wall and has its own segment.
 SegmentedFrame PlateBeforeWall(int u_end) {
   SegmentedFrame frame = LookAtWall(2.0);
   testing::SplitAtColumn(u_end, frame);
@@ -118,7 +119,7 @@ TEST(ObjectTracker, SeesThatSomethingWasRemovedLargeOrSmall) {
       const auto objects = tracker.Summarize(map, Surfaces(map), AllPlaces(map), ObjectOptions{});
       const auto all = SummarizeObjects(map, ObjectOptions{});
       ASSERT_EQ(objects.size(), all.size());
-      for (size_t j = 0; j < all.size(); ++j) {  // surfaces of large ones lag
+      for (size_t j = 0; j < all.size(); ++j) {  // boxes of large objects may be older
         EXPECT_EQ(objects[j].segments, all[j].segments);
         EXPECT_EQ(objects[j].state, all[j].state);
       }

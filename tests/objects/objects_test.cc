@@ -86,7 +86,7 @@ TEST(SummarizeObjects, OnlyTheFloorIsStructure) {
 TEST(SummarizeObjects, StrayPiecesDoNotBlowUpTheBox) {
   SemanticMap map = AnalyticRoom();
   Mesh mesh = ExtractMesh(map);
-  // A mask that spilled onto something far behind.
+  // A mask reached surface far behind the object.
   for (int i = 0; i < 30; ++i) {
     MeshVertex stray;
     stray.position_W = Eigen::Vector3f(4, 4, 0.01F * static_cast<float>(i));
@@ -161,7 +161,8 @@ TEST(SummarizeObjects, WhatFewFramesSawIsNoThingUnlessADetectorNamedIt) {
   EXPECT_EQ(SummarizeObjects(map).size(), 2u) << "nor was what is gone";
 }
 
-/// A discovered segment of so much surface, spread evenly over a rectangle along x and y [m].
+/// A discovered segment with this area [m^2], evenly spread over a rectangle with sides x and y
+/// [m].
 ObjectSummary Spread(double x, double y, double area) {
   ObjectSummary object;
   object.segments = {kBall};
@@ -171,7 +172,7 @@ ObjectSummary Spread(double x, double y, double area) {
   return object;
 }
 
-TEST(LeaveOutScraps, LeavesThingsOfSomeSizeThatAreInOnePiece) {
+TEST(EraseInsignificant, LeavesThingsOfSomeSizeThatAreInOnePiece) {
   std::vector<ObjectSummary> objects{
       Spread(0.2, 0.1, 0.02),    // a plate
       Spread(0.1, 0.1, 0.05),    // a body
@@ -181,7 +182,7 @@ TEST(LeaveOutScraps, LeavesThingsOfSomeSizeThatAreInOnePiece) {
   };
   objects.push_back(objects.back());
   objects.back().structure = StructureKind::kWall;
-  LeaveOutScraps({}, &objects);
+  EraseInsignificant({}, &objects);
   ASSERT_EQ(objects.size(), 4u);
   EXPECT_EQ(objects[0].area, 0.02);
   EXPECT_EQ(objects[1].area, 0.05);
@@ -190,10 +191,10 @@ TEST(LeaveOutScraps, LeavesThingsOfSomeSizeThatAreInOnePiece) {
   EXPECT_TRUE(objects[3].is_structure());
 }
 
-TEST(LeaveOutScraps, LimitsAreOptions) {
+TEST(EraseInsignificant, LimitsAreOptions) {
   const auto left = [](const ObjectOptions& options) {
     std::vector<ObjectSummary> objects{Spread(0.05, 0.1, 0.005), Spread(1.2, 0.5, 0.03)};
-    LeaveOutScraps(options, &objects);
+    EraseInsignificant(options, &objects);
     return objects.size();
   };
   EXPECT_EQ(left({}), 0u);

@@ -10,13 +10,13 @@ using testing::ElementsAre;
 constexpr InstanceId kThing{3};
 constexpr ClassId kPlant{64};
 
-/// A table in which every label was looked at by a detector in so many frames, and taken for the
-/// thing with so much evidence.
-struct Looked {
+/// How often a label was observed with a detector, and its evidence for the instance kThing.
+struct Observed {
   uint32_t frames = 0;
   float evidence = 0;
 };
-LabelTable TableOf(const std::vector<Looked>& labels) {
+/// A table with these labels.
+LabelTable TableOf(const std::vector<Observed>& labels) {
   LabelTable table;
   table.GrowInstances(InstanceId{Raw(kThing) + 1});
   table.GrowLabels(static_cast<SegmentLabel>(labels.size() + 1));
@@ -29,7 +29,7 @@ LabelTable TableOf(const std::vector<Looked>& labels) {
   return table;
 }
 
-bool IsNamed(const std::vector<Looked>& labels) {
+bool IsNamed(const std::vector<Observed>& labels) {
   const LabelReadOut read_out = ReadLabels(TableOf(labels));
   const bool named = read_out.instances.contains(kThing);
   for (size_t l = 1; l <= labels.size(); ++l) {

@@ -53,7 +53,7 @@ struct Measured {
   std::vector<SurfacePlane> planes;
   std::vector<SurfaceSpread> spreads;
 };
-/// Of pieces with a point per square centimetre.
+/// Planes and spreads of pieces with one point per square centimetre.
 Measured Measure(const std::vector<std::vector<Eigen::Vector3f>>& pieces,
                  const StructureOptions& options) {
   Measured measured;
@@ -65,7 +65,7 @@ Measured Measure(const std::vector<std::vector<Eigen::Vector3f>>& pieces,
   return measured;
 }
 
-/// Pieces, the first of which is structure, and what becomes of the others.
+/// The kinds of all pieces after NameFlushPieces. The first piece is structure.
 std::vector<StructureKind> NameBeside(StructureKind first,
                                       const std::vector<std::vector<Eigen::Vector3f>>& pieces,
                                       const StructureOptions& options = {}) {
@@ -122,7 +122,7 @@ TEST(NameFlushPieces, TheClosestPlaneDecidesWhateverTheOrder) {
   }
 }
 
-/// The kinds of pieces of surface, up being z.
+/// The kinds of pieces after JoinFlushAreas. z is up.
 std::vector<StructureKind> NameJoined(const std::vector<std::vector<Eigen::Vector3f>>& pieces,
                                       const StructureOptions& options = {}) {
   auto [planes, spreads] = Measure(pieces, options);

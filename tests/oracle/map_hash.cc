@@ -1,6 +1,5 @@
-// Prints the hashes of the map of a few frames and of its mesh, and which code the kernels of this
-// executable are. Built several times with the kernels compiled for one SIMD level each, see
-// CMakeLists.txt.
+// Prints the hashes of the map of a few frames and of its mesh, and the SIMD level of the kernels
+// in this executable. It is built several times, for one SIMD level each, see CMakeLists.txt.
 #include <cinttypes>
 #include <cstdio>
 #include <exception>
@@ -14,7 +13,7 @@ namespace {
 
 using namespace vismap;
 
-/// What the dynamic linker chooses among the clones of a kernel on this machine.
+/// The SIMD level that the dynamic linker chooses among the clones of a kernel on this machine.
 const char* BestLevel() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("x86-64-v4")) return "x86-64-v4";

@@ -1,4 +1,4 @@
-// A mesh that follows the changes of a map equals one that is made anew.
+// A mesh that is updated with the changes of a map equals a new mesh of the whole map.
 #include <gtest/gtest.h>
 
 #include "support/followed_mesh.h"

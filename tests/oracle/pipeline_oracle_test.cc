@@ -1,5 +1,5 @@
-// The whole pipeline against the naive one and against itself with other numbers of threads, on the
-// built-in room and on recorded sequences.
+// Compares the whole pipeline with the naive one, and with itself for other numbers of threads, on
+// the built-in room and on recorded sequences.
 #include <gtest/gtest.h>
 
 #include "base/parallel.h"

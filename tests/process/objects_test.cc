@@ -105,13 +105,13 @@ TEST(ObjectsCommand, SaysWhatIsWrong) {
   EXPECT_THAT(id.error, HasSubstr("no object with id 999; its instances are 1, "));
   const Ran word = MapTool({"objects", map, "--id", "first"});
   EXPECT_EQ(word.exit_code, 2);
-  EXPECT_THAT(word.error, HasSubstr("'first' is no id of an object"));
+  EXPECT_THAT(word.error, HasSubstr("'first' is not the id of an object"));
   const Ran name = MapTool({"objects", map, "--class", "chairs"});
   EXPECT_EQ(name.exit_code, 2);
   EXPECT_THAT(name.error, HasSubstr("'chairs' is neither a COCO class"));
   const Ran region = MapTool({"objects", map, "--region", "1,2,3"});
   EXPECT_EQ(region.exit_code, 2);
-  EXPECT_THAT(region.error, HasSubstr("'1,2,3' is no region"));
+  EXPECT_THAT(region.error, HasSubstr("'1,2,3' is not a region"));
   EXPECT_EQ(Objects({"--class", "zebra"}).at("objects").size(), 0u);
 }
 

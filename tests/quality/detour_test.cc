@@ -8,16 +8,16 @@ namespace vismap {
 namespace {
 
 using testing::Continue;
-using testing::LookUp;
+using testing::FindInMesh;
 using testing::Mapped;
 using testing::Seen;
 
-/// The objects of a kind, as the map has them.
+/// How the mesh shows the objects of a kind, by name and id.
 std::map<std::string, Seen> SeenObjects(const Scene& scene, ObjectKind kind, const Mesh& mesh) {
   std::map<std::string, Seen> objects;
   for (const SceneObject& object : scene.objects) {
     if (object.kind != kind) continue;
-    const Seen seen = LookUp(scene, object.id, mesh);
+    const Seen seen = FindInMesh(scene, object.id, mesh);
     if (seen.vertices > 100 && seen.share > 0.5)
       objects[object.name + " " + std::to_string(object.id)] = seen;
   }
@@ -26,8 +26,8 @@ std::map<std::string, Seen> SeenObjects(const Scene& scene, ObjectKind kind, con
 
 class Detour : public ::testing::TestWithParam<const char*> {};
 
-// The camera walks round the room and sees every thing again after 80 frames, from other sides in
-// between, with other errors each time.
+// The camera makes several tours of the room. It sees every object again after 80 frames, with
+// other errors each time.
 TEST_P(Detour, ObjectsAreFoundAgainWithTheirIds) {
   const Scene room = MakeRoom();
   Mapped mapped;

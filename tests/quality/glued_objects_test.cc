@@ -1,4 +1,4 @@
-// Bad masks of the first frames glue two things together; later good ones separate them again.
+// Bad masks of the first frames join two objects; later, good masks separate them again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,13 +13,13 @@ namespace {
 
 using testing::ChangedDetections;
 using testing::Continue;
-using testing::LookUp;
+using testing::FindInMesh;
 using testing::Mapped;
 using testing::Seen;
 
 constexpr char kRoom[] = "synthetic:room?frames=40&width=320&tours=2";
 
-/// For the first frames, one mask over all detections of a class.
+/// In the first frames, replaces all detections of a class by one detection with all their pixels.
 ChangedDetections::Change GlueClass(ClassId class_id, int64_t frames) {
   return [=](const FrameHeader& header, DetectionSet* set) {
     if (header.frame_number > frames) return;
@@ -46,13 +46,13 @@ TEST(GluedObjects, OfOneTourOfBadMasksAreTwoObjectsAfterALaterOneOfGoodMasks) {
   const ChangedDetections bad(kRoom, GlueClass(kChairs, 40));
   Mapped mapped;
   Continue(kRoom, &bad, 40, &mapped);
-  const Seen glued = LookUp(room, kChair, mapped.products.mesh);
-  EXPECT_EQ(LookUp(room, kOtherChair, mapped.products.mesh).instance, glued.instance)
+  const Seen glued = FindInMesh(room, kChair, mapped.products.mesh);
+  EXPECT_EQ(FindInMesh(room, kOtherChair, mapped.products.mesh).instance, glued.instance)
       << "40 bad frames do glue them";
 
   Continue(kRoom, &bad, 60, &mapped);
-  const Seen a = LookUp(room, kChair, mapped.products.mesh);
-  const Seen b = LookUp(room, kOtherChair, mapped.products.mesh);
+  const Seen a = FindInMesh(room, kChair, mapped.products.mesh);
+  const Seen b = FindInMesh(room, kOtherChair, mapped.products.mesh);
   EXPECT_NE(a.instance, b.instance);
   EXPECT_TRUE(a.instance == glued.instance || b.instance == glued.instance) << "one keeps the id";
   for (const Seen& chair : {a, b}) {
@@ -61,8 +61,8 @@ TEST(GluedObjects, OfOneTourOfBadMasksAreTwoObjectsAfterALaterOneOfGoodMasks) {
   }
 
   Continue(kRoom, &bad, 80, &mapped);
-  EXPECT_EQ(LookUp(room, kChair, mapped.products.mesh).instance, a.instance) << "ids stay";
-  EXPECT_EQ(LookUp(room, kOtherChair, mapped.products.mesh).instance, b.instance);
+  EXPECT_EQ(FindInMesh(room, kChair, mapped.products.mesh).instance, a.instance) << "ids stay";
+  EXPECT_EQ(FindInMesh(room, kOtherChair, mapped.products.mesh).instance, b.instance);
 }
 
 size_t Named(const Mapped& mapped) {
@@ -70,7 +70,8 @@ size_t Named(const Mapped& mapped) {
       mapped.products.objects, [](const ObjectSummary& object) { return !object.discovered(); }));
 }
 
-/// Adds to every detection a second one with another box: the upper or the lower part, with a rim.
+/// Adds to every detection a second one with two thirds of its mask, without the upper or lower
+/// part.
 void DetectTwice(const FrameHeader& header, DetectionSet* set) {
   const std::vector<Detection> once = set->detections;
   for (size_t i = 0; i < once.size(); ++i) {
@@ -95,8 +96,8 @@ TEST(GluedObjects, SeveralDetectionsOfOneThingAreOneObject) {
   std::set<InstanceId> ids;
   for (const SceneObject& object : room.objects) {
     if (object.kind != ObjectKind::kKnown) continue;
-    const Seen seen = LookUp(room, object.id, mapped.products.mesh);
-    const Seen usual = LookUp(room, object.id, plain.products.mesh);
+    const Seen seen = FindInMesh(room, object.id, mapped.products.mesh);
+    const Seen usual = FindInMesh(room, object.id, plain.products.mesh);
     EXPECT_EQ(seen.class_id, usual.class_id) << object.name;
     EXPECT_GT(seen.share, usual.share - 0.1) << object.name;
     EXPECT_TRUE(ids.insert(seen.instance).second) << object.name;

@@ -16,7 +16,7 @@
 
 namespace vismap::testing {
 
-/// A map at 2 cm and what users see of it.
+/// A map with voxels of 2 cm, its mesh and its objects.
 struct Mapped {
   MapSession session = MapSession(Options(), MapMetadata());
   MapProducts products;
@@ -28,8 +28,8 @@ struct Mapped {
   }
 };
 
-/// Takes some frames of a computed sequence into the map, and looks at it. `detections` = nullptr:
-/// those of the sequence.
+/// Maps `frames` frames of a computed sequence, and computes mesh and objects. `detections` =
+/// nullptr: those of the sequence.
 inline void Continue(const std::string& name, const DetectionSource* detections, size_t frames,
                      Mapped* mapped) {
   const auto dataset = OpenSequence(name, "", {});
@@ -49,17 +49,19 @@ inline Mapped MapAll(const std::string& name, const DetectionSource* detections 
   return mapped;
 }
 
-/// The instance or, without one, the discovered segment that most of the vertices on an object's
-/// surface belong to (within 2 cm of it, farther than 4 cm from all others), and their share.
+/// How a mesh shows one true object: the instance, or the segment without an instance, of most
+/// vertices on the object's surface, and their share. These vertices are within 2 cm of the object
+/// and farther than 4 cm from all others.
 struct Seen {
   InstanceId instance = InstanceId::kNone;
-  SegmentLabel segment = SegmentLabel::kNone;  ///< of discovered ones
+  SegmentLabel segment = SegmentLabel::kNone;  ///< set only without an instance
   ClassId class_id = ClassId::kUnknown;
   int vertices = 0;
   double share = 0;
 };
 
-inline Seen LookUp(const Scene& scene, uint16_t id, const Mesh& mesh) {
+/// Finds the object with this id in a mesh.
+inline Seen FindInMesh(const Scene& scene, uint16_t id, const Mesh& mesh) {
   Scene others = scene;
   std::erase_if(others.objects, [&](const SceneObject& o) { return o.id == id; });
   const SceneObject& object = *FindObject(scene, id);
@@ -87,7 +89,7 @@ inline Seen LookUp(const Scene& scene, uint16_t id, const Mesh& mesh) {
   return seen;
 }
 
-/// Detections of a sequence, changed frame by frame.
+/// The detections of a sequence, changed by a function in every frame.
 class ChangedDetections : public DetectionSource {
  public:
   using Change = std::function<void(const FrameHeader&, DetectionSet*)>;
@@ -99,7 +101,7 @@ class ChangedDetections : public DetectionSource {
     if (set) change_(header, &*set);
     return set;
   }
-  bool LookedAt(const FrameHeader& header) const override { return own_->LookedAt(header); }
+  bool DetectorRan(const FrameHeader& header) const override { return own_->DetectorRan(header); }
   int64_t size() const override { return -1; }
 
  private:

@@ -1,4 +1,4 @@
-// Ids of objects are the same after a map was saved, loaded and continued.
+// The ids of objects do not change if a map is saved, loaded and continued.
 #include <gtest/gtest.h>
 
 #include "exports/outputs.h"
@@ -12,7 +12,7 @@ namespace {
 constexpr char kRoom[] = "synthetic:room?frames=16&width=160&tours=2&remove=8@17";
 const MapSessionOptions kOptions{VoxelGridOptions{0.02, 4.0}, {}, {}};
 
-void Take(int frames, MapSession* session) {
+void MapFrames(int frames, MapSession* session) {
   DatasetOptions selection;
   selection.max_frames = frames;
   const auto dataset = OpenSequence(kRoom, "", selection);
@@ -31,10 +31,10 @@ std::string Objects(const MapSession& session) {
 TEST(ObjectIds, SurviveSavingLoadingAndContinuing) {
   const TempFolder folder;
   MapSession whole(kOptions, {});
-  Take(32, &whole);
+  MapFrames(32, &whole);
   for (const int half : {8, 20}) {  // before and after something was removed
     MapSession session(kOptions, {});
-    Take(half, &session);
+    MapFrames(half, &session);
     const std::string before = Objects(session);
     ASSERT_TRUE(SaveMap(session.map(), session.metadata(), folder / "half.vismap"));
     Result<LoadedMap> loaded = LoadMap(folder / "half.vismap");
@@ -42,7 +42,7 @@ TEST(ObjectIds, SurviveSavingLoadingAndContinuing) {
     Result<MapSession> continued = MapSession::Continue(kOptions, std::move(*loaded));
     ASSERT_TRUE(continued) << continued.error().message;
     EXPECT_EQ(Objects(*continued), before);
-    Take(32, &*continued);
+    MapFrames(32, &*continued);
     EXPECT_EQ(Objects(*continued), Objects(whole));
     EXPECT_EQ(HashMap(continued->map()), HashMap(whole.map()));
   }

@@ -130,7 +130,7 @@ TEST(RemovedObject, MovedByAMetreIsGoneFromItsOldPlaceAndStandsAtTheNewOne) {
   EXPECT_GT(OccupiedCellsOn(after, last, occupancy), 0.5 * cells);
 
   const testing::Seen seen =
-      testing::LookUp(SceneInFrame(scene, 160), after.id, mapped.products.mesh);
+      testing::FindInMesh(SceneInFrame(scene, 160), after.id, mapped.products.mesh);
   EXPECT_EQ(seen.class_id, before.class_id);
   EXPECT_GT(seen.share, 0.5);
   EXPECT_GT(seen.vertices, 0.5 * vertices);

@@ -43,7 +43,7 @@ DepthNoise CleanDepthNoise() {
 
 struct Sensor {
   std::string name;
-  std::string config;  ///< of the preset that is made for it
+  std::string config;  ///< text of the preset for this sensor
   DepthNoise noise;
 };
 

@@ -7,7 +7,7 @@
 namespace vismap {
 namespace {
 
-using testing::LookUp;
+using testing::FindInMesh;
 using testing::Mapped;
 using testing::Seen;
 
@@ -18,12 +18,12 @@ TEST(SlowDetector, KnownObjectsHaveTheirClassesThoughOneFrameInThirtyHasMasks) {
   const Mapped fast = testing::MapAll("synthetic:room?frames=300&width=320&rate=30");
   int known = 0, found = 0;
   for (const SceneObject& object : room.objects) {
-    const Seen seen = LookUp(room, object.id, slow.products.mesh);
+    const Seen seen = FindInMesh(room, object.id, slow.products.mesh);
     if (object.kind != ObjectKind::kKnown) {
       EXPECT_EQ(seen.class_id, ClassId::kUnknown) << object.name;
       continue;
     }
-    const Seen best = LookUp(room, object.id, fast.products.mesh);
+    const Seen best = FindInMesh(room, object.id, fast.products.mesh);
     if (best.class_id != object.class_id || best.share < 0.5) continue;
     ++known;
     if (seen.class_id == object.class_id && seen.share > 0.5) ++found;

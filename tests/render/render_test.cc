@@ -57,7 +57,7 @@ SemanticMap Room() {
 
 std::string Name(ClassId id) { return id == kDiningTable ? "dining table" : ""; }
 
-// Where a picture is kept for people to look at, if they say so.
+// Saves a picture if the environment variable VISMAP_PICTURES names a folder.
 void Keep(const Image<Rgb8>& image, const std::string& name) {
   if (const char* folder = std::getenv("VISMAP_PICTURES")) {
     EXPECT_TRUE(WritePng(std::filesystem::path(folder) / name, image));

@@ -53,7 +53,7 @@ TEST(Disturbances, ByDefaultAreThoseOfBefore) {
   const Sequence plain = Open("&frames=8");
   EXPECT_TRUE(SameSequence(plain, Open("&frames=8&detection_rate=0.9&class_confusion=0&mask_noise=2"
                                        "&detect_every=1&pose_noise=0&depth_noise=1")));
-  // as drawn before there were such parameters
+  // The values from before these parameters existed.
   const std::vector<size_t> expected{5, 7, 9};
   for (size_t i = 0; i < expected.size(); ++i)
     EXPECT_EQ(plain.DetectionsOf(i).detections.size(), expected[i]) << i;
@@ -210,8 +210,8 @@ TEST(DetectEvery, TheDetectorDoesNotLookAtTheFramesBetween) {
   const Sequence sequence = Open("&frames=9&detect_every=4"), all = Open("&frames=9");
   for (size_t i = 0; i < 9; ++i) {
     const FrameHeader header = sequence.Header(i);
-    EXPECT_TRUE(all.detections->LookedAt(header));
-    EXPECT_EQ(sequence.detections->LookedAt(header), i % 4 == 0);
+    EXPECT_TRUE(all.detections->DetectorRan(header));
+    EXPECT_EQ(sequence.detections->DetectorRan(header), i % 4 == 0);
     if (i % 4 == 0) {
       EXPECT_TRUE(SameDetections(sequence.DetectionsOf(i), all.DetectionsOf(i)));
     } else {

@@ -121,7 +121,7 @@ TEST(Tessellate, PointsLieOnTheSurfaceOfTheirObject) {
   }
 }
 
-// The inner area of the room's shell without its furniture is known: floor, ceiling, four walls.
+// The inner area of the room without furniture is known: floor, ceiling and four walls.
 TEST(Tessellate, CoversTheSurface) {
   Scene shell = MakeRoom();
   shell.objects.resize(6);

@@ -79,7 +79,7 @@ TEST(Office, HasAFloorOfAThousandSquareMetresAndCanBeLeftNowhere) {
   }
 }
 
-/// How deep some point of a grid over the common part of their boxes is inside of both.
+/// The largest depth inside of both objects, over a grid in the common part of their boxes [m].
 double DeepestCommonPoint(const SceneObject& a, const SceneObject& b) {
   constexpr int kSteps = 7;
   double deepest = 0;
@@ -156,7 +156,7 @@ TEST(OfficeWalk, MorePosesAreTheSameWalk) {
   }
 }
 
-/// Cubes of 16 cm with surface within 5 m.
+/// The cubes of 16 cm that contain surface within 5 m of the camera.
 std::set<std::array<int, 3>> CubesSeen(const Scene& scene, const Pose& T_W_C) {
   std::set<std::array<int, 3>> cubes;
   const Image<float> depth = Render(scene, kTiny, T_W_C).depth;
@@ -174,8 +174,8 @@ std::set<std::array<int, 3>> CubesSeen(const Scene& scene, const Pose& T_W_C) {
   return cubes;
 }
 
-// What a growing map is measured by: the beginning and the end of the walk are alike, and the end
-// is as new to the map as the beginning.
+// Tests of growing maps rely on this: the beginning and the end of the walk see about the same
+// amount of surface, and the end sees mostly new surface.
 TEST(OfficeWalk, ItsFirstAndLastTenthSeeAsMuch) {
   const Scene office = MakeOffice();
   constexpr int kPoses = 200, kTenth = kPoses / 10;

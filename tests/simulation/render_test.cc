@@ -31,7 +31,7 @@ Pose RandomPose(const Eigen::AlignedBox3d& box, Dice* dice) {
   return pose;
 }
 
-/// Solids of all kinds through each other, some of them twice.
+/// Solids of all kinds that intersect each other, some of them twice.
 Scene Heap(int count, Dice* dice) {
   Scene scene{"heap", {}};
   const Eigen::AlignedBox3d space(Vector3d::Constant(-3), Vector3d::Constant(3));
@@ -48,7 +48,7 @@ Scene Heap(int count, Dice* dice) {
   return scene;
 }
 
-/// Every ray against every shape, in the order of the scene.
+/// Casts every ray against every shape, in the order of the scene.
 void ExpectSameAsEveryShape(const Scene& scene, const Pose& T_W_C) {
   Image<double> depth(kTiny.width, kTiny.height, kNoHit);
   Image<uint16_t> ids(kTiny.width, kTiny.height);
@@ -102,7 +102,7 @@ TEST(Render, EqualsEveryRayAgainstEveryShapeInAHeap) {
   }
 }
 
-// Inlays level with a floor: the floor comes near before them, yet their pixels show them.
+// Inlays are level with a floor. The bound of the floor is nearer, but their pixels must show them.
 TEST(Render, OfEqualDepthsTheFirstInTheSceneCounts) {
   const auto slab = [](double x, double y, double half) {
     Shape shape{Shape::Kind::kBox, Pose::Identity(), {half, half, 0.5}};

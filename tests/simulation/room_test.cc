@@ -56,7 +56,7 @@ TEST(Room, ObjectsStandInItAndDoNotShareSpace) {
         const Vector3d step(k % kSteps, k / kSteps % kSteps, k / kSteps / kSteps);
         const Vector3d p_W = both.min() + (step / (kSteps - 1)).cwiseProduct(both.sizes());
         const double deep = std::max(SignedDistance(object, p_W), SignedDistance(other, p_W));
-        // the pillow sinks into the couch a little
+        // The pillow sinks into the couch a little.
         ASSERT_GT(deep, -0.012) << object.name << " and " << other.name << " at "
                                 << p_W.transpose();
       }

@@ -15,9 +15,9 @@ TEST(SeenSurface, HoldsWhatCamerasSawAndNothingElse) {
   header.T_W_C = LookAt({0, 0, 1.5}, {2.5, 0, 1.4});
   SeenSurface seen;
   seen.AddView(header, Render(room, header.camera, header.T_W_C));
-  EXPECT_TRUE(seen.Saw({2.5, 0, 1.4}));    // the wall before the camera
-  EXPECT_FALSE(seen.Saw({-2.5, 0, 1.4}));  // the one behind it
-  EXPECT_FALSE(seen.Saw({1, 0, 1.46}));    // in the air
+  EXPECT_TRUE(seen.IsSeen({2.5, 0, 1.4}));    // the wall before the camera
+  EXPECT_FALSE(seen.IsSeen({-2.5, 0, 1.4}));  // the one behind it
+  EXPECT_FALSE(seen.IsSeen({1, 0, 1.46}));    // in the air
   const LabelledMesh mesh = seen.Triangles(room, 0.05);
   EXPECT_GT(mesh.triangles.size(), 100u);
   for (const Eigen::Vector3d& p_W : mesh.points_W) EXPECT_GT(p_W.x(), 0);
@@ -25,8 +25,8 @@ TEST(SeenSurface, HoldsWhatCamerasSawAndNothingElse) {
 }
 
 TEST(SeenSurface, GrowsWithTheTour) {
-  const SeenSurface few = LookAround({.frames = 3, .width = 80});
-  const SeenSurface many = LookAround({.frames = 12, .width = 80});
+  const SeenSurface few = RenderSeenSurface({.frames = 3, .width = 80});
+  const SeenSurface many = RenderSeenSurface({.frames = 12, .width = 80});
   const Scene room = MakeRoom();
   EXPECT_GT(many.Triangles(room, 0.1).points_W.size(), few.Triangles(room, 0.1).points_W.size());
 }

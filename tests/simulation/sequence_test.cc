@@ -59,7 +59,7 @@ TEST(SyntheticPath, NamesWhatIsWrong) {
     return options ? std::string("no error") : options.error().message;
   };
   EXPECT_THAT(error_of("synthetic:kitchen"),
-              HasSubstr("unknown scene \"kitchen\"; known are room, office"));
+              HasSubstr("unknown scene \"kitchen\"; expected room or office"));
   EXPECT_THAT(error_of("synthetic:"), HasSubstr("unknown scene"));
   EXPECT_THAT(error_of("synthetic:room?frames=0"), HasSubstr("frames is \"0\""));
   EXPECT_THAT(error_of("synthetic:room?frames=ten"), HasSubstr("expected 1.."));

@@ -38,8 +38,8 @@ double EnterFromWorld(const Shape& shape, const Vector3d& origin_W, const Vector
   return EnterSolid(shape, T_O_W * origin_W, T_O_W.linear() * direction_W);
 }
 
-/// Walks along a ray by the distance to the surface: finds the first hit without knowing any
-/// formula of intersections.
+/// Finds the first hit of a ray by sphere tracing, which uses only distances to the surface and no
+/// formulas of intersections.
 double March(const Shape& shape, const Vector3d& origin_W, const Vector3d& direction_W) {
   double t = 0;
   for (int i = 0; i < 3000 && t < 20; ++i) {
@@ -61,7 +61,7 @@ TEST(Shape, RaysAndDistancesAgree) {
       const double marched = March(shape, origin, direction);
       if (t == kNoHit && marched == kNoHit) continue;
       if (t == kNoHit || marched == kNoHit) {
-        // a ray that only grazes may be either
+        // A grazing ray may hit or miss.
         double nearest = kNoHit;
         for (double s = 0; s < 6; s += 0.001) {
           nearest = std::min(nearest, SignedDistance(shape, origin + s * direction));
@@ -164,7 +164,7 @@ TEST(BoundingBox, HoldsTheShapeAndTouchesIt) {
   for (const Shape& shape : SomeShapes()) {
     const Eigen::AlignedBox3d box = BoundingBox(shape);
     for (int axis = 0; axis < 3; ++axis) {
-      // the lowest distance over the face of the box is 0: it touches, and nothing sticks out
+      // The least distance over a face of the box is 0: the shape touches the face and is inside.
       double nearest = kNoHit;
       for (int i = 0; i <= 100; ++i) {
         for (int k = 0; k <= 100; ++k) {

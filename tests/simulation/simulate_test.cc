@@ -81,7 +81,7 @@ void ExpectEqualsOneRayPerPixel(const Scene& scene, const Pose& T_W_C, int step)
           CastRay(scene, T_W_C.translation(), T_W_C.linear() * kSmall.BackProject(u, v, 1));
       ASSERT_TRUE(hit);
       ASSERT_NEAR(image.depth(v, u), hit->t, 1e-6 * hit->t) << v << " " << u;
-      // where two objects touch, rounding may choose either
+      // Where two objects touch, rounding may choose either.
       if (image.object_ids(v, u) != hit->object_id) {
         const Vector3d p_W = T_W_C * kSmall.BackProject(u, v, hit->t);
         const SceneObject* other = FindObject(scene, image.object_ids(v, u));
@@ -144,7 +144,8 @@ Spread ErrorsOfAWallAt(float z, const DepthNoise& noise) {
 TEST(DepthNoise, HasTheDeviationOfNguyen) {
   for (const float z : {0.8f, 1.3f, 2.1f, 3.3f}) {
     const double expected = 0.0012 + 0.0019 * (z - 0.4) * (z - 0.4);
-    // averaged over depths around z: the disparity step makes a single depth lucky or not
+    // The mean over depths around z, because the error at a single depth depends on the disparity
+    // step.
     Spread all;
     constexpr int kDepths = 16;
     for (int i = 0; i < kDepths; ++i) {
