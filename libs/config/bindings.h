@@ -16,39 +16,39 @@ namespace vismap::config {
 template <typename Binder>
 void BindSurface(Binder& bind, SurfaceOptions& options) {
   bind.Sensor("sensor", options.noise);  // before the fields that change it
-  bind.Value("noise_axial_base_m", options.noise.axial_base);
-  bind.Value("noise_axial_quadratic_per_m", options.noise.axial_quadratic);
-  bind.Value("noise_axial_offset_m", options.noise.axial_offset);
-  bind.Value("noise_disparity_step_per_m", options.noise.disparity_step);
-  bind.Value("noise_correlation_px", options.noise.correlation);
-  bind.Value("min_depth_m", options.min_depth);
-  bind.Value("max_depth_m", options.max_depth);
+  bind.Value("noise_axial_base_m", options.noise.axial_base_m);
+  bind.Value("noise_axial_quadratic_per_m", options.noise.axial_quadratic_per_m);
+  bind.Value("noise_axial_offset_m", options.noise.axial_offset_m);
+  bind.Value("noise_disparity_step_per_m", options.noise.disparity_step_per_m);
+  bind.Value("noise_correlation_px", options.noise.correlation_px);
+  bind.Value("min_depth_m", options.min_depth_m);
+  bind.Value("max_depth_m", options.max_depth_m);
   bind.Value("method", options.method);
   bind.Value("normal_sigma_deg", options.normal_sigma_deg);
-  bind.Value("min_radius_px", options.min_radius);
-  bind.Value("max_radius_px", options.max_radius);
+  bind.Value("min_radius_px", options.min_radius_px);
+  bind.Value("max_radius_px", options.max_radius_px);
   bind.Value("jump_sigmas", options.jump_sigmas);
   bind.Value("max_incidence_deg", options.max_incidence_deg);
-  bind.Value("window_px", options.window);
-  bind.Value("window_depth_ratio", options.window_depth);
+  bind.Value("window_px", options.window_px);
+  bind.Value("window_depth_ratio", options.window_depth_ratio);
 }
 
 template <typename Binder>
 void BindSegmentation(Binder& bind, SegmentationOptions& options) {
   bind.Value("method", options.method);
-  bind.Value("min_segment_px", options.min_segment_pixels);
+  bind.Value("min_segment_px", options.min_segment_px);
   bind.Value("concave_angle_deg", options.concave_angle_deg);
   bind.Value("concave_sigmas", options.concave_sigmas);
   bind.Value("sharp_angle_deg", options.sharp_angle_deg);
-  bind.Value("min_seed_px", options.min_seed_pixels);
+  bind.Value("min_seed_px", options.min_seed_px);
   bind.Value("coplanar_sigmas", options.coplanar_sigmas);
   bind.Value("join_angle_deg", options.join_angle_deg);
   bind.Value("depth_ratio", options.depth_ratio);
-  bind.Value("concave_tolerance_m", options.concave_tolerance);
+  bind.Value("concave_tolerance_m", options.concave_tolerance_m);
   bind.Value("concave_cosine", options.concave_cosine);
-  bind.Value("convexity_window_px", options.convexity_window);
-  bind.Value("give_back_window_px", options.give_back_window);
-  bind.Value("give_back_distance_m", options.give_back_distance);
+  bind.Value("convexity_window_px", options.convexity_window_px);
+  bind.Value("give_back_window_px", options.give_back_window_px);
+  bind.Value("give_back_distance_m", options.give_back_distance_m);
 }
 
 template <typename Binder>
@@ -64,10 +64,10 @@ void BindRefine(Binder& bind, RefineOptions& options) {
   bind.Value("split", options.split);
   bind.Value("split_min_score", options.split_min_score);
   bind.Value("split_min_mask_part", options.split_min_mask_part);
-  bind.Value("split_min_px", options.split_min_pixels);
-  bind.Value("split_min_rest_px", options.split_min_rest_pixels);
+  bind.Value("split_min_px", options.split_min_px);
+  bind.Value("split_min_rest_px", options.split_min_rest_px);
   bind.Classes("leave_out_classes", options.leave_out_classes);
-  bind.Value("leave_out_margin_px", options.leave_out_margin);
+  bind.Value("leave_out_margin_px", options.leave_out_margin_px);
 }
 
 template <typename Binder>
@@ -80,9 +80,9 @@ void BindAssociation(Binder& bind, AssociationOptions& options) {
 
 template <typename Binder>
 void BindIntegration(Binder& bind, IntegrationOptions& options) {
-  bind.Value("min_range_m", options.min_range);
-  bind.Value("max_range_m", options.max_range);
-  bind.Value("free_space_range_m", options.free_space_range);
+  bind.Value("min_range_m", options.min_range_m);
+  bind.Value("max_range_m", options.max_range_m);
+  bind.Value("free_space_range_m", options.free_space_range_m);
   bind.Value("free_space", options.free_space);
   bind.Value("max_weight", options.max_weight);
   bind.Value("max_unpacked_blocks", options.max_unpacked_blocks);
@@ -106,7 +106,7 @@ void BindMeshing(Binder& bind, MeshingOptions& options) {
   bind.Value("jump_fraction", options.jump_fraction);
   bind.Value("min_component_triangles", options.min_component_triangles);
   bind.Value("island_max_share", options.island_max_share);
-  bind.Value("island_max_area_m2", options.island_max_area);
+  bind.Value("island_max_area_m2", options.island_max_area_m2);
   bind.Value("contact_voxels", options.contact_voxels);
 }
 
@@ -117,25 +117,25 @@ void BindObjects(Binder& bind, VismapConfig& config) {
   bind.Value("min_instance_points", options.min_instance_points);
   bind.Value("min_discovered_points", options.min_discovered_points);
   bind.Value("min_discovered_frames", options.min_discovered_frames);
-  bind.Value("min_discovered_area_m2", options.min_discovered_area);
+  bind.Value("min_discovered_area_m2", options.min_discovered_area_m2);
   bind.Value("min_discovered_fill", options.min_discovered_fill);
   bind.Value("removed_max_rest", options.removed_max_rest);
   bind.Value("removed_max_count", options.removed_max_count);
-  bind.Value("removed_max_age_s", options.removed_max_age);
+  bind.Value("removed_max_age_s", options.removed_max_age_s);
   bind.Value("box_outliers", options.box_outliers);
-  bind.Value("part_gap_m", options.part_gap);
+  bind.Value("part_gap_m", options.part_gap_m);
   bind.Value("min_part_share", options.min_part_share);
-  bind.Value("structure_flatness_m", options.structure.flatness);
-  bind.Value("structure_share", options.structure.share);
-  bind.Value("structure_area_m2", options.structure.area);
+  bind.Value("structure_flatness_m", options.structure.structure_flatness_m);
+  bind.Value("structure_share", options.structure.structure_share);
+  bind.Value("structure_area_m2", options.structure.structure_area_m2);
   bind.Value("table_share", options.structure.table_share);
-  bind.Value("table_area_m2", options.structure.table_area);
-  bind.Value("table_low_m", options.structure.table_low);
-  bind.Value("table_high_m", options.structure.table_high);
-  bind.Value("ceiling_low_m", options.structure.ceiling_low);
+  bind.Value("table_area_m2", options.structure.table_area_m2);
+  bind.Value("table_low_m", options.structure.table_low_m);
+  bind.Value("table_high_m", options.structure.table_high_m);
+  bind.Value("ceiling_low_m", options.structure.ceiling_low_m);
   bind.Value("max_tilt_deg", options.structure.max_tilt_deg);
   bind.Value("flush_roughness", options.structure.flush_roughness);
-  bind.Value("flush_gap_m", options.structure.flush_gap);
+  bind.Value("flush_gap_m", options.structure.flush_gap_m);
 }
 
 template <typename Binder>
@@ -148,7 +148,7 @@ void BindFreeSpace(Binder& bind, OccupancyOptions& options) {
 template <typename Binder>
 void BindDepthSegmenter(Binder& bind, DepthSegmenterConfig& config) {
   bind.Value("detections", config.detections);
-  bind.Value("detection_timeout_s", config.detection_timeout);
+  bind.Value("detection_timeout_s", config.detection_timeout_s);
   bind.Value("max_waiting_frames", config.max_waiting_frames);
 }
 
@@ -167,7 +167,7 @@ void BindDetector(Binder& bind, DetectorConfig& config) {
   bind.Value("model", config.dnn.model);
   bind.Value("graph", config.dnn.graph);
   bind.Value("kind", config.dnn.kind);
-  bind.Value("input_size_px", config.dnn.input_size);
+  bind.Value("input_size_px", config.dnn.input_size_px);
   bind.Value("min_score", config.dnn.min_score);
   bind.Value("nms_iou", config.dnn.nms_iou);
   bind.Value("mask_threshold", config.dnn.mask_threshold);
@@ -204,9 +204,9 @@ template <typename Binder>
 void BindMapServer(Binder& bind, MapServerConfig& config) {
   bind.Value("load", config.load);
   bind.Value("save_on_exit", config.save_on_exit);
-  bind.Value("save_period_s", config.save_period);
-  bind.Value("mesh_period_s", config.mesh_period);
-  bind.Value("objects_period_s", config.objects_period);
+  bind.Value("save_period_s", config.save_period_s);
+  bind.Value("mesh_period_s", config.mesh_period_s);
+  bind.Value("objects_period_s", config.objects_period_s);
   bind.Value("recover", config.recover);
 }
 
@@ -220,7 +220,7 @@ void BindOctomapExporter(Binder& bind, OctomapExporterConfig& config) {
 template <typename Binder>
 void BindConfig(Binder& bind, VismapConfig& config) {
   bind.Section("grid", [&](Binder& grid) {
-    grid.Value("voxel_size_m", config.grid.voxel_size);
+    grid.Value("voxel_size_m", config.grid.voxel_size_m);
     grid.Value("truncation_voxels", config.grid.truncation_voxels);
   });
   bind.Section("surface", [&](Binder& at) { BindSurface(at, config.segmentation.surface); });
@@ -233,7 +233,7 @@ void BindConfig(Binder& bind, VismapConfig& config) {
   bind.Section("objects", [&](Binder& at) { BindObjects(at, config); });
   bind.Section("free_space", [&](Binder& at) { BindFreeSpace(at, config.free_space); });
   bind.Section("octree", [&](Binder& octree) {
-    octree.Value("resolution_m", config.octree.resolution);
+    octree.Value("resolution_m", config.octree.resolution_m);
     octree.Value("free_fraction", config.octree.free_fraction);
   });
   bind.Section("depth_segmenter",

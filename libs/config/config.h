@@ -25,17 +25,17 @@ enum class WaitForDetections { kRequired, kAuto, kNone };
 
 struct DepthSegmenterConfig {
   WaitForDetections detections = WaitForDetections::kAuto;
-  double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
-  int max_waiting_frames = 64;     ///< beyond, the oldest is given up
+  double detection_timeout_s = 2.0;  ///< kAuto: patience with a detector that is alive [s]
+  int max_waiting_frames = 64;       ///< beyond, the oldest is given up
 };
 
 struct MapServerConfig {
-  std::string load;           ///< map file to continue; empty = none
-  std::string save_on_exit;   ///< map file to write when stopped; empty = none
-  double save_period = 0;     ///< and also while running [s]; 0 = do not
-  bool recover = false;       ///< go on from save_on_exit, if it is there, and keep a journal
-  double mesh_period = 1;     ///< least time between two mesh updates [s]; 0 = every frame
-  double objects_period = 1;  ///< least time between two object lists [s]; 0 = every frame
+  std::string load;             ///< map file to continue; empty = none
+  std::string save_on_exit;     ///< map file to write when stopped; empty = none
+  double save_period_s = 0;     ///< and also while running [s]; 0 = do not
+  bool recover = false;         ///< go on from save_on_exit, if it is there, and keep a journal
+  double mesh_period_s = 1;     ///< least time between two mesh updates [s]; 0 = every frame
+  double objects_period_s = 1;  ///< least time between two object lists [s]; 0 = every frame
 };
 
 struct OctomapExporterConfig {

@@ -220,8 +220,8 @@ Result<VismapConfig> ParseConfig(const std::string& text, const std::string& nam
   Reader reader(message, "", &problems);
   config::BindConfig(reader, result);
   if (!problems.empty()) return Fail(name + ": " + Joined(problems));
-  result.association.min_range = result.integration.min_range;
-  result.association.max_range = result.integration.max_range;
+  result.association.min_range_m = result.integration.min_range_m;
+  result.association.max_range_m = result.integration.max_range_m;
   result.integration.noise = result.segmentation.surface.noise;
   return result;
 }

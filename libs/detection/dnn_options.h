@@ -18,7 +18,7 @@ struct DnnDetectorOptions {
   DnnModelKind kind = DnnModelKind::kAuto;
   /// Side of the network's square input [px]; 0 = the size that the model states, or that of the
   /// image if the model accepts any size.
-  int input_size = 0;
+  int input_size_px = 0;
   double min_score = 0.25;      ///< detections below are dropped (default of Ultralytics)
   double nms_iou = 0.7;         ///< largest IoU of two boxes of a class (default of Ultralytics)
   double mask_threshold = 0.5;  ///< pixels above it are inside a mask (He 2017)

@@ -82,7 +82,7 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
 Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
                                UnknownPolicy unknown) {
   OctreeOptions octree;
-  octree.resolution = options.octree_resolution;
+  octree.resolution_m = options.octree_resolution;
   octree.free_fraction = options.octree_free_fraction;
   octree.unknown = unknown;
   return BuildOctree(ClassifyMap(map, options.occupancy), octree);

@@ -19,7 +19,7 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
                {"auto", WaitForDetections::kAuto},
                {"none", WaitForDetections::kNone}},
               "required: every frame waits for its own; auto: while a detector is alive; none");
-  line.Option("--detection-timeout", &config.detection_timeout,
+  line.Option("--detection-timeout", &config.detection_timeout_s,
               "auto: seconds that a frame waits for a detector that is alive")
       .Positive();
   arguments->threads.AddTo(line);
@@ -28,7 +28,7 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
 SegmenterOptions OptionsOf(const VismapConfig& config) {
   SegmenterOptions options;
   options.detections = config.depth_segmenter.detections;
-  options.detection_timeout = config.depth_segmenter.detection_timeout;
+  options.detection_timeout_s = config.depth_segmenter.detection_timeout_s;
   options.max_waiting = static_cast<size_t>(config.depth_segmenter.max_waiting_frames);
   options.stage = config.segmentation;
   return options;

@@ -108,7 +108,7 @@ double Segmenter::Patience() const {
     case WaitForDetections::kRequired:
       return std::numeric_limits<double>::infinity();
     case WaitForDetections::kAuto:
-      return peers_.Alive("detector") ? options_.detection_timeout : 0;
+      return peers_.Alive("detector") ? options_.detection_timeout_s : 0;
     case WaitForDetections::kNone:
       break;
   }

@@ -16,7 +16,7 @@ namespace vismap {
 
 struct SegmenterOptions {
   WaitForDetections detections = WaitForDetections::kAuto;
-  double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
+  double detection_timeout_s = 2.0;  ///< kAuto: patience with a detector that is alive [s]
   size_t max_waiting = 64;  ///< frames that wait for detections; beyond, the oldest is given up
   size_t max_cached = 32;   ///< results kept for frames that are sent again
   SegmentationStageOptions stage;

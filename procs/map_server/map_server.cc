@@ -173,12 +173,12 @@ void MapServer::PublishNowAndThen() {
     *due = end + std::max(period, 4 * (end - start));
   };
   if (mesh_.has_changes())
-    publish(config_.map_server.mesh_period, &mesh_due_, [&] { PublishMesh(); });
+    publish(config_.map_server.mesh_period_s, &mesh_due_, [&] { PublishMesh(); });
   if (objects_revision_ != map().revision) {
-    publish(config_.map_server.objects_period, &objects_due_, [&] { PublishObjectsNow(); });
+    publish(config_.map_server.objects_period_s, &objects_due_, [&] { PublishObjectsNow(); });
   }
-  if (config_.map_server.save_period > 0 && saved_revision_ != map().revision) {
-    publish(config_.map_server.save_period, &save_due_, [&] { SaveNowAndThen(); });
+  if (config_.map_server.save_period_s > 0 && saved_revision_ != map().revision) {
+    publish(config_.map_server.save_period_s, &save_due_, [&] { SaveNowAndThen(); });
   }
 }
 

@@ -125,7 +125,8 @@ Result<MapServer::Answer> MapServer::AnswerMesh(const map_request_t& request) {
 
 Result<MapServer::Answer> MapServer::AnswerOctree(const map_request_t& request) {
   OctreeOptions options;
-  options.resolution = request.resolution_m > 0 ? request.resolution_m : config_.octree.resolution;
+  options.resolution_m =
+      request.resolution_m > 0 ? request.resolution_m : config_.octree.resolution_m;
   options.free_fraction = config_.octree.free_fraction;
   options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
                                                                        : UnknownPolicy::kAbsent;

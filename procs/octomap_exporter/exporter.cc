@@ -60,7 +60,7 @@ Result<void> Exporter::BringUpToDate() {
   }
   octree_.reset();
   OctreeOptions options;
-  options.resolution = config_.octree.resolution;
+  options.resolution_m = config_.octree.resolution_m;
   options.free_fraction = config_.octree.free_fraction;
   Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), options);
   if (!builder) return tl::unexpected(builder.error());
@@ -74,8 +74,8 @@ Result<std::string> Exporter::Export() {
   const StageTimer timer(status_, "export");
   if (const Result<void> done = BringUpToDate(); !done) return tl::unexpected(done.error());
   OctreeMessage message{
-      follower_.utime(),       follower_.position().map_id, follower_.position().revision,
-      config_.grid.voxel_size, config_.free_space,          {}};
+      follower_.utime(),         follower_.position().map_id, follower_.position().revision,
+      config_.grid.voxel_size_m, config_.free_space,          {}};
   message.voxel_size = follower_.occupancy()->cell_size();
   Result<OctreeBytes> octree = octree_->Build(config_.octomap_exporter.unknown);
   if (!octree) return tl::unexpected(octree.error());

@@ -35,8 +35,12 @@ MapSessionOptions SessionOptionsOf(const VismapConfig& config) {
 }
 
 OutputOptions OutputOptionsOf(const VismapConfig& config) {
-  return {config.meshing,    config.objects,           config.up_W,
-          config.free_space, config.octree.resolution, config.octree.free_fraction};
+  return {config.meshing,
+          config.objects,
+          config.up_W,
+          config.free_space,
+          config.octree.resolution_m,
+          config.octree.free_fraction};
 }
 
 }  // namespace vismap

@@ -115,8 +115,8 @@ SemanticMap Copy(const SemanticMap& map) {
 class Bench {
  public:
   Bench(double voxel_size, double range, bool whole) : map_({voxel_size, 4}), whole_(whole) {
-    association_.max_range = range;
-    integration_.max_range = integration_.free_space_range = range;
+    association_.max_range_m = range;
+    integration_.max_range_m = integration_.free_space_range_m = range;
   }
 
   /// `compare` = the naive stages look at this frame, too.

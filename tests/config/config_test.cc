@@ -151,10 +151,10 @@ TEST(Config, PrintedTextParsesBackToTheSame) {
   EXPECT_GT(counter, 60);
   const VismapConfig again = Parsed(PrintConfig(config));
   EXPECT_EQ(PrintConfig(again), PrintConfig(config));
-  EXPECT_EQ(again.grid.voxel_size, config.grid.voxel_size);
+  EXPECT_EQ(again.grid.voxel_size_m, config.grid.voxel_size_m);
   EXPECT_EQ(again.segmentation.surface.noise, config.segmentation.surface.noise);
-  EXPECT_EQ(again.segmentation.refine.split_min_rest_pixels,
-            config.segmentation.refine.split_min_rest_pixels);
+  EXPECT_EQ(again.segmentation.refine.split_min_rest_px,
+            config.segmentation.refine.split_min_rest_px);
   EXPECT_EQ(again.up_W, config.up_W);
   EXPECT_EQ(again.map_server.save_on_exit, config.map_server.save_on_exit);
   EXPECT_NE(PrintConfig(config), PrintConfig(VismapConfig{}));
@@ -199,14 +199,14 @@ TEST(ParseConfig, EmptyTextIsTheDefault) {
 TEST(ParseConfig, SetsWhatIsSaidAndNothingElse) {
   const VismapConfig config = Parsed("grid { voxel_size_m: 0.02 } refine { split: false }");
   VismapConfig expected;
-  expected.grid.voxel_size = 0.02;
+  expected.grid.voxel_size_m = 0.02;
   expected.segmentation.refine.split = false;
   EXPECT_EQ(PrintConfig(config), PrintConfig(expected));
 }
 
 TEST(ParseConfig, SensorIsAStartThatFieldsChange) {
   DepthNoiseModel expected = RealSenseNoise();
-  expected.axial_offset = 0.5;
+  expected.axial_offset_m = 0.5;
   const VismapConfig config = Parsed("surface { noise_axial_offset_m: 0.5 sensor: REALSENSE }");
   EXPECT_EQ(config.segmentation.surface.noise, expected);
   EXPECT_EQ(Parsed("surface { sensor: CLEAN }").segmentation.surface.noise, CleanNoise());
@@ -257,8 +257,8 @@ TEST(ParseConfig, ListsOfChannels) {
 
 TEST(ParseConfig, AssociationTakesTheRangeOfTheIntegration) {
   const VismapConfig config = Parsed("integration { min_range_m: 0.4 max_range_m: 3.5 }");
-  EXPECT_EQ(config.association.min_range, 0.4);
-  EXPECT_EQ(config.association.max_range, 3.5);
+  EXPECT_EQ(config.association.min_range_m, 0.4);
+  EXPECT_EQ(config.association.max_range_m, 3.5);
   EXPECT_THAT(Validate(config), IsEmpty());
 }
 
