@@ -97,7 +97,7 @@ void Check(const OccupancyOptions& options, const VoxelGridOptions& grid, Proble
                    "free_space.min_observations must be in [1, 255]");
 }
 
-void Check(const OctreeConfig& octree, const VoxelGridOptions& grid, Problems* problems) {
+void Check(const OctreeOptions& octree, const VoxelGridOptions& grid, Problems* problems) {
   problems->Unless(InRange(octree.free_fraction, 0.01, 1),
                    "octree.free_fraction must be in [0.01, 1]");
   const Result<OctreeGrid> resolved = ChooseOctreeGrid(grid.voxel_size_m, octree.resolution_m);
@@ -108,7 +108,7 @@ void CheckPeriod(double period, const std::string& key, Problems* problems) {
   problems->Unless(InRange(period, 0, 86400), key + " must be in [0, 86400] s");
 }
 
-void Check(const BridgeConfig& bridge, Problems* problems) {
+void Check(const BridgeOptions& bridge, Problems* problems) {
   problems->Unless(InRange(bridge.queue_mb, 1, 65536), "bridge.queue_mb must be in [1, 65536]");
   for (const auto* list : {&bridge.send, &bridge.receive}) {
     problems->Unless(list->size() <= 64, "bridge: at most 64 channels in each direction");
@@ -123,7 +123,7 @@ void Check(const BridgeConfig& bridge, Problems* problems) {
   }
 }
 
-void Check(const DetectorConfig& detector, Problems* problems) {
+void Check(const DetectorOptions& detector, Problems* problems) {
   const DnnDetectorOptions& dnn = detector.dnn;
   problems->Unless(detector.camera_id >= -1, "detector.camera_id must be -1 or more");
   problems->Unless(InRange(dnn.input_size_px, 0, 4096),
@@ -141,7 +141,7 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
                    "depth_segmenter.detection_timeout_s must be in [0.01, 3600] s");
   problems->Unless(InRange(config.depth_segmenter.max_waiting_frames, 1, 10000),
                    "depth_segmenter.max_waiting_frames must be in [1, 10000]");
-  const MapServerConfig& server = config.map_server;
+  const MapServerOptions& server = config.map_server;
   CheckPeriod(server.save_period_s, "map_server.save_period_s", problems);
   CheckPeriod(server.mesh_period_s, "map_server.mesh_period_s", problems);
   CheckPeriod(server.objects_period_s, "map_server.objects_period_s", problems);
@@ -149,12 +149,12 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
                    "map_server.recover needs map_server.save_on_exit to say from where");
   problems->Unless(server.save_period_s == 0 || !server.save_on_exit.empty(),
                    "map_server.save_period_s needs map_server.save_on_exit to say where");
-  CheckPeriod(config.octomap_exporter.period, "octomap_exporter.period_s", problems);
-  const SensorReplayConfig& replay = config.sensor_replay;
+  CheckPeriod(config.octomap_exporter.period_s, "octomap_exporter.period_s", problems);
+  const SensorReplayOptions& replay = config.sensor_replay;
   problems->Unless(InRange(replay.speed, 0, 1000), "sensor_replay.speed must be in [0, 1000]");
-  problems->Unless(InRange(replay.window, 1, 1000),
+  problems->Unless(InRange(replay.window_frames, 1, 1000),
                    "sensor_replay.window_frames must be in [1, 1000]");
-  problems->Unless(InRange(replay.resend_after, 0.01, 3600),
+  problems->Unless(InRange(replay.resend_s, 0.01, 3600),
                    "sensor_replay.resend_s must be in [0.01, 3600] s");
   Check(config.detector, problems);
   problems->Unless(InRange(config.hub.queue_mb, 1, 65536), "hub.queue_mb must be in [1, 65536]");
@@ -162,7 +162,8 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
                    "hub.socket_buffer_bytes must not be negative");
   problems->Unless(InRange(config.hub.max_clients, 1, 10000),
                    "hub.max_clients must be in [1, 10000]");
-  problems->Unless(InRange(config.hub.patience, 0.1, 60), "hub.patience_s must be in [0.1, 60] s");
+  problems->Unless(InRange(config.hub.patience_s, 0.1, 60),
+                   "hub.patience_s must be in [0.1, 60] s");
   Check(config.bridge, problems);
 }
 
@@ -171,7 +172,7 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
 std::vector<std::string> Validate(const VismapConfig& config) {
   Problems problems;
   Check(config.grid, &problems);
-  problems.Add("", Validate(config.segmentation));
+  problems.Add("", Validate(static_cast<const SegmentationStageOptions&>(config)));
   problems.Add("association.", Validate(config.association));
   problems.Add("integration.", Validate(config.integration));
   problems.Unless(config.association.min_range_m == config.integration.min_range_m &&

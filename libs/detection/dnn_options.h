@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
 #include <string>
+
+#include "base/enum_names.h"
 
 namespace vismap {
 
@@ -10,6 +13,12 @@ enum class DnnModelKind {
   kYoloSeg,   ///< YOLOv5, v8 or 11 with a segmentation head
   kMaskRcnn,  ///< TensorFlow's Mask R-CNN as OpenCV runs it
 };
+
+inline constexpr auto NamesOf(DnnModelKind) {
+  return std::to_array<EnumName<DnnModelKind>>({{"BY_NAME", DnnModelKind::kAuto},
+                                                {"YOLO_SEG", DnnModelKind::kYoloSeg},
+                                                {"MASK_RCNN", DnnModelKind::kMaskRcnn}});
+}
 
 /// Which network to use, and which of its detections to keep.
 struct DnnDetectorOptions {

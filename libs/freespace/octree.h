@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "base/result.h"
 #include "freespace/occupancy_map.h"
 
@@ -20,6 +22,11 @@ enum class UnknownPolicy : uint8_t {
   kAbsent = 0,    ///< without nodes, as OctoMap defines it
   kOccupied = 1,  ///< as occupied within the bounds of the tree, for collision checkers
 };
+
+inline constexpr auto NamesOf(UnknownPolicy) {
+  return std::to_array<EnumName<UnknownPolicy>>(
+      {{"ABSENT", UnknownPolicy::kAbsent}, {"OCCUPIED", UnknownPolicy::kOccupied}});
+}
 
 struct OctreeOptions {
   /// Edge of a leaf [m]: a whole multiple, 2 to 64, of the voxel size. 0 = the smallest such

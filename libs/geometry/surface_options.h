@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "geometry/noise_model.h"
 
 namespace vismap {
@@ -13,6 +15,12 @@ enum class NormalMethod {
   kWindowCovariance,  ///< the published code: covariance of all points near in a square window;
                       ///< slow
 };
+
+inline constexpr auto NamesOf(NormalMethod) {
+  return std::to_array<EnumName<NormalMethod>>(
+      {{"INVERSE_DEPTH_FIT", NormalMethod::kInverseDepthFit},
+       {"WINDOW_COVARIANCE", NormalMethod::kWindowCovariance}});
+}
 
 /// Options of ComputeSurface.
 struct SurfaceOptions {

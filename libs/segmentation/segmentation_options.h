@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "base/ids.h"
 #include "geometry/surface_options.h"
 
@@ -13,6 +15,12 @@ enum class SegmentationMethod {
   kNoiseScaled,  ///< ours: edges in units of the sensor's noise, given back by a flood
   kPublished,    ///< the published code's fixed thresholds; slow, and shatters beyond 3 m
 };
+
+inline constexpr auto NamesOf(SegmentationMethod) {
+  return std::to_array<EnumName<SegmentationMethod>>(
+      {{"NOISE_SCALED", SegmentationMethod::kNoiseScaled},
+       {"PUBLISHED", SegmentationMethod::kPublished}});
+}
 
 /// Options of SegmentDepth.
 struct SegmentationOptions {

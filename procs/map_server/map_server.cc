@@ -22,11 +22,11 @@ constexpr double kObjectsRepeat = 5.0;  // [s]
 
 MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
     : config_(config),
-      session_options_(SessionOptionsOf(config)),
-      outputs_(OutputOptionsOf(config)),
+      session_options_(config),
+      outputs_(config),
       bus_(bus),
       status_(status),
-      occupancy_(outputs_.occupancy, bus),
+      occupancy_(outputs_.free_space, bus),
       mesh_(outputs_.meshing, bus) {
   StartMap(MapSession(session_options_, NewMetadata()));
   bus_->Subscribe<segmented_frame_t>(

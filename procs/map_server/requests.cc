@@ -124,17 +124,15 @@ Result<MapServer::Answer> MapServer::AnswerMesh(const map_request_t& request) {
 }
 
 Result<MapServer::Answer> MapServer::AnswerOctree(const map_request_t& request) {
-  OctreeOptions options;
-  options.resolution_m =
-      request.resolution_m > 0 ? request.resolution_m : config_.octree.resolution_m;
-  options.free_fraction = config_.octree.free_fraction;
+  OctreeOptions options = config_.octree;
+  if (request.resolution_m > 0) options.resolution_m = request.resolution_m;
   options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
                                                                        : UnknownPolicy::kAbsent;
   if (request.has_bbx) {
     options.bounds_W =
         Eigen::AlignedBox3d(Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W));
   }
-  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(map(), outputs_.occupancy), options);
+  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(map(), outputs_.free_space), options);
   if (!octree) return tl::unexpected(octree.error());
   return Answer{std::to_string(octree->nodes) + " nodes", "bt", std::move(octree->bytes)};
 }

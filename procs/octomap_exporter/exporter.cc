@@ -42,13 +42,13 @@ bool Exporter::has_news() const { return follower_.in_sync() && follower_.positi
 
 void Exporter::OnTimer() {
   if (!follower_.in_sync()) catch_up_.Ask(follower_.position());
-  if (config_.octomap_exporter.period <= 0 || !has_news() || MonotonicSeconds() < export_due_)
+  if (config_.octomap_exporter.period_s <= 0 || !has_news() || MonotonicSeconds() < export_due_)
     return;
   const double start = MonotonicSeconds();
   const Result<std::string> exported = Export();
   if (!exported) LogWarningSometimes("export", exported.error().message);
   const double end = MonotonicSeconds();
-  export_due_ = end + std::max(config_.octomap_exporter.period, 4 * (end - start));
+  export_due_ = end + std::max(config_.octomap_exporter.period_s, 4 * (end - start));
 }
 
 Result<void> Exporter::BringUpToDate() {
@@ -59,10 +59,7 @@ Result<void> Exporter::BringUpToDate() {
     return {};
   }
   octree_.reset();
-  OctreeOptions options;
-  options.resolution_m = config_.octree.resolution_m;
-  options.free_fraction = config_.octree.free_fraction;
-  Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), options);
+  Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), config_.octree);
   if (!builder) return tl::unexpected(builder.error());
   octree_.emplace(std::move(*builder));
   octree_->Update(map, map.SortedIndices());
