@@ -116,7 +116,7 @@ std::vector<std::string> Validate(const AssociationOptions& options) {
         "association: pixel_stride must be 1..16");
   check(options.merge_overlap_ratio > 0 && options.merge_overlap_ratio <= 1,
         "association: merge_overlap_ratio must be in (0, 1]");
-  check(options.min_range >= 0 && options.max_range > options.min_range,
+  check(options.min_range_m >= 0 && options.max_range_m > options.min_range_m,
         "association: max_range_m must be above min_range_m, which must be 0 or more");
   return problems;
 }

@@ -42,8 +42,8 @@ struct AssociationOptions {
   double max_distance_voxels = 2.0;
   /// Every n-th pixel of every n-th row is looked up; min_overlap_points is divided by n^2.
   int pixel_stride = 2;
-  double min_range = 0.1;  ///< nearer depth is not looked up, since it is not integrated [m]
-  double max_range = 5.0;  ///< nor is depth beyond this [m]
+  double min_range_m = 0.1;  ///< nearer depth is not looked up, since it is not integrated [m]
+  double max_range_m = 5.0;  ///< nor is depth beyond this [m]
   /// Labels with more than this share of a segment's points were seen together.
   double merge_overlap_ratio = 0.2;
 };

@@ -94,7 +94,7 @@ class PointLookup {
       const int32_t segment = Raw(segments[u]);
       const double z = depth[u];
       // No segment, no depth, or out of range.
-      if (segment < 0 || !(z > options_.min_range && z < options_.max_range)) continue;
+      if (segment < 0 || !(z > options_.min_range_m && z < options_.max_range_m)) continue;
       const Eigen::Vector3d cell = (z * (ray0 + u * step) + t_).array().floor();
       const VoxelIndex voxel{static_cast<int32_t>(cell.x()), static_cast<int32_t>(cell.y()),
                              static_cast<int32_t>(cell.z())};

@@ -1,14 +1,15 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
-#include <functional>
+#include <array>
 #include <type_traits>
 
 #include "base/class_names.h"
+#include "base/enum_names.h"
 #include "base/file.h"
 #include "base/require.h"
-#include "config/bindings.h"
 #include "config/config.h"
+#include "config/fields.h"
 #include "options.pb.h"
 
 namespace vismap {
@@ -17,160 +18,164 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-/// The field that a binding names; both are ours, so a name that is not there is a bug.
-const FieldDescriptor* FieldOf(const Message& message, const char* key) {
+/// The field of a key; both are ours, so a key that is not there is a bug.
+const FieldDescriptor* FieldNamed(const Message& message, const std::string& key) {
   const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(key);
-  Require(field != nullptr, "every binding names a field of options.proto");
+  Require(field != nullptr, "every key of fields.h is a field of options.proto");
   return field;
 }
 
-/// Binder that moves the fields that are present into the structs.
-class Reader {
+/// A sensor whose noise is known, and its name in config files.
+struct KnownSensor {
+  const char* name;
+  DepthNoiseModel (*noise)();
+};
+constexpr std::array<KnownSensor, 3> kKnownSensors = {
+    {{"KINECT", KinectNoise}, {"REALSENSE", RealSenseNoise}, {"CLEAN", CleanNoise}}};
+
+/// Reads one field, which is set, into its member. Returns what is wrong with it; empty = nothing.
+class FieldReader {
  public:
-  Reader(const Message& message, std::string path, std::vector<std::string>* problems)
-      : message_(message), path_(std::move(path)), problems_(problems) {}
+  FieldReader(const Message& message, const FieldDescriptor* field)
+      : message_(message), reflection_(*message.GetReflection()), field_(field) {}
 
-  void Value(const char* key, std::vector<std::string>& member) {
-    const FieldDescriptor* field = FieldOf(message_, key);
-    const int size = reflection().FieldSize(message_, field);
-    if (size > 0) member.clear();
-    for (int i = 0; i < size; ++i) {
-      member.push_back(reflection().GetRepeatedString(message_, field, i));
-    }
+  std::string Read(double& member) const {
+    member = reflection_.GetDouble(message_, field_);
+    return "";
   }
-
-  template <typename T>
-  void Value(const char* key, T& member) {
-    const FieldDescriptor* field = FieldOf(message_, key);
-    if (!reflection().HasField(message_, field)) return;
-    if constexpr (std::is_same_v<T, double>) {
-      member = reflection().GetDouble(message_, field);
-    } else if constexpr (std::is_same_v<T, int>) {
-      member = reflection().GetInt32(message_, field);
-    } else if constexpr (std::is_same_v<T, bool>) {
-      member = reflection().GetBool(message_, field);
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      member = reflection().GetString(message_, field);
-    } else {
-      static_assert(std::is_enum_v<T>);
-      member = static_cast<T>(reflection().GetEnumValue(message_, field));
-    }
+  std::string Read(int& member) const {
+    member = reflection_.GetInt32(message_, field_);
+    return "";
   }
-
-  void Classes(const char* key, std::vector<ClassId>& member) {
-    std::vector<std::string> names;
-    Value(key, names);
-    if (!names.empty()) member.clear();
-    for (const std::string& name : names) {
+  std::string Read(bool& member) const {
+    member = reflection_.GetBool(message_, field_);
+    return "";
+  }
+  std::string Read(std::string& member) const {
+    member = reflection_.GetString(message_, field_);
+    return "";
+  }
+  template <typename Enum>
+  requires std::is_enum_v<Enum> std::string Read(Enum& member)
+  const {
+    for (const EnumName<Enum>& choice : NamesOf(member)) {
+      if (EnumText() != choice.name) continue;
+      member = choice.value;
+      return "";
+    }
+    Require(false, "every name of an enum of options.proto is one of NamesOf");
+    return "";
+  }
+  std::string Read(config::NoisePreset<DepthNoiseModel>& preset) const {
+    for (const KnownSensor& sensor : kKnownSensors) {
+      if (EnumText() == sensor.name) preset.noise = sensor.noise();
+    }
+    return "";
+  }
+  std::string Read(std::vector<std::string>& member) const {
+    member.clear();
+    for (int i = 0; i < size(); ++i)
+      member.push_back(reflection_.GetRepeatedString(message_, field_, i));
+    return "";
+  }
+  std::string Read(std::vector<ClassId>& member) const {
+    member.clear();
+    for (int i = 0; i < size(); ++i) {
+      const std::string name = reflection_.GetRepeatedString(message_, field_, i);
       const std::optional<ClassId> class_id = ParseClass(name);
-      if (!class_id || *class_id == ClassId::kUnknown) {
-        problems_->push_back(path_ + key + ": '" + name +
-                             "' is neither a COCO class nor a number in [1, 65535]");
-      } else {
-        member.push_back(*class_id);
-      }
+      if (!class_id || *class_id == ClassId::kUnknown)
+        return "'" + name + "' is neither a COCO class nor a number in [1, 65535]";
+      member.push_back(*class_id);
     }
+    return "";
   }
-
-  void Direction(const char* key, std::optional<Eigen::Vector3d>& member) {
-    const FieldDescriptor* field = FieldOf(message_, key);
-    const int size = reflection().FieldSize(message_, field);
-    if (size == 0) return;
-    if (size != 3) {
-      problems_->push_back(path_ + key + ": expected three numbers, found " + std::to_string(size));
-      return;
-    }
+  std::string Read(std::optional<Eigen::Vector3d>& member) const {
+    if (size() != 3) return "expected three numbers, found " + std::to_string(size());
     member.emplace();
-    for (int i = 0; i < 3; ++i) {
-      (*member)[i] = reflection().GetRepeatedDouble(message_, field, i);
-    }
-  }
-
-  void Sensor(const char* key, DepthNoiseModel& member) {
-    const FieldDescriptor* field = FieldOf(message_, key);
-    if (!reflection().HasField(message_, field)) return;
-    switch (reflection().GetEnumValue(message_, field)) {
-      case config::Surface::REALSENSE:
-        member = RealSenseNoise();
-        break;
-      case config::Surface::CLEAN:
-        member = CleanNoise();
-        break;
-      default:
-        member = KinectNoise();
-    }
-  }
-
-  void Section(const char* key, const std::function<void(Reader&)>& body) {
-    const FieldDescriptor* field = FieldOf(message_, key);
-    Reader section(reflection().GetMessage(message_, field), path_ + key + ".", problems_);
-    body(section);
+    for (int i = 0; i < 3; ++i) (*member)[i] = reflection_.GetRepeatedDouble(message_, field_, i);
+    return "";
   }
 
  private:
-  const google::protobuf::Reflection& reflection() const { return *message_.GetReflection(); }
+  int size() const { return reflection_.FieldSize(message_, field_); }
+  std::string EnumText() const { return reflection_.GetEnum(message_, field_)->name(); }
 
   const Message& message_;
-  std::string path_;
-  std::vector<std::string>* problems_;
+  const google::protobuf::Reflection& reflection_;
+  const FieldDescriptor* field_;
 };
 
-/// Binder that sets every field from the structs.
-class Writer {
+/// Writes a member into its field.
+class FieldWriter {
  public:
-  explicit Writer(Message* message) : message_(message) {}
+  FieldWriter(Message* message, const FieldDescriptor* field)
+      : message_(message), reflection_(*message->GetReflection()), field_(field) {}
 
-  void Value(const char* key, const std::vector<std::string>& member) {
-    for (const std::string& text : member) {
-      reflection().AddString(message_, FieldOf(*message_, key), text);
-    }
+  void Write(double member) const { reflection_.SetDouble(message_, field_, member); }
+  void Write(int member) const { reflection_.SetInt32(message_, field_, member); }
+  void Write(bool member) const { reflection_.SetBool(message_, field_, member); }
+  void Write(const std::string& member) const { reflection_.SetString(message_, field_, member); }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void Write(Enum member) const {
+    const auto* value = field_->enum_type()->FindValueByName(NameOf(member));
+    Require(value != nullptr, "every name of NamesOf is in the enum of options.proto");
+    reflection_.SetEnum(message_, field_, value);
   }
-
-  template <typename T>
-  void Value(const char* key, const T& member) {
-    const FieldDescriptor* field = FieldOf(*message_, key);
-    if constexpr (std::is_same_v<T, double>) {
-      reflection().SetDouble(message_, field, member);
-    } else if constexpr (std::is_same_v<T, int>) {
-      reflection().SetInt32(message_, field, member);
-    } else if constexpr (std::is_same_v<T, bool>) {
-      reflection().SetBool(message_, field, member);
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      reflection().SetString(message_, field, member);
-    } else {
-      static_assert(std::is_enum_v<T>);
-      reflection().SetEnumValue(message_, field, static_cast<int>(member));
-    }
+  /// The numbers of the noise model are keys, too, so nothing is lost.
+  void Write(const config::NoisePreset<const DepthNoiseModel>&) const {}
+  void Write(const std::vector<std::string>& member) const {
+    for (const std::string& text : member) reflection_.AddString(message_, field_, text);
   }
-
-  void Classes(const char* key, const std::vector<ClassId>& member) {
+  void Write(const std::vector<ClassId>& member) const {
     for (const ClassId class_id : member) {
       const bool named = ClassFromName(ClassName(class_id)).has_value();
-      reflection().AddString(message_, FieldOf(*message_, key),
-                             named ? ClassName(class_id) : std::to_string(Raw(class_id)));
+      reflection_.AddString(message_, field_,
+                            named ? ClassName(class_id) : std::to_string(Raw(class_id)));
     }
   }
-
-  void Direction(const char* key, const std::optional<Eigen::Vector3d>& member) {
+  void Write(const std::optional<Eigen::Vector3d>& member) const {
     if (!member) return;
-    for (const double coordinate : *member) {
-      reflection().AddDouble(message_, FieldOf(*message_, key), coordinate);
-    }
-  }
-
-  /// The numbers of the model are written, so that nothing is lost.
-  void Sensor(const char*, const DepthNoiseModel&) {}
-
-  void Section(const char* key, const std::function<void(Writer&)>& body) {
-    Writer section(reflection().MutableMessage(message_, FieldOf(*message_, key)));
-    body(section);
+    for (const double coordinate : *member) reflection_.AddDouble(message_, field_, coordinate);
   }
 
  private:
-  const google::protobuf::Reflection& reflection() const { return *message_->GetReflection(); }
-
   Message* message_;
+  const google::protobuf::Reflection& reflection_;
+  const FieldDescriptor* field_;
 };
+
+bool IsSet(const Message& message, const FieldDescriptor* field) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  return field->is_repeated() ? reflection.FieldSize(message, field) > 0
+                              : reflection.HasField(message, field);
+}
+
+/// The values of a config that the message has. Returns everything that is wrong with them.
+std::vector<std::string> FromMessage(const config::Config& message, VismapConfig* config) {
+  std::vector<std::string> problems;
+  config::ForEachKey(
+      *config, [&](const std::string& section, const std::string& key, auto& member) {
+        const Message& values =
+            message.GetReflection()->GetMessage(message, FieldNamed(message, section));
+        const FieldDescriptor* field = FieldNamed(values, key);
+        if (!IsSet(values, field)) return;
+        const std::string problem = FieldReader(values, field).Read(member);
+        if (!problem.empty()) problems.push_back(section + "." + key + ": " + problem);
+      });
+  return problems;
+}
+
+config::Config ToMessage(const VismapConfig& config) {
+  config::Config message;
+  config::ForEachKey(
+      config, [&](const std::string& section, const std::string& key, const auto& member) {
+        Message* values =
+            message.GetReflection()->MutableMessage(&message, FieldNamed(message, section));
+        FieldWriter(values, FieldNamed(*values, key)).Write(member);
+      });
+  return message;
+}
 
 /// Keeps the first error with its place.
 class FirstError : public google::protobuf::io::ErrorCollector {
@@ -197,15 +202,9 @@ std::string Joined(const std::vector<std::string>& problems) {
   return text;
 }
 
-config::Config ToMessage(const VismapConfig& config) {
-  config::Config message;
-  Writer writer(&message);
-  VismapConfig copy = config;  // bindings are made for reading, too
-  config::BindConfig(writer, copy);
-  return message;
-}
-
 }  // namespace
+
+void DeriveOptions(VismapConfig* config) { DeriveOptions(config->surface, config); }
 
 Result<VismapConfig> ParseConfig(const std::string& text, const std::string& name) {
   config::Config message;
@@ -216,13 +215,9 @@ Result<VismapConfig> ParseConfig(const std::string& text, const std::string& nam
     return Fail(error.sentence().empty() ? name + ": is not protobuf text" : error.sentence());
   }
   VismapConfig result;
-  std::vector<std::string> problems;
-  Reader reader(message, "", &problems);
-  config::BindConfig(reader, result);
+  const std::vector<std::string> problems = FromMessage(message, &result);
   if (!problems.empty()) return Fail(name + ": " + Joined(problems));
-  result.association.min_range = result.integration.min_range;
-  result.association.max_range = result.integration.max_range;
-  result.integration.noise = result.segmentation.surface.noise;
+  DeriveOptions(&result);
   return result;
 }
 

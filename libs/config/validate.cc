@@ -23,7 +23,8 @@ class Problems {
 bool InRange(double x, double low, double high) { return x >= low && x <= high; }  // false for NaN
 
 void Check(const VoxelGridOptions& grid, Problems* problems) {
-  problems->Unless(InRange(grid.voxel_size, 0.001, 1), "grid.voxel_size_m must be in [0.001, 1] m");
+  problems->Unless(InRange(grid.voxel_size_m, 0.001, 1),
+                   "grid.voxel_size_m must be in [0.001, 1] m");
   problems->Unless(InRange(grid.truncation_voxels, 3, 32),
                    "grid.truncation_voxels must be in [3, 32]");
 }
@@ -38,7 +39,7 @@ void Check(const MeshingOptions& meshing, Problems* problems) {
                    "meshing.min_component_triangles must not be negative");
   problems->Unless(InRange(meshing.island_max_share, 0, 1),
                    "meshing.island_max_share must be in [0, 1]");
-  problems->Unless(InRange(meshing.island_max_area, 0, 1e6),
+  problems->Unless(InRange(meshing.island_max_area_m2, 0, 1e6),
                    "meshing.island_max_area_m2 must be in [0, 1e6] m2");
   problems->Unless(InRange(meshing.contact_voxels, 0, 10),
                    "meshing.contact_voxels must be in [0, 10]");
@@ -51,38 +52,38 @@ void Check(const ObjectOptions& objects, Problems* problems) {
                    "objects.min_discovered_points must not be negative");
   problems->Unless(objects.min_discovered_frames >= 0,
                    "objects.min_discovered_frames must not be negative");
-  problems->Unless(InRange(objects.min_discovered_area, 0, 1e6),
+  problems->Unless(InRange(objects.min_discovered_area_m2, 0, 1e6),
                    "objects.min_discovered_area_m2 must be in [0, 1e6] m2");
   problems->Unless(InRange(objects.min_discovered_fill, 0, 1),
                    "objects.min_discovered_fill must be in [0, 1]");
   problems->Unless(InRange(objects.removed_max_rest, 0, 10),
                    "objects.removed_max_rest must be in [0, 10]");
   problems->Unless(objects.removed_max_count >= 0, "objects.removed_max_count must be 0 or more");
-  problems->Unless(objects.removed_max_age >= 0, "objects.removed_max_age_s must be 0 or more");
+  problems->Unless(objects.removed_max_age_s >= 0, "objects.removed_max_age_s must be 0 or more");
   problems->Unless(InRange(objects.box_outliers, 0, 0.49),
                    "objects.box_outliers must be in [0, 0.49]");
-  problems->Unless(InRange(objects.part_gap, 0, 100), "objects.part_gap_m must be in [0, 100] m");
+  problems->Unless(InRange(objects.part_gap_m, 0, 100), "objects.part_gap_m must be in [0, 100] m");
   problems->Unless(InRange(objects.min_part_share, 0, 1),
                    "objects.min_part_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure.flatness, 0, 1),
+  problems->Unless(InRange(objects.structure.structure_flatness_m, 0, 1),
                    "objects.structure_flatness_m must be in [0, 1] m");
-  problems->Unless(InRange(objects.structure.share, 0, 1),
+  problems->Unless(InRange(objects.structure.structure_share, 0, 1),
                    "objects.structure_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure.area, 0, 1e6),
+  problems->Unless(InRange(objects.structure.structure_area_m2, 0, 1e6),
                    "objects.structure_area_m2 must be in [0, 1e6] m2");
   problems->Unless(InRange(objects.structure.table_share, 0, 1),
                    "objects.table_share must be in [0, 1]");
-  problems->Unless(InRange(objects.structure.table_area, 0, 1e6),
+  problems->Unless(InRange(objects.structure.table_area_m2, 0, 1e6),
                    "objects.table_area_m2 must be in [0, 1e6] m2");
-  problems->Unless(objects.structure.table_low > 0 &&
-                       objects.structure.table_high >= objects.structure.table_low &&
-                       objects.structure.ceiling_low > objects.structure.table_high,
+  problems->Unless(objects.structure.table_low_m > 0 &&
+                       objects.structure.table_high_m >= objects.structure.table_low_m &&
+                       objects.structure.ceiling_low_m > objects.structure.table_high_m,
                    "objects: 0 < table_low_m <= table_high_m < ceiling_low_m does not hold");
   problems->Unless(InRange(objects.structure.max_tilt_deg, 0, 45),
                    "objects.max_tilt_deg must be in [0, 45]");
   problems->Unless(InRange(objects.structure.flush_roughness, 0, 100),
                    "objects.flush_roughness must be in [0, 100]");
-  problems->Unless(InRange(objects.structure.flush_gap, 0, 1e6),
+  problems->Unless(InRange(objects.structure.flush_gap_m, 0, 1e6),
                    "objects.flush_gap_m must be in [0, 1e6] m");
 }
 
@@ -96,10 +97,10 @@ void Check(const OccupancyOptions& options, const VoxelGridOptions& grid, Proble
                    "free_space.min_observations must be in [1, 255]");
 }
 
-void Check(const OctreeConfig& octree, const VoxelGridOptions& grid, Problems* problems) {
+void Check(const OctreeOptions& octree, const VoxelGridOptions& grid, Problems* problems) {
   problems->Unless(InRange(octree.free_fraction, 0.01, 1),
                    "octree.free_fraction must be in [0.01, 1]");
-  const Result<OctreeGrid> resolved = ChooseOctreeGrid(grid.voxel_size, octree.resolution);
+  const Result<OctreeGrid> resolved = ChooseOctreeGrid(grid.voxel_size_m, octree.resolution_m);
   if (!resolved) problems->Unless(false, resolved.error().message);
 }
 
@@ -107,7 +108,7 @@ void CheckPeriod(double period, const std::string& key, Problems* problems) {
   problems->Unless(InRange(period, 0, 86400), key + " must be in [0, 86400] s");
 }
 
-void Check(const BridgeConfig& bridge, Problems* problems) {
+void Check(const BridgeOptions& bridge, Problems* problems) {
   problems->Unless(InRange(bridge.queue_mb, 1, 65536), "bridge.queue_mb must be in [1, 65536]");
   for (const auto* list : {&bridge.send, &bridge.receive}) {
     problems->Unless(list->size() <= 64, "bridge: at most 64 channels in each direction");
@@ -122,10 +123,11 @@ void Check(const BridgeConfig& bridge, Problems* problems) {
   }
 }
 
-void Check(const DetectorConfig& detector, Problems* problems) {
+void Check(const DetectorOptions& detector, Problems* problems) {
   const DnnDetectorOptions& dnn = detector.dnn;
   problems->Unless(detector.camera_id >= -1, "detector.camera_id must be -1 or more");
-  problems->Unless(InRange(dnn.input_size, 0, 4096), "detector.input_size_px must be in [0, 4096]");
+  problems->Unless(InRange(dnn.input_size_px, 0, 4096),
+                   "detector.input_size_px must be in [0, 4096]");
   problems->Unless(InRange(dnn.min_score, 0, 1), "detector.min_score must be in [0, 1]");
   problems->Unless(InRange(dnn.nms_iou, 0, 1), "detector.nms_iou must be in [0, 1]");
   problems->Unless(InRange(dnn.mask_threshold, 0, 1), "detector.mask_threshold must be in [0, 1]");
@@ -135,24 +137,24 @@ void Check(const DetectorConfig& detector, Problems* problems) {
 }
 
 void CheckProcesses(const VismapConfig& config, Problems* problems) {
-  problems->Unless(InRange(config.depth_segmenter.detection_timeout, 0.01, 3600),
+  problems->Unless(InRange(config.depth_segmenter.detection_timeout_s, 0.01, 3600),
                    "depth_segmenter.detection_timeout_s must be in [0.01, 3600] s");
   problems->Unless(InRange(config.depth_segmenter.max_waiting_frames, 1, 10000),
                    "depth_segmenter.max_waiting_frames must be in [1, 10000]");
-  const MapServerConfig& server = config.map_server;
-  CheckPeriod(server.save_period, "map_server.save_period_s", problems);
-  CheckPeriod(server.mesh_period, "map_server.mesh_period_s", problems);
-  CheckPeriod(server.objects_period, "map_server.objects_period_s", problems);
+  const MapServerOptions& server = config.map_server;
+  CheckPeriod(server.save_period_s, "map_server.save_period_s", problems);
+  CheckPeriod(server.mesh_period_s, "map_server.mesh_period_s", problems);
+  CheckPeriod(server.objects_period_s, "map_server.objects_period_s", problems);
   problems->Unless(!server.recover || !server.save_on_exit.empty(),
                    "map_server.recover needs map_server.save_on_exit to say from where");
-  problems->Unless(server.save_period == 0 || !server.save_on_exit.empty(),
+  problems->Unless(server.save_period_s == 0 || !server.save_on_exit.empty(),
                    "map_server.save_period_s needs map_server.save_on_exit to say where");
-  CheckPeriod(config.octomap_exporter.period, "octomap_exporter.period_s", problems);
-  const SensorReplayConfig& replay = config.sensor_replay;
+  CheckPeriod(config.octomap_exporter.period_s, "octomap_exporter.period_s", problems);
+  const SensorReplayOptions& replay = config.sensor_replay;
   problems->Unless(InRange(replay.speed, 0, 1000), "sensor_replay.speed must be in [0, 1000]");
-  problems->Unless(InRange(replay.window, 1, 1000),
+  problems->Unless(InRange(replay.window_frames, 1, 1000),
                    "sensor_replay.window_frames must be in [1, 1000]");
-  problems->Unless(InRange(replay.resend_after, 0.01, 3600),
+  problems->Unless(InRange(replay.resend_s, 0.01, 3600),
                    "sensor_replay.resend_s must be in [0.01, 3600] s");
   Check(config.detector, problems);
   problems->Unless(InRange(config.hub.queue_mb, 1, 65536), "hub.queue_mb must be in [1, 65536]");
@@ -160,7 +162,8 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
                    "hub.socket_buffer_bytes must not be negative");
   problems->Unless(InRange(config.hub.max_clients, 1, 10000),
                    "hub.max_clients must be in [1, 10000]");
-  problems->Unless(InRange(config.hub.patience, 0.1, 60), "hub.patience_s must be in [0.1, 60] s");
+  problems->Unless(InRange(config.hub.patience_s, 0.1, 60),
+                   "hub.patience_s must be in [0.1, 60] s");
   Check(config.bridge, problems);
 }
 
@@ -169,11 +172,11 @@ void CheckProcesses(const VismapConfig& config, Problems* problems) {
 std::vector<std::string> Validate(const VismapConfig& config) {
   Problems problems;
   Check(config.grid, &problems);
-  problems.Add("", Validate(config.segmentation));
+  problems.Add("", Validate(static_cast<const SegmentationStageOptions&>(config)));
   problems.Add("association.", Validate(config.association));
   problems.Add("integration.", Validate(config.integration));
-  problems.Unless(config.association.min_range == config.integration.min_range &&
-                      config.association.max_range == config.integration.max_range,
+  problems.Unless(config.association.min_range_m == config.integration.min_range_m &&
+                      config.association.max_range_m == config.integration.max_range_m,
                   "association and integration must have one range");
   Check(config.meshing, &problems);
   Check(config.objects, &problems);

@@ -33,7 +33,7 @@ Result<ClassTable> ClassesOf(const DnnDetectorOptions& options) {
 
 /// The size of the input that the options or the model state; zeros = that of the image.
 Result<InputSize> InputSizeOf(const DnnDetectorOptions& options) {
-  if (options.input_size > 0) return InputSize{options.input_size, options.input_size};
+  if (options.input_size_px > 0) return InputSize{options.input_size_px, options.input_size_px};
   if (!options.graph.empty()) return InputSize{};
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(options.model);
   if (!bytes) return tl::unexpected(bytes.error());

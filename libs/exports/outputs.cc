@@ -81,11 +81,9 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
 
 Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
                                UnknownPolicy unknown) {
-  OctreeOptions octree;
-  octree.resolution = options.octree_resolution;
-  octree.free_fraction = options.octree_free_fraction;
+  OctreeOptions octree = options.octree;
   octree.unknown = unknown;
-  return BuildOctree(ClassifyMap(map, options.occupancy), octree);
+  return BuildOctree(ClassifyMap(map, options.free_space), octree);
 }
 
 std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products) {

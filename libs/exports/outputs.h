@@ -18,9 +18,8 @@ struct OutputOptions {
   ObjectOptions objects;  ///< its up_W and up_is_guess are replaced, see ObjectOptionsFor
   /// Upward direction in W, unit length; not set = estimated from the trajectory.
   std::optional<Eigen::Vector3d> up_W;
-  OccupancyOptions occupancy;
-  double octree_resolution = 0;       ///< edge of a cell [m]; 0 = default, see OctreeOptions
-  double octree_free_fraction = 1.0;  ///< see OctreeOptions
+  OccupancyOptions free_space;
+  OctreeOptions octree;
 };
 
 /// The mesh and the objects of a map. Both are computed from the map alone.
@@ -37,8 +36,9 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
 /// (UpOfCameras) if that is not set.
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options);
 
-/// The octree of a map. `unknown` says whether unknown space is left out or, within the bounds of
-/// the map, written as occupied. Fails on what BuildOctree fails on.
+/// The octree of a map. `unknown`, instead of that of the options, says whether unknown space is
+/// left out or, within the bounds of the map, written as occupied. Fails on what BuildOctree fails
+/// on.
 Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
                                UnknownPolicy unknown);
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/enum_names.h"
 #include "base/result.h"
 #include "freespace/occupancy_map.h"
 
@@ -21,10 +23,15 @@ enum class UnknownPolicy : uint8_t {
   kOccupied = 1,  ///< as occupied within the bounds of the tree, for collision checkers
 };
 
+inline constexpr auto NamesOf(UnknownPolicy) {
+  return std::to_array<EnumName<UnknownPolicy>>(
+      {{"ABSENT", UnknownPolicy::kAbsent}, {"OCCUPIED", UnknownPolicy::kOccupied}});
+}
+
 struct OctreeOptions {
   /// Edge of a leaf [m]: a whole multiple, 2 to 64, of the voxel size. 0 = the smallest such
   /// multiple of at least 5 cm.
-  double resolution = 0;
+  double resolution_m = 0;
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
   double free_fraction = 1.0;  ///< share of a leaf's voxels that must be free, (0, 1]
   /// Bounds of the tree [m]; nullopt = the box around all known cells.
@@ -46,7 +53,7 @@ struct OctreeGrid {
   double resolution = 0;  ///< edge of a leaf [m]
 };
 
-/// The grid for a voxel size [m] and OctreeOptions::resolution [m]. Fails when the resolution is
+/// The grid for a voxel size [m] and OctreeOptions::resolution_m [m]. Fails when the resolution is
 /// not a whole multiple of the voxel size; the Error names the nearest possible one.
 Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
 

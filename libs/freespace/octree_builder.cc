@@ -14,7 +14,7 @@ OctreeBuilder::OctreeBuilder(double voxel_size, const OctreeGrid& grid,
       leaves_(voxel_size * grid.factor) {}
 
 Result<OctreeBuilder> OctreeBuilder::Make(double voxel_size, const OctreeOptions& options) {
-  const Result<OctreeGrid> grid = ChooseOctreeGrid(voxel_size, options.resolution);
+  const Result<OctreeGrid> grid = ChooseOctreeGrid(voxel_size, options.resolution_m);
   if (!grid) return tl::unexpected(grid.error());
   if (!(options.free_fraction > 0 && options.free_fraction <= 1)) {
     return Fail("octree free_fraction: expected a number above 0 and at most 1, found " +

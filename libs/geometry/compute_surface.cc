@@ -23,15 +23,15 @@ SurfaceConstants MakeConstants(const PinholeCamera& camera, const SurfaceOptions
   const double scale = std::max(1.0, camera.width / 640.0);
   const double tangent = std::tan(options.max_incidence_deg * std::numbers::pi / 180);
   const auto f = [](double x) { return static_cast<float>(x); };
-  return {f(options.min_depth),
-          f(options.max_depth),
-          f(noise.axial_base),
-          f(noise.axial_quadratic),
-          f(noise.axial_offset),
-          f(noise.disparity_step / std::sqrt(12.0)),
-          f(0.5 * std::sqrt(3.0) * camera.fx * noise.correlation / wanted),
-          f(options.min_radius),
-          f(std::min(31.0, options.max_radius * scale)),
+  return {f(options.min_depth_m),
+          f(options.max_depth_m),
+          f(noise.axial_base_m),
+          f(noise.axial_quadratic_per_m),
+          f(noise.axial_offset_m),
+          f(noise.disparity_step_per_m / std::sqrt(12.0)),
+          f(0.5 * std::sqrt(3.0) * camera.fx * noise.correlation_px / wanted),
+          f(options.min_radius_px),
+          f(std::min(31.0, options.max_radius_px * scale)),
           f(1 / camera.fx),
           f(-camera.cx / camera.fx),
           f(options.jump_sigmas),
@@ -124,7 +124,7 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   if (options.method == NormalMethod::kWindowCovariance) {
     EstimateWindowNormals(options, &out);
   } else {
-    FitNormals(inverse, camera, options.noise.correlation, &out);
+    FitNormals(inverse, camera, options.noise.correlation_px, &out);
   }
   return out;
 }

@@ -9,21 +9,21 @@ namespace vismap {
 /// How a depth sensor errs along the optical axis. Lateral noise is not modelled. All thresholds of
 /// the segmentation are multiples of it, so that they hold at every range.
 struct DepthNoiseModel {
-  double axial_base = 0.0012;       ///< standard deviation at z = axial_offset [m]
-  double axial_quadratic = 0.0019;  ///< growth with (z - axial_offset)^2 [1/m]
-  double axial_offset = 0.4;        ///< range of least noise [m]
-  double disparity_step = 0.00285;  ///< depth step of one disparity step, over z^2 [1/m]
-  /// Pixels nearer than this err alike, so that averaging n of them is worth only n / correlation^2
-  /// [px].
-  double correlation = 2.5;
+  double axial_base_m = 0.0012;           ///< standard deviation at z = axial_offset_m [m]
+  double axial_quadratic_per_m = 0.0019;  ///< growth with (z - axial_offset_m)^2 [1/m]
+  double axial_offset_m = 0.4;            ///< range of least noise [m]
+  double disparity_step_per_m = 0.00285;  ///< depth step of one disparity step, over z^2 [1/m]
+  /// Pixels nearer than this err alike, so that averaging n of them is worth only n /
+  /// correlation_px^2 [px].
+  double correlation_px = 2.5;
 
   /// Standard deviation of depth, without quantisation [m].
   double AxialSigma(double z) const {
-    const double past = z > axial_offset ? z - axial_offset : 0.0;
-    return axial_base + axial_quadratic * past * past;
+    const double past = z > axial_offset_m ? z - axial_offset_m : 0.0;
+    return axial_base_m + axial_quadratic_per_m * past * past;
   }
   /// Distance between two depths that the sensor can tell apart [m].
-  double QuantisationStep(double z) const { return disparity_step * z * z; }
+  double QuantisationStep(double z) const { return disparity_step_per_m * z * z; }
   /// Standard deviation of depth with quantisation taken as uniform noise [m].
   double Sigma(double z) const {
     const double axial = AxialSigma(z), step = QuantisationStep(z);

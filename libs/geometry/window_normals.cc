@@ -13,9 +13,9 @@ namespace {
 /// Covariance of the points around (v, u); nullopt with fewer than three.
 std::optional<Eigen::Matrix3f> WindowCovariance(const VectorImage& points, int v, int u,
                                                 const SurfaceOptions& options) {
-  const int half = options.window / 2;
+  const int half = options.window_px / 2;
   const Eigen::Vector3f p = points.at(v, u);
-  const float reach = static_cast<float>(options.window_depth) * p.z();
+  const float reach = static_cast<float>(options.window_depth_ratio) * p.z();
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
   int count = 0;

@@ -11,7 +11,7 @@ namespace vismap {
 
 /// Geometry of the voxel grid; fixed for the life of a map.
 struct VoxelGridOptions {
-  double voxel_size = 0.01;  ///< edge of a voxel [m]
+  double voxel_size_m = 0.01;  ///< edge of a voxel [m]
   /// Truncation distance [voxels]; at least 3, or free space and surface cannot be told apart.
   double truncation_voxels = 4.0;
 };
@@ -21,9 +21,9 @@ class VoxelMap {
  public:
   explicit VoxelMap(const VoxelGridOptions& options) : options_(options) {}
 
-  double voxel_size() const { return options_.voxel_size; }
-  double block_size() const { return options_.voxel_size * kBlockSide; }
-  double truncation() const { return options_.truncation_voxels * options_.voxel_size; }
+  double voxel_size() const { return options_.voxel_size_m; }
+  double block_size() const { return options_.voxel_size_m * kBlockSide; }
+  double truncation() const { return options_.truncation_voxels * options_.voxel_size_m; }
   const VoxelGridOptions& options() const { return options_; }
 
   /// The block, or nullptr when it is unseen.

@@ -134,7 +134,7 @@ Result<vismap::CameraPose> ParsePose(const CameraPose& proto) {
 
 Result<VoxelGridOptions> ParseGrid(const Header& proto) {
   const VoxelGridOptions grid{proto.voxel_size_m(), proto.truncation_voxels()};
-  if (!(grid.voxel_size > 1e-4 && grid.voxel_size < 10)) {
+  if (!(grid.voxel_size_m > 1e-4 && grid.voxel_size_m < 10)) {
     return Fail("the voxel size is not a plausible length");
   }
   if (!(grid.truncation_voxels >= 1 && grid.truncation_voxels < 1000)) {
@@ -174,7 +174,7 @@ Result<MapMetadata> ParseMetadata(const Header& proto) {
 }  // namespace
 
 void ToProto(const SemanticMap& map, const MapMetadata& metadata, Header* proto) {
-  proto->set_voxel_size_m(map.voxels.options().voxel_size);
+  proto->set_voxel_size_m(map.voxels.options().voxel_size_m);
   proto->set_truncation_voxels(map.voxels.options().truncation_voxels);
   proto->set_revision(map.revision);
   proto->set_last_utime(map.last_utime);

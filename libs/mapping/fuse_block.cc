@@ -71,8 +71,8 @@ void ForEach(const VoxelBits& bits, const Visit& visit) {
 constexpr float kCarvedPart = 0.75F;
 
 CarvingLimits LimitsOf(const IntegrationOptions& options, const VoxelGridOptions& grid) {
-  const auto truncation = static_cast<float>(grid.truncation_voxels * grid.voxel_size);
-  const auto margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size);
+  const auto truncation = static_cast<float>(grid.truncation_voxels * grid.voxel_size_m);
+  const auto margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size_m);
   return {.frames = static_cast<float>(options.carve_frames),
           .keep = static_cast<float>(options.carve_keep),
           .slope = static_cast<float>(options.carve_slope),
@@ -97,18 +97,18 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
     : frame_(frame),
       labels_(std::move(labels)),
       cut_votes_(options.cut_votes),
-      voxel_size_(grid.voxel_size),
+      voxel_size_(grid.voxel_size_m),
       carving_(LimitsOf(options, grid)) {
   const Pose T_C_W = frame.frame.header.T_W_C.inverse();
   R_C_W_ = T_C_W.linear();
   t_C_W_ = T_C_W.translation();
-  limits_ = {static_cast<float>(grid.truncation_voxels * grid.voxel_size),
-             static_cast<float>(options.min_range),
-             static_cast<float>(options.max_range),
-             static_cast<float>(options.free_space_range),
-             -static_cast<float>(grid.voxel_size),
-             static_cast<float>(options.vote_distance_voxels * grid.voxel_size),
-             static_cast<float>(2 * grid.voxel_size),  // all that a mesh vertex can lie between
+  limits_ = {static_cast<float>(grid.truncation_voxels * grid.voxel_size_m),
+             static_cast<float>(options.min_range_m),
+             static_cast<float>(options.max_range_m),
+             static_cast<float>(options.free_space_range_m),
+             -static_cast<float>(grid.voxel_size_m),
+             static_cast<float>(options.vote_distance_voxels * grid.voxel_size_m),
+             static_cast<float>(2 * grid.voxel_size_m),  // all that a mesh vertex can lie between
              options.free_space};
   // No limit: more than any weight, since that of a frame is at least a step.
   weights_ = {
@@ -117,7 +117,7 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
   if (options.carve_frames <= 0) return;
   clear_depth_ =
       ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
-                 {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size),
+                 {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size_m),
                   .sigmas = static_cast<float>(options.carve_sigmas),
                   .noise = options.noise});
 }

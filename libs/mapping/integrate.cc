@@ -132,10 +132,10 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   const auto check = [&](bool ok, const char* text) {
     if (!ok) problems.emplace_back(text);
   };
-  check(options.min_range > 0, "integration: min_range_m must be positive");
-  check(options.max_range > options.min_range,
+  check(options.min_range_m > 0, "integration: min_range_m must be positive");
+  check(options.max_range_m > options.min_range_m,
         "integration: max_range_m must be above min_range_m");
-  check(options.free_space_range >= 0, "integration: free_space_range_m must be 0 or more");
+  check(options.free_space_range_m >= 0, "integration: free_space_range_m must be 0 or more");
   check(options.max_weight >= 1 && options.max_weight <= 511,
         "integration: max_weight must be 1..511");
   check(options.vote_distance_voxels > 0, "integration: vote_distance_voxels must be positive");
@@ -179,9 +179,9 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   for (const FrameAssociation::Segment& segment : association.segments)
     labels.push_back(segment.label);
   const DepthPyramid pyramid(frame.frame.depth);
-  const VisibilityOptions visibility{map->voxels.block_size(), map->voxels.truncation(),
-                                     options.min_range,        options.max_range,
-                                     options.free_space_range, options.free_space};
+  const VisibilityOptions visibility{map->voxels.block_size(),   map->voxels.truncation(),
+                                     options.min_range_m,        options.max_range_m,
+                                     options.free_space_range_m, options.free_space};
   const FrameProjection projection(frame, pyramid, {std::move(labels), cuts, map->labels}, options,
                                    map->voxels.options());
   const auto may_change = [&](const VisibleBlock& target) {

@@ -33,11 +33,11 @@ struct MapDelta {
 };
 
 struct IntegrationOptions {
-  double min_range = 0.1;         ///< nearer depth is ignored [m along z]
-  double max_range = 5.0;         ///< farther depth leaves no surface, only free space [m along z]
-  double free_space_range = 5.0;  ///< free space is recorded up to here [m along z]
-  bool free_space = true;         ///< false = the map holds surfaces only
-  double max_weight = 300.0;      ///< cap of a voxel's weight, 1..511; 1 = one observation at 1 m
+  double min_range_m = 0.1;  ///< nearer depth is ignored [m along z]
+  double max_range_m = 5.0;  ///< farther depth leaves no surface, only free space [m along z]
+  double free_space_range_m = 5.0;  ///< free space is recorded up to here [m along z]
+  bool free_space = true;           ///< false = the map holds surfaces only
+  double max_weight = 300.0;        ///< cap of a voxel's weight, 1..511; 1 = one observation at 1 m
   /// Blocks with surface voxels that stay unpacked (7 kB each). When there are more, blocks that
   /// are out of view are packed to about a fifth, without loss.
   int max_unpacked_blocks = 8000;

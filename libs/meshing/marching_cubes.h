@@ -30,7 +30,7 @@ struct MeshingOptions {
   /// A piece with less than this share of the surface of its instance or segment shows the ids of
   /// the surface around it, see AbsorbIslands; 0 = never. (Published code: never.)
   double island_max_share = 0.1;
-  double island_max_area = 0.01;  ///< the largest piece that does [m^2]
+  double island_max_area_m2 = 0.01;  ///< the largest piece that does [m^2]
   /// Surface within this distance [voxels] of a plane of structure that it touches shows the ids of
   /// the structure, see AbsorbContacts; 0 = never. (Published code: never.)
   double contact_voxels = 0.75;

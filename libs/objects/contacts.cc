@@ -96,10 +96,11 @@ class Contacts {
     ParallelFor(labels, 1, [&](size_t label) {
       const auto segment = static_cast<SegmentLabel>(label);
       if (segment == SegmentLabel::kNone || in_instances_.contains(segment) ||
-          surfaces[label].area < options.area)
+          surfaces[label].area < options.structure_area_m2)
         return;
       const SurfacePlane plane = FindPlane(surfaces[label].points_W, surfaces[label].area, options);
-      if (plane.area >= options.area && plane.share >= options.share) planes_[label] = plane;
+      if (plane.area >= options.structure_area_m2 && plane.share >= options.structure_share)
+        planes_[label] = plane;
     });
   }
 

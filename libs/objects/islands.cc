@@ -110,7 +110,7 @@ class Islands {
     for (const Piece& piece : pieces_) areas[piece.owner] += piece.area;
     std::set<Owner> with_body;
     for (Piece& piece : pieces_) {
-      piece.candidate = piece.owner != 0 && piece.area < options.island_max_area &&
+      piece.candidate = piece.owner != 0 && piece.area < options.island_max_area_m2 &&
                         piece.area < options.island_max_share * areas[piece.owner];
       if (!piece.candidate) with_body.insert(piece.owner);
     }

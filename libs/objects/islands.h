@@ -10,7 +10,7 @@ namespace vismap {
 ///
 /// The owner of a vertex is its instance, or its segment if it has no instance. A piece is a
 /// connected part of the mesh with one owner. A piece is an island if all of these hold:
-///  - its area is below island_max_area and below island_max_share of the area of its owner;
+///  - its area is below island_max_area_m2 and below island_max_share of the area of its owner;
 ///  - at least 3/4 of the mesh edges across its border lead to one and the same other owner;
 ///  - the border to that owner is at least half as long as the rim of a disc with as many vertices,
 ///    and the surface on both sides faces the same way (the mean normals' dot product is at least

@@ -47,7 +47,7 @@ void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOption
 void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 /// Erases the discovered segments that are not structure and too insignificant to be objects, see
-/// min_discovered_frames, min_discovered_area and min_discovered_fill. Structure must have been set
+/// min_discovered_frames, min_discovered_area_m2 and min_discovered_fill. Structure must have been set
 /// (SetStructure). A removed object has no surface left, so only its number of frames is checked.
 void EraseInsignificant(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 

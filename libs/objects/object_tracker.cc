@@ -63,7 +63,7 @@ void ObjectTracker::UpdateUp(const SemanticMap& map, const BlockSurfaces& surfac
   up_area_ = area;
   for (size_t i = 1; i < amounts.size(); ++i) {
     const auto label = static_cast<SegmentLabel>(i);
-    if (amounts[i].area >= options.structure.area)
+    if (amounts[i].area >= options.structure.structure_area_m2)
       amounts[i].points_W = PointsOf(std::span(&label, 1), map, surfaces, places);
   }
   const Eigen::Vector3d up_W = WithRefinedUp(options, amounts).up_W;

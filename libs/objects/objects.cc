@@ -135,7 +135,7 @@ int64_t NewestUtime(const LabelTable& table) {
 // frame are kept or erased together.
 void EraseOldest(int64_t newest_utime, const ObjectOptions& options,
                  std::vector<ObjectSummary>* removed) {
-  const double max_age = options.removed_max_age * 1e6;  // [us]
+  const double max_age = options.removed_max_age_s * 1e6;  // [us]
   std::vector<int64_t> times;
   for (const ObjectSummary& object : *removed) times.push_back(object.removed_utime);
   std::sort(times.begin(), times.end(), std::greater<>());
@@ -172,7 +172,7 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
 bool IsThing(const ObjectSummary& object, const ObjectOptions& options) {
   if (object.frames < static_cast<uint32_t>(options.min_discovered_frames)) return false;
   return object.removed() ||
-         (object.area >= options.min_discovered_area &&
+         (object.area >= options.min_discovered_area_m2 &&
           object.area >= options.min_discovered_fill * SpannedArea(object.spread));
 }
 
@@ -220,7 +220,7 @@ std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfa
 void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
                    ObjectSummary* object) {
   if (object->removed()) return;
-  object->box = FitUprightBox(MainParts(points_W, options.part_gap, options.min_part_share),
+  object->box = FitUprightBox(MainParts(points_W, options.part_gap_m, options.min_part_share),
                               options.up_W, options.box_outliers);
   if (!object->discovered()) return;
   object->plane = FindPlane(points_W, object->area, options.structure);

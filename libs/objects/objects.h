@@ -49,7 +49,7 @@ struct ObjectOptions {
   /// A discovered segment that is not structure is listed only if at least so many frames observed
   /// it, because one or two frames may have made the same error, ...
   int min_discovered_frames = 3;
-  double min_discovered_area = 0.01;  ///< ... if it has at least this area [m^2] ...
+  double min_discovered_area_m2 = 0.01;  ///< ... if it has at least this area [m^2] ...
   /// ... and if its area is at least this share of the area that it spans (SpannedArea). The share
   /// is 1 for a flat plate and larger for a solid body. It is small for strips along the borders of
   /// objects and for specks that noise has scattered over a wall.
@@ -61,9 +61,9 @@ struct ObjectOptions {
   int removed_max_count = 100;  ///< only so many of the last removed objects are listed
   /// Objects that were removed longer ago than this, counted from the newest frame, are not listed
   /// [s]; 0 = no limit.
-  double removed_max_age = 7 * 86400;
+  double removed_max_age_s = 7 * 86400;
   double box_outliers = 0.01;   ///< share of the points outside of a box, per axis
-  double part_gap = 0.05;       ///< parts that are farther than this from the rest [m] ...
+  double part_gap_m = 0.05;     ///< parts that are farther than this from the rest [m] ...
   double min_part_share = 0.1;  ///< ... with less than this share of the points are not in its box
   StructureOptions structure{};
 };

@@ -26,7 +26,8 @@ bool IsUpright(const SurfacePlane& plane, const Eigen::Vector3d& up_W,
 }
 
 bool IsLarge(const SurfacePlane& plane, const StructureOptions& options) {
-  return std::max(plane.area, plane.joint_area) >= options.area && plane.share >= options.share;
+  return std::max(plane.area, plane.joint_area) >= options.structure_area_m2 &&
+         plane.share >= options.structure_share;
 }
 
 StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, double floor,
@@ -37,13 +38,13 @@ StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, dou
     return IsUpright(plane, up_W, options) ? StructureKind::kWall : StructureKind::kSloped;
   }
   const double height = plane.point_W.dot(up_W) - floor;
-  if (height >= options.table_low && height <= options.table_high) {
-    const bool top = plane.area >= options.table_area && plane.share >= options.table_share;
+  if (height >= options.table_low_m && height <= options.table_high_m) {
+    const bool top = plane.area >= options.table_area_m2 && plane.share >= options.table_share;
     return top ? StructureKind::kTableTop : StructureKind::kNone;
   }
   if (!large) return StructureKind::kNone;
-  if (height < options.table_low) return StructureKind::kFloor;
-  return height >= options.ceiling_low ? StructureKind::kCeiling : StructureKind::kSloped;
+  if (height < options.table_low_m) return StructureKind::kFloor;
+  return height >= options.ceiling_low_m ? StructureKind::kCeiling : StructureKind::kSloped;
 }
 
 // Whether a flat, level piece is at the height of a floor: small pieces of floor between objects
@@ -51,10 +52,11 @@ StructureKind KindOf(const SurfacePlane& plane, const Eigen::Vector3d& up_W, dou
 bool IsPieceOfFloor(const SurfacePlane& bit, std::span<const SurfacePlane> planes,
                     std::span<const StructureKind> kinds, const Eigen::Vector3d& up_W,
                     const StructureOptions& options) {
-  if (bit.share < options.share || !IsLevel(bit, up_W, options)) return false;
+  if (bit.share < options.structure_share || !IsLevel(bit, up_W, options)) return false;
   for (size_t i = 0; i < planes.size(); ++i) {
     const double above = (bit.point_W - planes[i].point_W).dot(up_W);
-    if (kinds[i] == StructureKind::kFloor && std::abs(above) <= options.flatness) return true;
+    if (kinds[i] == StructureKind::kFloor && std::abs(above) <= options.structure_flatness_m)
+      return true;
   }
   return false;
 }
@@ -71,14 +73,14 @@ double FlushDistance(const SurfacePlane& plane, const SurfaceSpread& piece,
   // The roughness counts as at least this share of the flatness. Exact depth has no noise at all,
   // and without this limit, no piece would be flush with such a plane.
   constexpr double kLeast = 0.1;
-  const double roughness = std::max(plane.roughness, kLeast * options.flatness);
+  const double roughness = std::max(plane.roughness, kLeast * options.structure_flatness_m);
   return std::sqrt(MeanSquareFrom(plane, piece)) / (options.flush_roughness * roughness);
 }
 
 bool IsFlush(const SurfacePlane& plane, const SurfaceSpread& own, const SurfaceSpread& piece,
              const StructureOptions& options) {
   return FlushDistance(plane, piece, options) < 1 &&
-         own.bounds_W.exteriorDistance(piece.bounds_W) <= options.flush_gap;
+         own.bounds_W.exteriorDistance(piece.bounds_W) <= options.flush_gap_m;
 }
 
 // Flat objects lie on table tops, so nothing is joined to those.
@@ -113,7 +115,7 @@ SurfacePlane FindPlane(std::span<const Eigen::Vector3f> points_W, double area,
   const size_t stride = (points_W.size() + kMostPoints - 1) / kMostPoints;
   std::vector<Eigen::Vector3f> picked;
   for (size_t i = 0; i < points_W.size(); i += stride) picked.push_back(points_W[i]);
-  const PlaneFit fit = FitPlane(picked, options.flatness);
+  const PlaneFit fit = FitPlane(picked, options.structure_flatness_m);
   return {fit.point_W, fit.normal_W, fit.inliers, fit.inliers * area, fit.roughness};
 }
 
@@ -168,7 +170,7 @@ void JoinFlushAreas(std::span<const SurfaceSpread> spreads, const StructureOptio
   for (size_t i = 0; i < planes->size(); ++i) {
     SurfacePlane& plane = (*planes)[i];
     plane.joint_area = 0;
-    if (plane.area > 0 && plane.share >= options.share && options.flush_roughness > 0)
+    if (plane.area > 0 && plane.share >= options.structure_share && options.flush_roughness > 0)
       flat.push_back(i);
   }
   for (const size_t i : flat) {
@@ -195,7 +197,7 @@ void NameFlushPieces(std::span<const SurfacePlane> planes, std::span<const Surfa
       if (!AcceptsFlushPieces(known[j])) continue;  // no structure, or a table top
       const double distance = FlushDistance(planes[j], spreads[i], options);
       if (distance >= closest) continue;  // not flush, or another plane is nearer
-      if (spreads[i].bounds_W.exteriorDistance(spreads[j].bounds_W) > options.flush_gap) continue;
+      if (spreads[i].bounds_W.exteriorDistance(spreads[j].bounds_W) > options.flush_gap_m) continue;
       closest = distance;
       (*kinds)[i] = known[j];
     }
@@ -206,7 +208,7 @@ Eigen::Vector3d RefineUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfa
                          const StructureOptions& options) {
   SurfacePlane best;
   for (const LabelSurface& surface : surfaces) {
-    if (surface.area < options.area || surface.area <= best.area) continue;
+    if (surface.area < options.structure_area_m2 || surface.area <= best.area) continue;
     const SurfacePlane plane = FindPlane(surface.points_W, surface.area, options);
     if (IsLarge(plane, options) && plane.area > best.area &&
         std::abs(plane.normal_W.dot(up_W)) > std::cos(30 * kDegree))

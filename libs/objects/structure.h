@@ -10,11 +10,11 @@ namespace vismap {
 /// The kind of a large plane that is not part of an instance. Heights are above the floor.
 enum class StructureKind : uint8_t {
   kNone,      ///< not structure
-  kFloor,     ///< level, lower than table_low; small flat pieces at the height of a floor, too
-  kTableTop,  ///< level, from table_low to table_high
-  kCeiling,   ///< level, from ceiling_low on
+  kFloor,     ///< level, lower than table_low_m; small flat pieces at the height of a floor, too
+  kTableTop,  ///< level, from table_low_m to table_high_m
+  kCeiling,   ///< level, from ceiling_low_m on
   kWall,      ///< vertical
-  kSloped,    ///< neither level nor vertical, or level between table_high and ceiling_low
+  kSloped,    ///< neither level nor vertical, or level between table_high_m and ceiling_low_m
 };
 
 /// The name of a kind in files: "none", "floor", "table_top", "ceiling", "wall", "sloped".
@@ -23,22 +23,22 @@ const char* NameOf(StructureKind kind);
 /// What counts as structure. Lengths in m, areas in m^2.
 struct StructureOptions {
   /// A point lies in a plane if it is within this distance of it; far walls are noisy.
-  double flatness = 0.03;
-  double share = 0.8;  ///< least share of a surface that lies in its plane
-  double area = 1.0;   ///< least area that lies in the plane
+  double structure_flatness_m = 0.03;
+  double structure_share = 0.8;    ///< least share of a surface that lies in its plane
+  double structure_area_m2 = 1.0;  ///< least area that lies in the plane
   /// The same for table tops, which are smaller and have edges that are not in the plane.
   double table_share = 0.6;
-  double table_area = 0.3;
-  double table_low = 0.3;    ///< least height of a table top
-  double table_high = 1.6;   ///< largest height of a table top
-  double ceiling_low = 1.8;  ///< least height of a ceiling
-  double max_tilt_deg = 12;  ///< largest angle from level or vertical [deg]
+  double table_area_m2 = 0.3;
+  double table_low_m = 0.3;    ///< least height of a table top
+  double table_high_m = 1.6;   ///< largest height of a table top
+  double ceiling_low_m = 1.8;  ///< least height of a ceiling
+  double max_tilt_deg = 12;    ///< largest angle from level or vertical [deg]
   /// A piece is flush with a structure plane, and part of it, if its root mean square distance from
   /// the plane is less than this multiple of the plane's roughness, and if the gap between their
-  /// bounds is at most flush_gap. Table tops are excluded, because flat objects lie on them. 0 = no
-  /// piece is flush.
+  /// bounds is at most flush_gap_m. Table tops are excluded, because flat objects lie on them. 0 =
+  /// no piece is flush.
   double flush_roughness = 2.0;
-  double flush_gap = 0.5;  ///< largest gap between the bounds, see flush_roughness
+  double flush_gap_m = 0.5;  ///< largest gap between the bounds, see flush_roughness
 };
 
 /// The plane that fits a surface best.

@@ -60,7 +60,7 @@ int64_t LeaveOut(const DetectionSet& detections, const RefineOptions& options, R
   Image<uint8_t> out(frame->depth.width(), frame->depth.height());
   if (!PaintMasks(detections, options, &out)) return 0;
   const double scale = frame->depth.width() / 640.0;
-  Grow(static_cast<int>(std::lround(options.leave_out_margin * scale)), &out);
+  Grow(static_cast<int>(std::lround(options.leave_out_margin_px * scale)), &out);
   int64_t taken = 0;
   for (size_t i = 0; i < frame->depth.size(); ++i) {
     float& depth = frame->depth.data()[i];

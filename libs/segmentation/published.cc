@@ -63,9 +63,9 @@ bool DepthStep(const SurfaceMap& surface, double ratio, int v, int u) {
 bool Convex(const SurfaceMap& surface, const SegmentationOptions& options, int v, int u) {
   if (!surface.normals_C.valid(v, u)) return false;
   const Eigen::Vector3f p = surface.points_C.at(v, u), n = surface.normals_C.at(v, u);
-  const auto tolerance = static_cast<float>(options.concave_tolerance);
+  const auto tolerance = static_cast<float>(options.concave_tolerance_m);
   float least = 1;
-  ForWindow(surface.joined.width(), surface.joined.height(), v, u, options.convexity_window,
+  ForWindow(surface.joined.width(), surface.joined.height(), v, u, options.convexity_window_px,
             [&](int y, int x) {
               if (!surface.normals_C.valid(y, x)) return;
               const float rise = (surface.points_C.at(y, x) - p).dot(n);
@@ -93,14 +93,14 @@ RegionImage GiveBack(const SurfaceMap& surface, const RegionImage& regions,
                      const SegmentationOptions& options) {
   RegionImage out = regions;
   const int width = regions.width(), height = regions.height();
-  const auto reach = static_cast<float>(options.give_back_distance);
+  const auto reach = static_cast<float>(options.give_back_distance_m);
   ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < width; ++u) {
       if (regions(v, u) || surface.radius(v, u) == 0) continue;
       const Eigen::Vector3f p = surface.points_C.at(v, u);
       float nearest = reach * reach;
-      ForWindow(width, height, v, u, options.give_back_window, [&](int y, int x) {
+      ForWindow(width, height, v, u, options.give_back_window_px, [&](int y, int x) {
         if (regions(y, x) == 0) return;
         const float distance = (surface.points_C.at(y, x) - p).squaredNorm();
         const bool tie = distance == nearest && out(v, u) && regions(y, x) < out(v, u);

@@ -177,8 +177,8 @@ int32_t Refiner::Scaled(int pixels_at_vga) const {
 }
 
 bool Refiner::Splits(int32_t inside, int32_t pixels, int32_t mask_pixels) const {
-  return inside >= Scaled(options_.split_min_pixels) &&
-         pixels - inside >= Scaled(options_.split_min_rest_pixels) &&
+  return inside >= Scaled(options_.split_min_px) &&
+         pixels - inside >= Scaled(options_.split_min_rest_px) &&
          inside >= options_.split_min_mask_part * mask_pixels &&
          inside <= options_.min_overlap * pixels;  // otherwise the mask gets the whole segment
 }

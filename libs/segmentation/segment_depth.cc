@@ -106,13 +106,13 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
                           const SegmentationOptions& options) {
   Require(surface.joined.width() == camera.width && surface.joined.height() == camera.height,
           "a surface has the size of its camera");
-  const int min_pixels = ScaledPixels(options.min_segment_pixels, camera);
+  const int min_pixels = ScaledPixels(options.min_segment_px, camera);
   if (options.method == SegmentationMethod::kPublished) {
     return SegmentAsPublished(surface, min_pixels, options);
   }
   const Image<uint8_t> links = LinkImage(surface.joined);
   Image<uint8_t> strength = EdgeStrength(surface, links, options);
-  const int min_seed = ScaledPixels(options.min_seed_pixels, camera);
+  const int min_seed = ScaledPixels(options.min_seed_px, camera);
   Regions regions = ConnectedRegions(surface.radius, links, strength, min_seed);
   FloodRegions(surface.radius, links, strength, &regions.image);
   AddMissedRegions(surface.radius, links, min_seed, &regions);

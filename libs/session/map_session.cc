@@ -14,12 +14,12 @@ MapSession::MapSession(const MapSessionOptions& options, MapMetadata metadata)
 
 Result<MapSession> MapSession::Continue(const MapSessionOptions& options, LoadedMap loaded) {
   const VoxelGridOptions& grid = loaded.map.voxels.options();
-  if (grid.voxel_size != options.grid.voxel_size ||
+  if (grid.voxel_size_m != options.grid.voxel_size_m ||
       grid.truncation_voxels != options.grid.truncation_voxels) {
-    return Fail("the saved map has voxels of " + std::to_string(grid.voxel_size) +
+    return Fail("the saved map has voxels of " + std::to_string(grid.voxel_size_m) +
                 " m and a truncation of " + std::to_string(grid.truncation_voxels) +
-                " voxels; the options say " + std::to_string(options.grid.voxel_size) + " m and " +
-                std::to_string(options.grid.truncation_voxels));
+                " voxels; the options say " + std::to_string(options.grid.voxel_size_m) +
+                " m and " + std::to_string(options.grid.truncation_voxels));
   }
   MapSession session(options, std::move(loaded.metadata));
   session.map_ = std::move(loaded.map);

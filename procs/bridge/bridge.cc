@@ -28,24 +28,37 @@ std::vector<std::string> Names(const std::map<std::string, ForwardCounters>& cou
   return names;
 }
 
-}  // namespace
-
-Bridge::Bridge(const BridgeOptions& options) : options_(options), start_utime_(WallUtime()) {
-  if (options_.name.empty()) options_.name = "bridge-" + HostName();
+Result<ChannelPolicies> PoliciesOf(const BridgeOptions& options) {
+  return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest});
 }
 
-Result<std::unique_ptr<Bridge>> Bridge::Open(const BridgeOptions& options) {
-  std::unique_ptr<Bridge> bridge(new Bridge(options));
+}  // namespace
+
+Result<void> CheckOptions(const BridgeOptions& options) {
+  const Result<ChannelPolicies> policies = PoliciesOf(options);
+  return policies ? Result<void>() : tl::unexpected(policies.error());
+}
+
+Bridge::Bridge(const std::string& name, ChannelPolicies policies)
+    : name_(name), policies_(std::move(policies)), start_utime_(WallUtime()) {}
+
+Result<std::unique_ptr<Bridge>> Bridge::Open(const BridgePlace& place,
+                                             const BridgeOptions& options) {
+  Result<ChannelPolicies> policies = PoliciesOf(options);
+  if (!policies) return tl::unexpected(policies.error());
+  const std::string name = place.name.empty() ? "bridge-" + HostName() : place.name;
+  std::unique_ptr<Bridge> bridge(new Bridge(name, std::move(*policies)));
   Direction& send = bridge->directions_[0];
   Direction& receive = bridge->directions_[1];
   send = {"send", BridgeSide::kLocal, nullptr, nullptr, NoneYet(options.send)};
   receive = {"receive", BridgeSide::kRemote, nullptr, nullptr, NoneYet(options.receive)};
   const auto open = [&](const LcmUrl& url, const Direction& direction) {
-    return OpenBridgeEnd(url, {Names(direction.counters), options.queue_bytes});
+    return OpenBridgeEnd(
+        url, {Names(direction.counters), static_cast<size_t>(options.queue_mb) * kMegabyte});
   };
-  Result<std::unique_ptr<BridgeEnd>> local = open(options.local, send);
+  Result<std::unique_ptr<BridgeEnd>> local = open(place.local, send);
   if (!local) return tl::unexpected(local.error());
-  Result<std::unique_ptr<BridgeEnd>> remote = open(options.remote, receive);
+  Result<std::unique_ptr<BridgeEnd>> remote = open(place.remote, receive);
   if (!remote) return tl::unexpected(remote.error());
   bridge->local_ = std::move(*local);
   bridge->remote_ = std::move(*remote);
@@ -98,7 +111,7 @@ void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
     return;
   }
   if (GoesRound(direction, record)) return;
-  switch (direction.to->Add(RouteMessage(record, &options_.policies))) {
+  switch (direction.to->Add(RouteMessage(record, &policies_))) {
     case MessageQueue::Added::kReplacedOlder:
       ++counters.replaced;
       return;
@@ -120,14 +133,14 @@ bool Bridge::GoesRound(const Direction& direction, const TcpqRecord& record) {
                          directions_[1].counters.contains(record.name);
   if (!both_ways) return false;
   const std::optional<MessageHead> head = PeekHead(record.data());
-  return !head || head->source == options_.name ||
+  return !head || head->source == name_ ||
          !sides_.LivesOn(direction.side, head->source, MonotonicSeconds());
 }
 
 void Bridge::PublishStatus() {
   process_status_t message = MakeStatus("bridge", start_utime_);
   message.seq = status_seq_++;
-  message.source = options_.name;
+  message.source = name_;
   message.message = StatusSentence();
   message.state =
       StateName(message.message.empty() ? ProcessState::kRunning : ProcessState::kWaiting);
@@ -149,7 +162,7 @@ void Bridge::PublishStatus() {
   AddCounter(&message, "local.reconnects", local_->reconnects());
   AddCounter(&message, "remote.reconnects", remote_->reconnects());
   const RoutedMessage routed =
-      RouteMessage(TcpqPublish(kStatusChannel.name, Pack(message)), &options_.policies);
+      RouteMessage(TcpqPublish(kStatusChannel.name, Pack(message)), &policies_);
   for (BridgeEnd* end : {local_.get(), remote_.get()}) {
     end->Add(routed);
     end->Flush();

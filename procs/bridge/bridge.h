@@ -10,18 +10,19 @@
 
 #include "bridge/bridge_end.h"
 #include "bridge/source_sides.h"
+#include "config/process_options.h"
 #include "runtime/stop_signal.h"
 
 namespace vismap {
 
-struct BridgeOptions {
+/// The two buses that a bridge joins, and its name.
+struct BridgePlace {
   LcmUrl local, remote;
-  std::string name;                  ///< on both buses; empty = bridge-COMPUTER
-  std::vector<std::string> send;     ///< channels passed on from local to remote
-  std::vector<std::string> receive;  ///< and from remote to local
-  size_t queue_bytes = 0;            ///< may wait in each direction, see MessageQueue
-  ChannelPolicies policies;
+  std::string name;  ///< on both buses; empty = bridge-COMPUTER
 };
+
+/// Fails when a pattern of channels is no regular expression.
+Result<void> CheckOptions(const BridgeOptions& options);
 
 /// Totals of one channel in one direction.
 struct ForwardCounters {
@@ -39,7 +40,9 @@ struct ForwardCounters {
 /// if the channel is lossless.
 class Bridge {
  public:
-  static Result<std::unique_ptr<Bridge>> Open(const BridgeOptions& options);
+  /// Fails as CheckOptions and OpenBridgeEnd do.
+  static Result<std::unique_ptr<Bridge>> Open(const BridgePlace& place,
+                                              const BridgeOptions& options);
 
   /// Passes messages on until `stop` is requested. Publishes its STATUS on both buses once a
   /// second. Calls `each_round` at least every quarter of a second, but for the time that an
@@ -59,14 +62,15 @@ class Bridge {
     std::map<std::string, ForwardCounters> counters;  // of the listed channels
   };
 
-  explicit Bridge(const BridgeOptions& options);
+  Bridge(const std::string& name, ChannelPolicies policies);
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Forward(Direction& direction, const TcpqRecord& record);
   bool GoesRound(const Direction& direction, const TcpqRecord& record);
   void PublishStatus();
   std::string StatusSentence() const;
 
-  BridgeOptions options_;
+  std::string name_;
+  ChannelPolicies policies_;
   std::unique_ptr<BridgeEnd> local_, remote_;
   std::array<Direction, 2> directions_;
   SourceSides sides_;

@@ -11,12 +11,7 @@ namespace {
 
 using namespace vismap;
 
-struct Arguments {
-  ChannelPolicies policies;
-  VismapConfig config;
-};
-
-void AddOptions(CommandLine& line, BridgeConfig* config) {
+void AddOptions(CommandLine& line, BridgeOptions* config) {
   line.Option("--remote-url", &config->remote_url,
               "The other bus, for example tcpq://10.0.0.1:7700; the bus on this side is --lcm-url");
   line.Option("--send", &config->send,
@@ -27,36 +22,19 @@ void AddOptions(CommandLine& line, BridgeConfig* config) {
       .Range(1, 65536);
 }
 
-Result<std::string> CheckOptions(Arguments* arguments) {
-  const BridgeConfig& config = arguments->config.bridge;
-  Result<ChannelPolicies> policies =
-      ChannelPolicies::Make({config.lossless, config.latest, config.drop_newest});
-  if (!policies) return tl::unexpected(policies.error());
-  arguments->policies = std::move(*policies);
-  return CheckConfig(arguments->config);
-}
-
-Outcome Serve(const Arguments& arguments, ProcessContext& context) {
-  const BridgeConfig& config = arguments.config.bridge;
-  if (config.remote_url.empty()) return ExitWith(ExitCode::kUsage, "expected --remote-url");
+Outcome Serve(const BridgeOptions& options, ProcessContext& context) {
+  if (options.remote_url.empty()) return ExitWith(ExitCode::kUsage, "expected --remote-url");
   const Result<LcmUrl> local = ParseLcmUrl(context.options.lcm_url);
   if (!local) return ExitWith(ExitCode::kUsage, local.error().message);
-  const Result<LcmUrl> remote = ParseLcmUrl(config.remote_url);
+  const Result<LcmUrl> remote = ParseLcmUrl(options.remote_url);
   if (!remote) return ExitWith(ExitCode::kUsage, remote.error().message);
   if (local->text == remote->text) {
     return ExitWith(ExitCode::kUsage, "both ends of the bridge are " + local->text);
   }
   WarnOfBus(*local);
   WarnOfBus(*remote);
-  BridgeOptions options;
-  options.local = *local;
-  options.remote = *remote;
-  if (context.options.name != "bridge") options.name = context.options.name;
-  options.send = config.send;
-  options.receive = config.receive;
-  options.queue_bytes = static_cast<size_t>(config.queue_mb) * kMegabyte;
-  options.policies = arguments.policies;
-  const Result<std::unique_ptr<Bridge>> bridge = Bridge::Open(options);
+  const std::string name = context.options.name == "bridge" ? "" : context.options.name;
+  const Result<std::unique_ptr<Bridge>> bridge = Bridge::Open({*local, *remote, name}, options);
   if (!bridge) return ExitWith(ExitCode::kFailed, bridge.error().message);
   context.service.Say("running: between " + local->text + " and " + remote->text);
   context.service.Ready();
@@ -64,7 +42,7 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   context.service.Stopping();
   const auto total = [](const std::map<std::string, ForwardCounters>& channels) {
     int64_t forwarded = 0, dropped = 0;
-    for (const auto& [name, counters] : channels) {
+    for (const auto& [channel, counters] : channels) {
       forwarded += counters.forwarded;
       dropped += counters.dropped;
     }
@@ -78,14 +56,13 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Arguments arguments;
+  VismapConfig config;
   ProcessSpec spec;
   spec.name = "bridge";
   spec.summary = "Passes listed channels on between the bus of this computer and another one.";
   spec.joins_bus = false;
-  spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments.config.bridge); };
-  UseConfig(&arguments.config, &spec);
-  spec.check_config = [&] { return CheckOptions(&arguments); };
-  spec.run = [&](ProcessContext& context) { return Serve(arguments, context); };
+  spec.add_options = [&](CommandLine& line) { AddOptions(line, &config.bridge); };
+  UseConfig(&config, &spec, [&] { return CheckOptions(config.bridge); });
+  spec.run = [&](ProcessContext& context) { return Serve(config.bridge, context); };
   return RunProcess(argc, argv, spec);
 }

@@ -13,30 +13,19 @@ struct Arguments {
 };
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
-  DepthSegmenterConfig& config = arguments->config.depth_segmenter;
+  DepthSegmenterOptions& config = arguments->config.depth_segmenter;
   line.Choice("--detections", &config.detections,
-              {{"required", WaitForDetections::kRequired},
-               {"auto", WaitForDetections::kAuto},
-               {"none", WaitForDetections::kNone}},
               "required: every frame waits for its own; auto: while a detector is alive; none");
-  line.Option("--detection-timeout", &config.detection_timeout,
+  line.Option("--detection-timeout", &config.detection_timeout_s,
               "auto: seconds that a frame waits for a detector that is alive")
       .Positive();
   arguments->threads.AddTo(line);
 }
 
-SegmenterOptions OptionsOf(const VismapConfig& config) {
-  SegmenterOptions options;
-  options.detections = config.depth_segmenter.detections;
-  options.detection_timeout = config.depth_segmenter.detection_timeout;
-  options.max_waiting = static_cast<size_t>(config.depth_segmenter.max_waiting_frames);
-  options.stage = config.segmentation;
-  return options;
-}
-
 Outcome Run(const Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
-  Segmenter(OptionsOf(arguments.config), &context).Run();
+  const VismapConfig& config = arguments.config;
+  Segmenter(config.depth_segmenter, config, &context).Run();
   return {};
 }
 

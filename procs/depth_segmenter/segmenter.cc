@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kPatienceCheck = 0.05;   // how often frames that wait are looked at [s]
 constexpr double kWaitWorthSaying = 0.5;  // [s]
+constexpr size_t kMaxAnswers = 32;        // kept for frames that are sent again
 
 /// Whether two messages show the same colours and space from the same place, whoever sent them and
 /// when. Depth is not looked at.
@@ -47,12 +48,14 @@ rgbd_frame_t WithoutLeftOut(const rgbd_frame_t& message, SensorFrame sensor,
 
 }  // namespace
 
-Segmenter::Segmenter(const SegmenterOptions& options, ProcessContext* context)
+Segmenter::Segmenter(const DepthSegmenterOptions& options, const SegmentationStageOptions& stage,
+                     ProcessContext* context)
     : options_(options),
+      stage_(stage),
       bus_(*context->bus),
       status_(*context->status),
       peers_(context->bus),
-      join_(options.max_waiting) {
+      join_(static_cast<size_t>(options.max_waiting_frames)) {
   bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                [this](const rgbd_frame_t& message) { return OnFrame(message); });
   if (options_.detections != WaitForDetections::kNone) {
@@ -108,7 +111,7 @@ double Segmenter::Patience() const {
     case WaitForDetections::kRequired:
       return std::numeric_limits<double>::infinity();
     case WaitForDetections::kAuto:
-      return peers_.Alive("detector") ? options_.detection_timeout : 0;
+      return peers_.Alive("detector") ? options_.detection_timeout_s : 0;
     case WaitForDetections::kNone:
       break;
   }
@@ -127,7 +130,7 @@ void Segmenter::SegmentWaiting() {
     status_.Count("segments", answer->n_segments);
     bus_.Publish(kSegmentedFrameChannel, *answer);
     answers_.push_back({joined->frame.depth, std::move(*answer)});
-    if (answers_.size() > options_.max_cached) answers_.pop_front();
+    if (answers_.size() > kMaxAnswers) answers_.pop_front();
   }
   ShowState();
 }
@@ -155,8 +158,8 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
   const SegmentedFrame segmented =
-      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, options_.stage);
-  if (!detections || options_.stage.refine.leave_out_classes.empty())
+      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
+  if (!detections || stage_.refine.leave_out_classes.empty())
     return Encode(segmented, joined.frame);
   return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));
 }

@@ -6,7 +6,7 @@
 #include <vismap/rgbd_frame_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
 
-#include "config/config.h"
+#include "config/process_options.h"
 #include "depth_segmenter/frame_detection_join.h"
 #include "runtime/main.h"
 #include "runtime/peers.h"
@@ -14,20 +14,13 @@
 
 namespace vismap {
 
-struct SegmenterOptions {
-  WaitForDetections detections = WaitForDetections::kAuto;
-  double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
-  size_t max_waiting = 64;  ///< frames that wait for detections; beyond, the oldest is given up
-  size_t max_cached = 32;   ///< results kept for frames that are sent again
-  SegmentationStageOptions stage;
-};
-
 /// Turns RGBD_FRAME and DETECTIONS into SEGMENTED_FRAME: one for every frame, in the order of the
 /// frames. A frame that is sent again gets the same answer again.
 class Segmenter {
  public:
   /// Subscribes. The context must outlive it.
-  Segmenter(const SegmenterOptions& options, ProcessContext* context);
+  Segmenter(const DepthSegmenterOptions& options, const SegmentationStageOptions& stage,
+            ProcessContext* context);
 
   /// Works until stop is requested.
   void Run();
@@ -41,7 +34,8 @@ class Segmenter {
   double Patience() const;
   void ShowState();
 
-  SegmenterOptions options_;
+  DepthSegmenterOptions options_;
+  SegmentationStageOptions stage_;
   Bus& bus_;
   Status& status_;
   Peers peers_;

@@ -2,7 +2,7 @@
 
 namespace vismap {
 
-Result<DetectorBackend> ChooseBackend(const DetectorConfig& config, bool names_recording) {
+Result<DetectorBackend> ChooseBackend(const DetectorOptions& config, bool names_recording) {
   const bool has_model = !config.dnn.model.empty();
   DetectorBackend backend = config.backend;
   if (backend == DetectorBackend::kAuto) {

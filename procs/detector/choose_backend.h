@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/result.h"
-#include "config/config.h"
+#include "config/process_options.h"
 
 namespace vismap {
 
@@ -9,6 +9,6 @@ namespace vismap {
 /// line names detections or a sequence), else the network when there is a model. Never returns
 /// kAuto. Fails, with what to say, when the chosen one lacks its input or the other's is given,
 /// too.
-Result<DetectorBackend> ChooseBackend(const DetectorConfig& config, bool names_recording);
+Result<DetectorBackend> ChooseBackend(const DetectorOptions& config, bool names_recording);
 
 }  // namespace vismap

@@ -30,11 +30,11 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
 
 }  // namespace
 
-Outcome Detect(const DetectionSource& source, std::optional<CameraId> camera,
-               ProcessContext& context) {
+Outcome Detect(const DetectionSource& source, int camera_id, ProcessContext& context) {
   context.bus->Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                        [&](const rgbd_frame_t& message) -> Result<void> {
-                                         if (camera && message.camera_id != Raw(*camera)) return {};
+                                         if (camera_id >= 0 && message.camera_id != camera_id)
+                                           return {};
                                          return Answer(message, source, &context);
                                        });
   context.status->Set(ProcessState::kReady);

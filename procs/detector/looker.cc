@@ -16,6 +16,7 @@ namespace {
 constexpr double kPacePeriod = 10;       // between two log lines [s]
 constexpr double kWhileWorking = 0.002;  // how often it is seen whether the network is done [s]
 constexpr double kWhileIdle = 0.1;       // [s]
+constexpr size_t kMaxAnswers = 32;       // kept for frames that are sent again
 
 /// Decodes the colour of a frame and looks at it.
 Result<DetectionSet> LookAt(const rgbd_frame_t& message, const FrameHeader& header,
@@ -29,7 +30,7 @@ Result<DetectionSet> LookAt(const rgbd_frame_t& message, const FrameHeader& head
 
 }  // namespace
 
-Looker::Looker(const LookerOptions& options, DnnDetector* detector, ProcessContext* context)
+Looker::Looker(const DetectorOptions& options, DnnDetector* detector, ProcessContext* context)
     : options_(options),
       detector_(*detector),
       bus_(*context->bus),
@@ -57,7 +58,7 @@ void Looker::Run() {
 }
 
 Result<void> Looker::OnFrame(const rgbd_frame_t& message) {
-  if (options_.camera && message.camera_id != Raw(*options_.camera)) return {};
+  if (options_.camera_id >= 0 && message.camera_id != options_.camera_id) return {};
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return tl::unexpected(header.error());
   status_.Set(ProcessState::kRunning);
@@ -122,7 +123,7 @@ void Looker::Say(const rgbd_frame_t& frame, const FrameHeader& header, const Set
   status_.Count("frames");
   status_.Count("detections", static_cast<int64_t>(seen->detections.size()));
   answers_.push_back({KeyOf(frame), Checksum64(frame.color), std::move(message)});
-  if (answers_.size() > options_.max_cached) answers_.pop_front();
+  if (answers_.size() > kMaxAnswers) answers_.pop_front();
 }
 
 bool Looker::AnswerAgain(const rgbd_frame_t& message) {

@@ -7,18 +7,13 @@
 #include <vismap/detections_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 
+#include "config/process_options.h"
 #include "detection/dnn_detector.h"
 #include "detector/newest_frames.h"
 #include "detector/pace.h"
 #include "runtime/main.h"
 
 namespace vismap {
-
-struct LookerOptions {
-  std::optional<CameraId> camera;  ///< answer this camera only; none = all
-  bool every_frame = false;        ///< look at every frame instead of the newest only
-  size_t max_cached = 32;          ///< answers kept for frames that are sent again
-};
 
 /// Answers every RGBD_FRAME with one DETECTIONS by a network. Unless every_frame, the network works
 /// beside the bus: frames that arrive meanwhile wait, of each camera the newest only, and a frame
@@ -29,7 +24,7 @@ struct LookerOptions {
 class Looker {
  public:
   /// Subscribes. Detector and context must outlive it.
-  Looker(const LookerOptions& options, DnnDetector* detector, ProcessContext* context);
+  Looker(const DetectorOptions& options, DnnDetector* detector, ProcessContext* context);
 
   /// Works until stop is requested; then finishes the frame it is looking at.
   void Run();
@@ -58,7 +53,7 @@ class Looker {
   bool AnswerAgain(const rgbd_frame_t& message);
   void TellPace();
 
-  LookerOptions options_;
+  DetectorOptions options_;
   DnnDetector& detector_;
   Bus& bus_;
   Status& status_;

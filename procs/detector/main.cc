@@ -24,7 +24,7 @@ struct Arguments {
 };
 
 void AddNetworkOptions(CommandLine& line, Arguments* arguments) {
-  DetectorConfig& config = arguments->config.detector;
+  DetectorOptions& config = arguments->config.detector;
   line.Option("--model", &config.dnn.model,
               "dnn: ONNX file of a YOLO segmentation network, or Mask R-CNN's frozen graph (.pb)");
   line.Option("--graph", &config.dnn.graph, "dnn: text of the frozen graph (.pbtxt)");
@@ -38,11 +38,8 @@ void AddNetworkOptions(CommandLine& line, Arguments* arguments) {
 }
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
-  DetectorConfig& config = arguments->config.detector;
+  DetectorOptions& config = arguments->config.detector;
   line.Choice("--backend", &config.backend,
-              {{"auto", DetectorBackend::kAuto},
-               {"recorded", DetectorBackend::kRecorded},
-               {"dnn", DetectorBackend::kDnn}},
               "recorded: detections from files; dnn: a network; auto: by what is given");
   line.Option("--detections", &arguments->detections,
               "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
@@ -98,11 +95,6 @@ Outcome Open(Arguments* arguments) {
   return *chosen == DetectorBackend::kDnn ? OpenNetwork(arguments) : OpenRecorded(arguments);
 }
 
-std::optional<CameraId> Camera(const Arguments& arguments) {
-  const int id = arguments.config.detector.camera_id;
-  return id < 0 ? std::nullopt : std::optional(CameraId{id});
-}
-
 Outcome Write(const Arguments& arguments, const StopSignal& stop) {
   const auto recording = OpenRecording(arguments.dataset, arguments.format);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
@@ -113,10 +105,8 @@ Outcome Run(const Arguments& arguments, ProcessContext& context) {
   if (arguments.check) return {};
   if (!arguments.out.empty()) return Write(arguments, context.stop);
   if (arguments.chosen == DetectorBackend::kRecorded)
-    return Detect(*arguments.source, Camera(arguments), context);
-  Looker({Camera(arguments), arguments.config.detector.every_frame}, arguments.network.get(),
-         &context)
-      .Run();
+    return Detect(*arguments.source, arguments.config.detector.camera_id, context);
+  Looker(arguments.config.detector, arguments.network.get(), &context).Run();
   return {};
 }
 

@@ -45,6 +45,10 @@ void AddCounts(process_status_t* message, const NamedCounts& counts, const std::
   for (const auto& [name, count] : counts.all()) AddCounter(message, name + what, count);
 }
 
+Result<ChannelPolicies> PoliciesOf(const HubOptions& options) {
+  return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest});
+}
+
 }  // namespace
 
 void NamedCounts::Add(const std::string& name) {
@@ -58,26 +62,38 @@ int64_t NamedCounts::of(const std::string& name) const {
   return found == counts_.end() ? 0 : found->second;
 }
 
-Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options) {
-  std::unique_ptr<Hub> hub(new Hub(options));
-  if (const Result<void> listening = hub->Listen(); !listening) {
-    return Fail("cannot listen on " + options.listen.host + ":" +
-                std::to_string(options.listen.port) + ": " + listening.error().message);
-  }
-  if (hub->options_.name.empty()) {
-    hub->options_.name = "hub-" + HostName() + "-" + std::to_string(hub->port_);
-  }
+Result<void> CheckOptions(const HubOptions& options) {
+  if (const auto listen = ParseTcpAddress(options.listen); !listen)
+    return Fail("hub.listen (--listen): " + listen.error().message);
+  if (const auto policies = PoliciesOf(options); !policies) return tl::unexpected(policies.error());
+  return {};
+}
+
+Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options, const std::string& name,
+                                       const FaultOptions& faults) {
+  if (const Result<void> checked = CheckOptions(options); !checked)
+    return tl::unexpected(checked.error());
+  std::unique_ptr<Hub> hub(new Hub(options, name, faults));
+  hub->policies_ = std::move(*PoliciesOf(options));
+  if (const auto listening = hub->Listen(*ParseTcpAddress(options.listen)); !listening)
+    return Fail("cannot listen on " + options.listen + ": " + listening.error().message);
+  if (name.empty()) hub->name_ = "hub-" + HostName() + "-" + std::to_string(hub->port_);
   hub->start_utime_ = WallUtime();
   return hub;
 }
 
-Hub::Hub(const HubOptions& options) : options_(options), faults_(options.faults) {}
+Hub::Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults)
+    : options_(options),
+      queue_bytes_(static_cast<size_t>(options.queue_mb) * kMegabyte),
+      name_(name),
+      faults_(faults),
+      loses_messages_(faults.drop_fraction > 0) {}
 
 Hub::~Hub() {
   if (socket_ >= 0) close(socket_);
 }
 
-Result<void> Hub::Listen() {
+Result<void> Hub::Listen(const TcpAddress& at) {
   socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket_ < 0) return Fail(std::strerror(errno));
   SetOption(socket_, SOL_SOCKET, SO_REUSEADDR, 1);
@@ -87,8 +103,8 @@ Result<void> Hub::Listen() {
   }
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_port = htons(options_.listen.port);
-  inet_pton(AF_INET, options_.listen.host.c_str(), &address.sin_addr);
+  address.sin_port = htons(at.port);
+  inet_pton(AF_INET, at.host.c_str(), &address.sin_addr);
   if (bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 ||
       listen(socket_, 64) != 0) {
     return Fail(std::strerror(errno));
@@ -146,8 +162,7 @@ void Hub::Accept() {
   TuneTcp(socket.fd());
   ++counters_.clients_accepted;
   LogDebug(name + " joined");
-  auto client = std::make_shared<Client>(std::move(socket), name, options_.max_message_bytes,
-                                         options_.queue_bytes);
+  auto client = std::make_shared<Client>(std::move(socket), name, kMaxMessageBytes, queue_bytes_);
   client->connection.Flush();
   clients_.push_back(std::move(client));
 }
@@ -193,7 +208,7 @@ void Hub::Take(Client& client, TcpqRecord record) {
 }
 
 void Hub::Route(const TcpqRecord& record, Client* sender) {
-  const RoutedMessage message = RouteMessage(record, &options_.policies);
+  const RoutedMessage message = RouteMessage(record, &policies_);
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
     const bool sender_waits = sender != nullptr && sender != client.get();
@@ -220,8 +235,8 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
       counters_.dropped_by_client.Add(client.name);
       LogWarningSometimes("slow " + client.name,
                           client.name + " is too slow: a message of " + message.channel +
-                              " to it was dropped, its queue of " +
-                              std::to_string(options_.queue_bytes) + " bytes is full");
+                              " to it was dropped, its queue of " + std::to_string(queue_bytes_) +
+                              " bytes is full");
   }
 }
 
@@ -230,9 +245,9 @@ void Hub::LetGoOfHung() {
     if (!client->IsHeldBack()) continue;
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
       const std::shared_ptr<Client> slow = entry.lock();
-      if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience) continue;
+      if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience_s) continue;
       if (!slow->dead) {
-        CutOff(*slow, "has taken nothing for " + Seconds(options_.patience) + ", and " +
+        CutOff(*slow, "has taken nothing for " + Seconds(options_.patience_s) + ", and " +
                           client->name + " had to wait for it");
       }
     }
@@ -248,7 +263,7 @@ void Hub::RemoveDead() {
 void Hub::PublishStatus() {
   process_status_t message = MakeStatus("hub", start_utime_);
   message.seq = status_seq_++;
-  message.source = options_.name;
+  message.source = name_;
   message.state = StateName(ProcessState::kRunning);
   message.message = StatusSentence();
   AddCounter(&message, "clients", client_count());
@@ -264,7 +279,7 @@ void Hub::PublishStatus() {
     queued += client->connection.queue().bytes();
   }
   AddCounter(&message, "queued_bytes", static_cast<int64_t>(queued));
-  if (options_.faults.drop_fraction > 0) {
+  if (loses_messages_) {
     AddCounter(&message, "dropped_on_purpose", counters_.dropped_on_purpose);
   }
   AddCounts(&message, counters_.dropped_by_channel, ".dropped");
@@ -281,7 +296,7 @@ std::string Hub::StatusSentence() const {
       if (slow != nullptr) return slow->name + " is slow, " + client->name + " has to wait for it";
     }
   }
-  return options_.faults.drop_fraction > 0 ? "loses messages on purpose" : "";
+  return loses_messages_ ? "loses messages on purpose" : "";
 }
 
 }  // namespace vismap

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "config/process_options.h"
 #include "hub/client.h"
 #include "hub/fault_injection.h"
 #include "queueing/channel_policies.h"
@@ -17,17 +18,8 @@
 
 namespace vismap {
 
-struct HubOptions {
-  TcpAddress listen{"127.0.0.1", 7700};  ///< port 0 = any free one
-  std::string name;  ///< on the bus; empty = hub-COMPUTER-PORT, for hubs whose buses are bridged
-  size_t queue_bytes = 256 * kMegabyte;         ///< may wait for a client, see MessageQueue
-  size_t max_message_bytes = kMaxMessageBytes;  ///< a client that sends a larger one is cut off
-  int socket_buffer_bytes = 0;  ///< SO_RCVBUF and SO_SNDBUF of the connections; 0 = the system's
-  int max_clients = 256;
-  double patience = 30;  ///< with a client that takes nothing while others wait for it [s]
-  ChannelPolicies policies;
-  FaultOptions faults;  ///< for tests
-};
+/// Fails when the address or a pattern of channels cannot be understood.
+Result<void> CheckOptions(const HubOptions& options);
 
 /// Totals by name, of a bounded number of names.
 class NamedCounts {
@@ -60,8 +52,11 @@ struct HubCounters {
 /// wait for itself. Each client receives in the order of arrival here.
 class Hub {
  public:
-  /// Listens. Fails with the reason when the address is taken or not this computer's.
-  static Result<std::unique_ptr<Hub>> Open(const HubOptions& options);
+  /// Listens. `name` = on the bus; empty = hub-COMPUTER-PORT, so that hubs whose buses are bridged
+  /// differ. `faults` = for tests. Fails as CheckOptions does, and with the reason when the address
+  /// is taken or not this computer's.
+  static Result<std::unique_ptr<Hub>> Open(const HubOptions& options, const std::string& name = "",
+                                           const FaultOptions& faults = {});
   ~Hub();
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
@@ -77,8 +72,8 @@ class Hub {
 
  private:
   using Client = HubClient;
-  explicit Hub(const HubOptions& options);
-  Result<void> Listen();
+  Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults);
+  Result<void> Listen(const TcpAddress& at);
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Accept();
   void Read(Client& client);
@@ -92,10 +87,14 @@ class Hub {
   std::string StatusSentence() const;
 
   HubOptions options_;
+  size_t queue_bytes_;
+  std::string name_;
+  ChannelPolicies policies_;
   int socket_ = -1;
   uint16_t port_ = 0;
   std::list<std::shared_ptr<Client>> clients_;
   FaultInjection faults_;
+  bool loses_messages_;  // on purpose
   HubCounters counters_;
   int64_t start_utime_ = 0;
   int64_t status_seq_ = 0;

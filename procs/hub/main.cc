@@ -12,11 +12,10 @@ using namespace vismap;
 
 struct Arguments {
   FaultOptions faults;
-  ChannelPolicies policies;
   VismapConfig config;
 };
 
-void AddOptions(CommandLine& line, HubConfig* config) {
+void AddOptions(CommandLine& line, HubOptions* config) {
   line.Option("--listen", &config->listen,
               "Address to listen on, numbers only; port 0 = any free one, printed");
   line.Option("--queue-mb", &config->queue_mb,
@@ -28,7 +27,7 @@ void AddOptions(CommandLine& line, HubConfig* config) {
       .AtLeast(0);
   line.Option("--max-clients", &config->max_clients, "Connections beyond are refused")
       .Range(1, 10000);
-  line.Option("--patience-s", &config->patience,
+  line.Option("--patience-s", &config->patience_s,
               "A client that takes nothing for so long while publishers wait for it is cut off")
       .Range(0.1, 60);
   line.Option("--lossless", &config->lossless,
@@ -48,15 +47,6 @@ void AddFaults(CommandLine& line, FaultOptions* faults) {
               "For tests: lose messages of these channels only, NAME,NAME");
 }
 
-Result<std::string> CheckOptions(Arguments* arguments) {
-  const HubConfig& config = arguments->config.hub;
-  Result<ChannelPolicies> policies =
-      ChannelPolicies::Make({config.lossless, config.latest, config.drop_newest});
-  if (!policies) return tl::unexpected(policies.error());
-  arguments->policies = std::move(*policies);
-  return CheckConfig(arguments->config);
-}
-
 std::string Percent(double fraction) {
   char text[32];
   std::snprintf(text, sizeof(text), "%.4g %%", fraction * 100);
@@ -64,28 +54,20 @@ std::string Percent(double fraction) {
 }
 
 Outcome Serve(const Arguments& arguments, ProcessContext& context) {
-  const HubConfig& config = arguments.config.hub;
+  const HubOptions& options = arguments.config.hub;
   const FaultOptions& faults = arguments.faults;
-  HubOptions options;
-  options.faults = faults;
-  options.policies = arguments.policies;
-  options.patience = config.patience;
-  options.queue_bytes = static_cast<size_t>(config.queue_mb) * kMegabyte;
-  options.socket_buffer_bytes = config.socket_buffer_bytes;
-  options.max_clients = config.max_clients;
-  const Result<TcpAddress> listen = ParseTcpAddress(config.listen);
-  if (!listen) return ExitWith(ExitCode::kUsage, "--listen: " + listen.error().message);
-  options.listen = *listen;
-  if (context.options.name != "hub") options.name = context.options.name;
-  const Result<std::unique_ptr<Hub>> hub = Hub::Open(options);
+  const std::string name = context.options.name == "hub" ? "" : context.options.name;
+  const Result<std::unique_ptr<Hub>> hub = Hub::Open(options, name, faults);
   if (!hub) return ExitWith(ExitCode::kFailed, hub.error().message);
-  std::printf("tcpq://%s:%d\n", listen->host.c_str(), (*hub)->port());
+  const std::string url =
+      "tcpq://" + ParseTcpAddress(options.listen)->host + ":" + std::to_string((*hub)->port());
+  std::printf("%s\n", url.c_str());
   std::fflush(stdout);
   if (faults.drop_fraction > 0) {
     LogWarning("for a test: loses " + Percent(faults.drop_fraction) +
                " of the messages on purpose");
   }
-  context.service.Say("running: tcpq://" + listen->host + ":" + std::to_string((*hub)->port()));
+  context.service.Say("running: " + url);
   context.service.Ready();
   (*hub)->Run(context.stop, [&] { context.service.Alive(); });
   context.service.Stopping();
@@ -110,8 +92,7 @@ int main(int argc, char** argv) {
     AddOptions(line, &arguments.config.hub);
     AddFaults(line, &arguments.faults);
   };
-  UseConfig(&arguments.config, &spec);
-  spec.check_config = [&] { return CheckOptions(&arguments); };
+  UseConfig(&arguments.config, &spec, [&] { return CheckOptions(arguments.config.hub); });
   spec.run = [&](ProcessContext& context) { return Serve(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

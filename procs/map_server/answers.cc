@@ -43,13 +43,12 @@ Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {
 
 Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,
                             const OutputOptions& outputs) {
-  OctreeOptions options;
-  options.resolution = request.resolution_m > 0 ? request.resolution_m : outputs.octree_resolution;
-  options.free_fraction = outputs.octree_free_fraction;
+  OctreeOptions options = outputs.octree;
+  if (request.resolution_m > 0) options.resolution_m = request.resolution_m;
   options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
                                                                        : UnknownPolicy::kAbsent;
   if (request.has_bbx) options.bounds_W = BoxOf(request);
-  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(session.map(), outputs.occupancy), options);
+  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(session.map(), outputs.free_space), options);
   if (!octree) return tl::unexpected(octree.error());
   return Answer{std::to_string(octree->nodes) + " nodes", "bt", std::move(octree->bytes)};
 }

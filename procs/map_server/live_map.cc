@@ -14,10 +14,10 @@ LiveMap::LiveMap(const VismapConfig& config, Bus* bus, Status* status)
       bus_(bus),
       status_(status),
       publisher_(
-          OutputOptionsOf(config),
-          {.mesh = config.map_server.mesh_period, .objects = config.map_server.objects_period}, bus,
+          config,
+          {.mesh = config.map_server.mesh_period_s, .objects = config.map_server.objects_period_s}, bus,
           StageTimings(status)),
-      store_(config.map_server.save_on_exit, config.map_server.save_period, status) {
+      store_(config.map_server.save_on_exit, config.map_server.save_period_s, status) {
   Reset();
 }
 
@@ -34,11 +34,11 @@ void LiveMap::Start(MapSession session) {
   publisher_.Start(*session_);
 }
 
-void LiveMap::Reset() { Start(MapSession(SessionOptionsOf(config_), NewMetadata())); }
+void LiveMap::Reset() { Start(MapSession(config_, NewMetadata())); }
 
 Result<std::string> LiveMap::Load(const std::string& path) {
   Result<MapSession> session =
-      MapStore::Load(path, SessionOptionsOf(config_), NewMetadata().map_id);
+      MapStore::Load(path, config_, NewMetadata().map_id);
   if (!session) return tl::unexpected(session.error());
   Start(std::move(*session));
   return "loaded " + path + " with " + std::to_string(session_->map().revision) +

@@ -7,10 +7,10 @@
 
 namespace vismap {
 
-MapStore::MapStore(std::filesystem::path path, double save_period, Status* status)
+MapStore::MapStore(std::filesystem::path path, double save_period_s, Status* status)
     : path_(std::move(path)),
-      saves_periodically_(save_period > 0),
-      save_pacer_(save_period),
+      saves_periodically_(save_period_s > 0),
+      save_pacer_(save_period_s),
       status_(status) {}
 
 Result<MapSession> MapStore::Load(const std::string& path, const MapSessionOptions& options,

@@ -19,8 +19,8 @@ namespace vismap {
 class MapStore {
  public:
   /// `path`: where the map is saved unless a request names another file; empty = nowhere.
-  /// `save_period` [s]: how often SaveIfDue saves; 0 = never. `status` must outlive it.
-  MapStore(std::filesystem::path path, double save_period, Status* status);
+  /// `save_period_s` [s]: how often SaveIfDue saves; 0 = never. `status` must outlive it.
+  MapStore(std::filesystem::path path, double save_period_s, Status* status);
 
   /// Loads a map and gives it `map_id`, so that nobody takes its revisions for those of the map
   /// that was saved. Fails with the path and the reason.

@@ -58,7 +58,7 @@ Result<MapInput> ReadMap(const MapToolArguments& arguments) {
   if (fs::path(arguments.map).extension() == ".ply") return ReadMesh(arguments);
   const Result<LoadedMap> loaded = LoadMap(arguments.map);
   if (!loaded) return tl::unexpected(loaded.error());
-  const OutputOptions options = OutputOptionsOf(arguments.config);
+  const OutputOptions options = arguments.config;
   MapProducts products = MakeProducts(loaded->map, loaded->metadata, options);
   MapInput input;
   input.map.mesh = std::move(products.mesh);
@@ -68,7 +68,7 @@ Result<MapInput> ReadMap(const MapToolArguments& arguments) {
     if (!object.discovered() && !object.removed())
       (*input.map.scores)[object.instance] = std::round(object.score * 1e6) / 1e6;
   }
-  input.occupancy = ClassifyMap(loaded->map, options.occupancy);
+  input.occupancy = ClassifyMap(loaded->map, options.free_space);
   return input;
 }
 
@@ -90,9 +90,9 @@ Result<FreeSpaceEvaluation> ScoreCells(const OccupancyMap& cells, const TruthSou
 Result<std::vector<FreeSpaceEvaluation>> ScoreOccupancy(const OccupancyMap& voxels,
                                                         const TruthSource& source,
                                                         const OutputOptions& options) {
-  const auto grid = ChooseOctreeGrid(voxels.cell_size(), options.octree_resolution);
+  const auto grid = ChooseOctreeGrid(voxels.cell_size(), options.octree.resolution_m);
   if (!grid) return tl::unexpected(grid.error());
-  const OccupancyMap leaves = Coarsen(voxels, {grid->factor, options.octree_free_fraction});
+  const OccupancyMap leaves = Coarsen(voxels, {grid->factor, options.octree.free_fraction});
   std::vector<FreeSpaceEvaluation> results;
   for (const OccupancyMap* cells : {&voxels, &leaves}) {
     Result<FreeSpaceEvaluation> result = ScoreCells(*cells, source);
@@ -110,7 +110,7 @@ Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthS
   if (!input->occupancy) return evaluation;
   if (!source.depth)
     LogWarning("free space is not compared with depth images: " + source.depth.error().message);
-  auto free_space = ScoreOccupancy(*input->occupancy, source, OutputOptionsOf(arguments.config));
+  auto free_space = ScoreOccupancy(*input->occupancy, source, arguments.config);
   if (!free_space) return tl::unexpected(free_space.error());
   evaluation.free_space = std::move(*free_space);
   return evaluation;

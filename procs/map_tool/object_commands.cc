@@ -39,8 +39,7 @@ tl::expected<SelectedObjects, ExitFailure> Select(const MapToolArguments& argume
                                                   const ObjectQuery& query) {
   Result<LoadedMap> loaded = LoadMap(arguments.map);
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-  MapProducts products =
-      MakeProducts(loaded->map, loaded->metadata, OutputOptionsOf(arguments.config));
+  MapProducts products = MakeProducts(loaded->map, loaded->metadata, arguments.config);
   Result<std::vector<ObjectSummary>> objects = SelectObjects(products.objects, query);
   if (!objects) return ExitWith(ExitCode::kFailed, arguments.map + ": " + objects.error().message);
   products.objects = std::move(*objects);
@@ -97,8 +96,8 @@ Outcome RunExport(const MapToolArguments& arguments, ProcessContext&) {
   const auto all = Select(arguments, *query);
   if (!all) return tl::unexpected(all.error());
   const LoadedMap& loaded = all->loaded;
-  const auto written = WriteOutputs(loaded.map, loaded.metadata, all->products,
-                                    OutputOptionsOf(arguments.config), arguments.out);
+  const auto written =
+      WriteOutputs(loaded.map, loaded.metadata, all->products, arguments.config, arguments.out);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
   PrintObjects(ObjectsText(loaded.metadata, all->products), false);
   std::printf("map hash %s\nresults in %s\n", loaded.map_hash.c_str(),

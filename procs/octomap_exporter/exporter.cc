@@ -12,7 +12,7 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
       bus_(bus),
       status_(status),
       catch_up_(bus, "snapshot"),
-      export_pacer_(config.octomap_exporter.period),
+      export_pacer_(config.octomap_exporter.period_s),
       requests_(
           RequestReceiver::kOctomapExporter, [this] { return follower_.position(); }, bus, status) {
   bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
@@ -45,7 +45,7 @@ bool Exporter::has_news() const { return follower_.in_sync() && follower_.positi
 
 void Exporter::OnTimer() {
   if (!follower_.in_sync()) catch_up_.Ask(follower_.position());
-  if (config_.octomap_exporter.period <= 0 || !has_news()) return;
+  if (config_.octomap_exporter.period_s <= 0 || !has_news()) return;
   export_pacer_.RunIfDue([&] {
     const Result<std::string> exported = Export();
     if (!exported) LogWarningSometimes("export", exported.error().message);
@@ -60,10 +60,7 @@ Result<void> Exporter::UpdateOctree() {
     return {};
   }
   octree_.reset();
-  OctreeOptions options;
-  options.resolution = config_.octree.resolution;
-  options.free_fraction = config_.octree.free_fraction;
-  Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), options);
+  Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), config_.octree);
   if (!builder) return tl::unexpected(builder.error());
   octree_.emplace(std::move(*builder));
   octree_->Update(map, map.SortedIndices());
@@ -75,8 +72,8 @@ Result<std::string> Exporter::Export() {
   const StageTimer timer(status_, "export");
   if (const Result<void> done = UpdateOctree(); !done) return tl::unexpected(done.error());
   OctreeMessage message{
-      follower_.utime(),       follower_.position().map_id, follower_.position().revision,
-      config_.grid.voxel_size, config_.free_space,          {}};
+      follower_.utime(),         follower_.position().map_id, follower_.position().revision,
+      config_.grid.voxel_size_m, config_.free_space,          {}};
   message.voxel_size = follower_.occupancy()->cell_size();
   Result<OctreeBytes> octree = octree_->Build(config_.octomap_exporter.unknown);
   if (!octree) return tl::unexpected(octree.error());

@@ -64,7 +64,7 @@ Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& argumen
 
 // The network to use; none when detections are named, or no network is.
 Result<std::unique_ptr<DnnDetector>> FindNetwork(const Arguments& arguments) {
-  const DetectorConfig& config = arguments.config.detector;
+  const DetectorOptions& config = arguments.config.detector;
   const bool recorded =
       !arguments.detections.empty() || config.backend == DetectorBackend::kRecorded;
   if (config.dnn.model.empty() || (recorded && arguments.model.empty())) return nullptr;
@@ -129,12 +129,6 @@ void Summarise(const Arguments& arguments, const MapSession& session,
               std::filesystem::absolute(arguments.out).c_str());
 }
 
-// The network of the command line goes before that of the config.
-Result<std::string> CheckOptions(Arguments* arguments) {
-  if (!arguments->model.empty()) arguments->config.detector.dnn.model = arguments->model;
-  return CheckConfig(arguments->config);
-}
-
 Outcome Run(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
   const auto recording = OpenRecording(arguments.dataset, arguments.format, arguments.frames);
@@ -155,7 +149,7 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   metadata.map_id = dataset->name();
   metadata.config = PrintConfig(arguments.config);
   metadata.created_by = std::string("vismap-offline-mapper ") + Version();
-  MapSession session(SessionOptionsOf(arguments.config), std::move(metadata));
+  MapSession session(arguments.config, std::move(metadata));
   StageTimes times;
   {
     Progress progress("mapping " + dataset->name(), static_cast<int64_t>(dataset->size()));
@@ -163,13 +157,13 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
       progress.Show(static_cast<int64_t>(done));
       return !context.stop.requested();
     };
-    const auto mapped = MapSequence({*dataset, detections->get(), network->get()},
-                                    arguments.config.segmentation, proceed, &session, &times);
+    const auto mapped = MapSequence({*dataset, detections->get(), network->get()}, arguments.config,
+                                    proceed, &session, &times);
     if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
   }
   if (context.stop.requested()) LogWarning("stopped early; writing what there is");
 
-  const OutputOptions options = OutputOptionsOf(arguments.config);
+  const OutputOptions options = arguments.config;
   const double start = MonotonicSeconds();
   const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
   times.Add("products", (MonotonicSeconds() - start) * 1e3);
@@ -193,8 +187,10 @@ int main(int argc, char** argv) {
       "it.";
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
-  UseConfig(&arguments.config, &spec);
-  spec.check_config = [&] { return CheckOptions(&arguments); };
+  UseConfig(&arguments.config, &spec, [&] {
+    if (!arguments.model.empty()) arguments.config.detector.dnn.model = arguments.model;
+    return Result<void>();
+  });
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <concepts>
 #include <cstdio>
 #include <deque>
@@ -194,6 +195,13 @@ CommandLine CommandLine::Command(const std::string& name, const std::string& hel
   command->fallthrough();  // the options of the program may come after the subcommand
   command->callback(std::move(chosen));
   return CommandLine(parser_, command);
+}
+
+std::string WordOf(const std::string& name) {
+  std::string word;
+  for (const char c : name)
+    word += c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word;
 }
 
 std::optional<ExitCode> CommandLine::Parse(int argc, char** argv) {

@@ -67,6 +67,10 @@ class CommandLine {
   CommandLineOption Choice(const std::string& name, T* target,
                            std::vector<std::pair<std::string, T>> choices, const std::string& help);
 
+  /// One of the names of an enum (see EnumName), in lower case.
+  template <typename Enum>
+  CommandLineOption Choice(const std::string& name, Enum* target, const std::string& help);
+
   /// A subcommand with options of its own. Exactly one subcommand must be given then; `chosen` is
   /// called by Parse when it is this one.
   CommandLine Command(const std::string& name, const std::string& help,
@@ -90,6 +94,17 @@ class CommandLine {
   std::shared_ptr<Parser> parser_;
   CLI::App* app_;  // the program, or one of its subcommands
 };
+
+/// "DROP_NEWEST" as a word for the command line: "drop-newest".
+std::string WordOf(const std::string& name);
+
+template <typename Enum>
+CommandLineOption CommandLine::Choice(const std::string& name, Enum* target,
+                                      const std::string& help) {
+  std::vector<std::pair<std::string, Enum>> choices;
+  for (const auto& [choice, value] : NamesOf(*target)) choices.emplace_back(WordOf(choice), value);
+  return Choice(name, target, std::move(choices), help);
+}
 
 template <typename T>
 CommandLineOption CommandLine::Choice(const std::string& name, T* target,

@@ -14,7 +14,7 @@ struct Arguments {
   std::string dataset, format;
   int camera_id = 0;
   DatasetOptions sequence;
-  ReplayOptions replay;  // but for what the config says, too
+  ReplayBounds bounds;
   VismapConfig config;
   std::unique_ptr<Dataset> opened;
 };
@@ -35,19 +35,20 @@ void AddInput(CommandLine& line, Arguments* arguments) {
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
   AddInput(line, arguments);
-  SensorReplayConfig& config = arguments->config.sensor_replay;
+  SensorReplayOptions& config = arguments->config.sensor_replay;
   line.Choice("--mode", &config.lockstep, {{"realtime", false}, {"lockstep", true}},
               "realtime, or lockstep: at the pace of the map server; a log is played in lockstep "
               "unless you say otherwise");
   line.Option("--speed", &config.speed, "Of real time; 0 = as fast as possible").AtLeast(0);
-  line.Option("--window", &config.window, "Lockstep: frames sent before the oldest is committed")
+  line.Option("--window", &config.window_frames,
+              "Lockstep: frames sent before the oldest is committed")
       .Range(1, 1000);
-  line.Option("--resend-s", &config.resend_after,
+  line.Option("--resend-s", &config.resend_s,
               "Lockstep: seconds without a commit before frames are repeated")
       .Positive();
-  line.Option("--wait-for", &arguments->replay.wait_for,
+  line.Option("--wait-for", &arguments->bounds.wait_for,
               "Programs that must be ready first: depth-segmenter,map-server");
-  line.Flag("--loop", &arguments->replay.loop, "Begin again at the end, with utimes that go on");
+  line.Flag("--loop", &arguments->bounds.loop, "Begin again at the end, with utimes that go on");
 }
 
 // A log is played in lockstep, whatever the file says, unless the command line says otherwise.
@@ -80,12 +81,7 @@ int main(int argc, char** argv) {
   };
   spec.prepare = [&] { return Open(&arguments); };
   spec.run = [&](ProcessContext& context) {
-    const SensorReplayConfig& config = arguments.config.sensor_replay;
-    arguments.replay.lockstep = config.lockstep;
-    arguments.replay.speed = config.speed;
-    arguments.replay.window = config.window;
-    arguments.replay.resend_after = config.resend_after;
-    return Replay(*arguments.opened, arguments.replay, context);
+    return Replay(*arguments.opened, arguments.config.sensor_replay, arguments.bounds, context);
   };
   return RunProcess(argc, argv, spec);
 }

@@ -79,14 +79,16 @@ class Frames {
 /// What both ways of playing need.
 class Player {
  public:
-  Player(const Dataset& dataset, const ReplayOptions& options, ProcessContext* context)
-      : frames_(dataset, options.loop),
+  Player(const Dataset& dataset, const SensorReplayOptions& options, const ReplayBounds& bounds,
+         ProcessContext* context)
+      : frames_(dataset, bounds.loop),
         options_(options),
+        wait_for_(bounds.wait_for),
         bus_(*context->bus),
         status_(*context->status),
         peers_(context->bus),
         contents_(context->bus, &peers_),
-        progress_(dataset.name(), options.loop ? 0 : static_cast<int64_t>(dataset.size())) {
+        progress_(dataset.name(), bounds.loop ? 0 : static_cast<int64_t>(dataset.size())) {
     status_.SetCounter("frames_in_sequence", static_cast<int64_t>(dataset.size()));
     status_.SetCounter("frames_skipped", static_cast<int64_t>(dataset.skipped().size()));
   }
@@ -104,7 +106,7 @@ class Player {
   bool WaitForPeers() {
     status_.Set(ProcessState::kReady);
     return bus_.Run([this] {
-      const std::vector<std::string> missing = peers_.Missing(options_.wait_for);
+      const std::vector<std::string> missing = peers_.Missing(wait_for_);
       if (!missing.empty()) {
         if (status_.state() != ProcessState::kWaiting) LogInfo("waiting for " + Join(missing));
         status_.Set(ProcessState::kWaiting, "waiting for " + Join(missing));
@@ -194,7 +196,7 @@ class Player {
   }
 
   Outcome PlayInLockstep() {
-    auto window = std::make_shared<LockstepWindow>(options_.window, options_.resend_after);
+    auto window = std::make_shared<LockstepWindow>(options_.window_frames, options_.resend_s);
     bus_.Subscribe<frame_commit_t>(kMapCommitChannel, [this, window](const frame_commit_t& commit) {
       OnCommit(commit, window.get());
     });
@@ -237,7 +239,8 @@ class Player {
   }
 
   Frames frames_;
-  const ReplayOptions& options_;
+  const SensorReplayOptions& options_;
+  const std::vector<std::string>& wait_for_;
   Bus& bus_;
   Status& status_;
   Peers peers_;
@@ -249,10 +252,11 @@ class Player {
 
 }  // namespace
 
-Outcome Replay(const Dataset& dataset, const ReplayOptions& options, ProcessContext& context) {
+Outcome Replay(const Dataset& dataset, const SensorReplayOptions& options,
+               const ReplayBounds& bounds, ProcessContext& context) {
   if (dataset.size() == 0)
     return ExitWith(ExitCode::kUnreadable, dataset.name() + ": no usable frames");
-  return Player(dataset, options, &context).Play();
+  return Player(dataset, options, bounds, &context).Play();
 }
 
 }  // namespace vismap

@@ -104,7 +104,7 @@ TEST(Associate, EqualsTheNaiveOneOnRandomMapsAndFrames) {
     options.min_overlap_points = random.Whole(0, 60);
     options.pixel_stride = random.Whole(1, 3);
     options.max_distance_voxels = random.Real(0.3, 2.5);
-    options.max_range = random.Real(1, 6);
+    options.max_range_m = random.Real(1, 6);
     options.merge_overlap_ratio = random.Real(0.01, 0.3);
     const FrameAssociation fast = Associate(frame, {voxels, labels}, options);
     ExpectSame(fast, naive::Associate(frame, {voxels, labels}, options));

@@ -55,7 +55,7 @@ void BM_ClassifyChangesOfAFrame(benchmark::State& state) {
 void BM_BuildOctree(benchmark::State& state) {
   const OccupancyMap occupancy = ClassifyMap(Recorded::Get().map, {});
   OctreeOptions options;
-  options.resolution = 0.01 * static_cast<double>(state.range(0));
+  options.resolution_m = 0.01 * static_cast<double>(state.range(0));
   options.unknown = state.range(1) == 0 ? UnknownPolicy::kAbsent : UnknownPolicy::kOccupied;
   Result<OctreeBytes> octree;
   for (auto _ : state) octree = BuildOctree(occupancy, options);

@@ -22,6 +22,7 @@
 #include "objects/read_out.h"
 #include "offline_mapper/stage_times.h"
 #include "runtime/command_line.h"
+#include "session/derived_options.h"
 #include "support/mesh_blocks.h"
 #include "support/naive/compute_surface.h"
 #include "support/naive/mesh_block.h"
@@ -115,8 +116,8 @@ SemanticMap Copy(const SemanticMap& map) {
 class Bench {
  public:
   Bench(double voxel_size, double range, bool whole) : map_({voxel_size, 4}), whole_(whole) {
-    association_.max_range = range;
-    integration_.max_range = integration_.free_space_range = range;
+    options_.integration.max_range_m = options_.integration.free_space_range_m = range;
+    DeriveOptions(SurfaceOptions{}, &options_);
   }
 
   /// Maps a frame. `compare` = run the naive stages on it, too.
@@ -133,12 +134,12 @@ class Bench {
       return RefineWithDetections(std::move(frame), std::move(image), input.Detections(), {});
     });
     const FrameAssociation association = Timed(&fast.association, [&] {
-      return Associate(segmented, {map_.voxels, map_.labels}, association_);
+      return Associate(segmented, {map_.voxels, map_.labels}, options_.association);
     });
     std::optional<SemanticMap> before;
     if (compare) before = Copy(map_);
     const MapDelta delta = Timed(&fast.integration, [&] {
-      return IntegrateFrame(segmented, association, integration_, &map_);
+      return IntegrateFrame(segmented, association, options_.integration, &map_);
     });
     Add(fast, &out->fast);
     if (compare) CompareMaps(segmented, association, &*before, fast, &slow, out);
@@ -176,10 +177,10 @@ class Bench {
                    SemanticMap* before, const FrameTimes& fast, FrameTimes* slow,
                    Measurement* out) const {
     const FrameAssociation naive_association = Timed(&slow->association, [&] {
-      return naive::Associate(frame, {before->voxels, before->labels}, association_);
+      return naive::Associate(frame, {before->voxels, before->labels}, options_.association);
     });
     Timed(&slow->integration,
-          [&] { return naive::IntegrateFrame(frame, association, integration_, before); });
+          [&] { return naive::IntegrateFrame(frame, association, options_.integration, before); });
     if (!SameAssociation(association, naive_association)) ++out->naive_differences;
     if (HashMap(*before) != HashMap(map_)) ++out->naive_differences;
     ++out->naive_frames;
@@ -205,8 +206,7 @@ class Bench {
 
   SemanticMap map_;
   bool whole_;  // whether meshes are updated, too
-  AssociationOptions association_;
-  IntegrationOptions integration_;
+  MapSessionOptions options_;
 };
 
 Measurement Measure(const InputSequence& sequence, double range, int naive_every) {

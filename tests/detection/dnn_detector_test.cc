@@ -134,10 +134,10 @@ TEST(DnnDetector, OutputsOfAnotherNetworkAreNamed) {
   EXPECT_THAT(ErrorOf(options),
               HasSubstr("expected an output detection_out_final, found output0, output1"));
   options = yolo.Options();
-  options.input_size = 50;
+  options.input_size_px = 50;
   EXPECT_THAT(ErrorOf(options), HasSubstr("tiny.onnx: the network cannot be run: OpenCV says"));
   options.model = "model.bin";
-  options.input_size = 0;
+  options.input_size_px = 0;
   EXPECT_THAT(ErrorOf(options), HasSubstr("expected .onnx (YOLO) or .pb (Mask R-CNN)"));
 }
 

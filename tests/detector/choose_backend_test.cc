@@ -8,8 +8,8 @@ namespace {
 
 using testing::HasSubstr;
 
-DetectorConfig With(DetectorBackend backend, const std::string& model) {
-  DetectorConfig config;
+DetectorOptions With(DetectorBackend backend, const std::string& model) {
+  DetectorOptions config;
   config.backend = backend;
   config.dnn.model = model;
   return config;

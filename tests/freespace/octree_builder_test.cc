@@ -74,7 +74,7 @@ void CheckSequence(const OctreeOptions& options, uint64_t seed) {
       OctreeOptions whole = options;
       whole.unknown = unknown;
       ASSERT_NO_FATAL_FAILURE(ExpectSame(builder->Build(unknown), BuildOctree(map, whole)))
-          << "step " << step << " resolution " << options.resolution;
+          << "step " << step << " resolution " << options.resolution_m;
     }
   }
 }
@@ -84,7 +84,7 @@ TEST(OctreeBuilder, BytesAreThoseOfTheWholeMapAfterEveryStep) {
   for (const double resolution : {0.04, 0.06, 0.08, 0.1, 0.22}) {
     for (const double free_fraction : {1.0, 0.6}) {
       OctreeOptions options;
-      options.resolution = resolution;
+      options.resolution_m = resolution;
       options.free_fraction = free_fraction;
       CheckSequence(options, ++seed);
     }
@@ -93,7 +93,7 @@ TEST(OctreeBuilder, BytesAreThoseOfTheWholeMapAfterEveryStep) {
 
 TEST(OctreeBuilder, BytesAreThoseOfTheWholeMapWithinBounds) {
   OctreeOptions options;
-  options.resolution = 0.06;
+  options.resolution_m = 0.06;
   options.bounds_W = {Eigen::Vector3d(-0.7, -0.4, -0.3), Eigen::Vector3d(1.3, 0.9, 0.27)};
   CheckSequence(options, 11);
 }
@@ -141,7 +141,7 @@ TEST(OctreeBuilder, WritesAgainOnlyWhatChangedHoweverLargeTheMap) {
     for (int x = 0; x < 60; ++x) map.Set({x, y, (x + y) % 9}, BlockOccupancy(CellState::kFree));
   }
   OctreeOptions options;
-  options.resolution = 0.04;
+  options.resolution_m = 0.04;
   Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), options);
   builder->Update(map, map.SortedIndices());
   for (const UnknownPolicy unknown : kPolicies) {
@@ -185,7 +185,7 @@ TEST(OctreeBuilder, RefusesAMapOnlyWhileItReachesBeyondTheKeySpace) {
 
 TEST(OctreeBuilder, RefusesWhatBuildOctreeRefuses) {
   OctreeOptions options;
-  options.resolution = 0.05;
+  options.resolution_m = 0.05;
   EXPECT_FALSE(OctreeBuilder::Make(0.02, options));
   EXPECT_TRUE(OctreeBuilder::Make(0.01, options));
   options.free_fraction = 1.1;

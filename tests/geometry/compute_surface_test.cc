@@ -116,7 +116,7 @@ TEST(ComputeSurface, WindowGrowsWithRangeSoThatNormalsStayGoodInNoise) {
               MedianError(surface, {0, 0, -1}))
         << z;
   }
-  EXPECT_GT(last_radius, SurfaceOptions{}.min_radius);
+  EXPECT_GT(last_radius, SurfaceOptions{}.min_radius_px);
 }
 
 TEST(ComputeSurface, PixelsWithoutDepthHaveNoPointNoNormalAndAreJoinedToNothing) {
@@ -148,7 +148,7 @@ TEST(ComputeSurface, AgreesWithTheCovarianceOfAllPointsNearby) {
   const TestScene scene{{{Eigen::Vector3d(0.4, -0.3, 1).normalized(), 1.2}},
                         {{Eigen::Vector3d(0.2, 0.1, 0.9), 0.25}}};
   SurfaceOptions slow = With(CleanNoise());
-  slow.min_radius = slow.max_radius = 6;  // 13 px, as the published window
+  slow.min_radius_px = slow.max_radius_px = 6;  // 13 px, as the published window
   slow.method = NormalMethod::kWindowCovariance;
   SurfaceOptions fast = slow;
   fast.method = NormalMethod::kInverseDepthFit;
@@ -206,14 +206,14 @@ TEST(DepthNoiseModel, PresetsAreValidAndGrowWithRange) {
 TEST(SurfaceOptions, ValidateNamesEveryProblem) {
   EXPECT_TRUE(Validate(SurfaceOptions{}).empty());
   SurfaceOptions bad;
-  bad.max_depth = std::numeric_limits<double>::quiet_NaN();
-  bad.min_radius = 20;
-  bad.window = 4;
-  bad.noise.axial_base = -1;
+  bad.max_depth_m = std::numeric_limits<double>::quiet_NaN();
+  bad.min_radius_px = 20;
+  bad.window_px = 4;
+  bad.noise.axial_base_m = -1;
   const auto problems = Validate(bad);
   ASSERT_EQ(problems.size(), 4u);
   EXPECT_NE(problems[0].find("max_depth"), std::string::npos);
-  EXPECT_NE(problems[3].find("noise.axial_base"), std::string::npos);
+  EXPECT_NE(problems[3].find("noise_axial_base_m"), std::string::npos);
 }
 
 }  // namespace

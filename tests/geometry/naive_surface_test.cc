@@ -33,8 +33,8 @@ TEST(ComputeSurface, EqualsTheNaiveOneAroundTheUsualSize) {
 
 TEST(ComputeSurface, EqualsTheNaiveOneWithTheLargestWindows) {
   SurfaceOptions options;
-  options.min_radius = 31;
-  options.max_radius = 31;
+  options.min_radius_px = 31;
+  options.max_radius_px = 31;
   options.jump_sigmas = 20;
   for (uint64_t seed = 1; seed <= 5; ++seed) Compare(90, 70, options, seed);
 }

@@ -77,7 +77,7 @@ TEST(Hub, PassesLargeMessagesThroughTheSmallestSocketBuffers) { PassesLargeMessa
 
 TEST(Hub, SlowReaderLosesTheNewestAndIsTold) {
   HubOptions options;
-  options.queue_bytes = 4 * kMegabyte;
+  options.queue_mb = 4;
   options.socket_buffer_bytes = 16384;
   RunningHub hub(options);
   auto sender = Join(hub, "sender"), slow = Join(hub, "slow"), quick = Join(hub, "quick");
@@ -141,9 +141,7 @@ TEST(Hub, PublishesItsStatus) {
 
 /// Numbers of the messages that come through a hub with these faults, of 200 sent.
 std::vector<int64_t> ThroughALossyHub(const FaultOptions& faults) {
-  HubOptions options;
-  options.faults = faults;
-  RunningHub hub(options);
+  RunningHub hub({}, 0, faults);
   auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
   std::vector<int64_t> got;
   reader->Subscribe<map_delta_t>(kMapDeltaChannel,
@@ -173,7 +171,7 @@ TEST(HubWithFaults, LosesTheAskedPartAndTheSameOnesAgain) {
 TEST(Hub, AddressThatIsTakenIsAnError) {
   RunningHub hub;
   HubOptions options;
-  options.listen.port = hub.port();
+  options.listen = "127.0.0.1:" + std::to_string(hub.port());
   const auto second = Hub::Open(options);
   ASSERT_FALSE(second);
   EXPECT_THAT(second.error().message, testing::HasSubstr(std::to_string(hub.port())));

@@ -19,15 +19,16 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kSmallQueue = 2 * kMegabyte;
+constexpr int kSmallQueueMb = 2;
+constexpr size_t kSmallQueue = kSmallQueueMb * kMegabyte;
 
 HubOptions SmallQueues(const PolicyLists& lists = {}) {
   HubOptions options;
-  options.queue_bytes = kSmallQueue;
+  options.queue_mb = kSmallQueueMb;
   options.socket_buffer_bytes = 16384;
-  auto policies = ChannelPolicies::Make(lists);
-  EXPECT_TRUE(policies);
-  if (policies) options.policies = *policies;
+  options.lossless = lists.lossless;
+  options.latest = lists.latest;
+  options.drop_newest = lists.drop_newest;
   return options;
 }
 
@@ -69,7 +70,7 @@ TEST(LosslessChannel, PublisherWaitsForASlowReaderAndNothingIsLost) {
 
 TEST(LosslessChannel, ReaderThatHangsIsCutOffAndTheOthersGoOn) {
   HubOptions options = SmallQueues({{"MAP_DELTA"}, {}, {}});
-  options.patience = 0.3;
+  options.patience_s = 0.3;
   RunningHub hub(options);
   auto sender = Join(hub, "sender"), hung = Join(hub, "hung"), reader = Join(hub, "reader");
   const auto got = Collect(reader.get()), never = Collect(hung.get());

@@ -22,9 +22,9 @@ inline constexpr double kDeadline = 30;  // [s]; nothing here takes a second on 
 /// A hub in a thread of its own, on a free port unless one is given.
 class RunningHub {
  public:
-  explicit RunningHub(HubOptions options = {}, uint16_t port = 0) {
-    options.listen.port = port;
-    auto opened = Hub::Open(options);
+  explicit RunningHub(HubOptions options = {}, uint16_t port = 0, const FaultOptions& faults = {}) {
+    options.listen = "127.0.0.1:" + std::to_string(port);
+    auto opened = Hub::Open(options, "", faults);
     if (!opened) throw std::runtime_error(opened.error().message);
     hub_ = std::move(*opened);
     thread_ = std::thread([this] { hub_->Run(stop_); });

@@ -18,7 +18,7 @@ using testing_support::SmallMessage;
 
 class StoredMap : public testing::Test {
  protected:
-  MapStore Store(double save_period = 0) { return {path_, save_period, &status_}; }
+  MapStore Store(double save_period_s = 0) { return {path_, save_period_s, &status_}; }
   /// Integrates a frame as the server does.
   void Integrate(int64_t utime, MapStore* store) {
     MapFrame(*Decode(SmallMessage(utime)), &session_);

@@ -123,7 +123,7 @@ bool SameVoxels(const Block& a, const Block& b) {
 }
 
 void ExpectSameMap(const SemanticMap& a, const SemanticMap& b) {
-  EXPECT_EQ(a.voxels.options().voxel_size, b.voxels.options().voxel_size);
+  EXPECT_EQ(a.voxels.options().voxel_size_m, b.voxels.options().voxel_size_m);
   EXPECT_EQ(a.voxels.options().truncation_voxels, b.voxels.options().truncation_voxels);
   EXPECT_EQ(a.labels, b.labels);
   EXPECT_EQ(a.revision, b.revision);

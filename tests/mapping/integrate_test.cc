@@ -86,8 +86,8 @@ TEST(IntegrateFrame, PixelsWithoutDepthSayNothing) {
 TEST(IntegrateFrame, BeyondTheRangeOnlyFreeSpaceIsRecorded) {
   SemanticMap map({0.02, 4});
   IntegrationOptions options;
-  options.max_range = 1.2;
-  options.free_space_range = 1.0;
+  options.max_range_m = 1.2;
+  options.free_space_range_m = 1.0;
   Fuse(LookAtWall(1.5), map, options);
   EXPECT_TRUE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 0.9})));
   EXPECT_FALSE(ReadVoxel(map.voxels, VoxelAt(map.voxels, {0, 0, 1.1})));

@@ -19,7 +19,7 @@ using testing_support::RandomNumbers;
 
 SegmentedFrame RandomSegmentedFrame(const PinholeCamera& camera, RandomNumbers* random) {
   SegmentationStageOptions options;
-  options.segmentation.min_segment_pixels = 5000;  // scaled to the image's size: about 60 pixels
+  options.segmentation.min_segment_px = 5000;  // scaled to the image's size: about 60 pixels
   const DetectionSet detections = testing_support::RandomDetections(camera, random);
   const bool looked = random->Chance(0.7);
   return SegmentFrame(testing_support::RandomFrame(camera, random), looked ? &detections : nullptr,
@@ -28,9 +28,9 @@ SegmentedFrame RandomSegmentedFrame(const PinholeCamera& camera, RandomNumbers* 
 
 IntegrationOptions RandomOptions(RandomNumbers* random) {
   IntegrationOptions options;
-  options.min_range = random->Real(0.1, 0.6);
-  options.max_range = random->Real(1, 5);
-  options.free_space_range = random->Real(0, 5);
+  options.min_range_m = random->Real(0.1, 0.6);
+  options.max_range_m = random->Real(1, 5);
+  options.free_space_range_m = random->Real(0, 5);
   options.free_space = random->Chance(0.7);
   options.max_weight = random->Real(1, 20);
   options.vote_distance_voxels = random->Real(0.5, 3);
@@ -102,7 +102,7 @@ TEST(IntegrateFrame, EqualsTheNaiveOneWhenVotesHalveAndAreEvicted) {
   const PinholeCamera camera = testing_support::RandomCamera(40, 30, &random);
   const SegmentedFrame frame = RandomSegmentedFrame(camera, &random);
   IntegrationOptions options;
-  options.max_range = options.free_space_range = 1;
+  options.max_range_m = options.free_space_range_m = 1;
   SemanticMap fast({0.1, 4}), slow({0.1, 4});
   int64_t evicted = 0;
   for (int i = 0; i < 320; ++i) {
@@ -145,8 +145,8 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
     const IntegrationOptions options = RandomOptions(&random);
     const std::vector<VisibleBlock> visible =
         FindVisibleBlocks(frame.frame.header, DepthPyramid(frame.frame.depth),
-                          {map.block_size(), map.truncation(), options.min_range, options.max_range,
-                           options.free_space_range, options.free_space});
+                          {map.block_size(), map.truncation(), options.min_range_m,
+                           options.max_range_m, options.free_space_range_m, options.free_space});
     const auto before = [](const VisibleBlock& a, BlockIndex b) { return a.index < b; };
     for (const BlockIndex index : naive::BlocksInView(frame.frame.header, options, map)) {
       const auto found = std::lower_bound(visible.begin(), visible.end(), index, before);
@@ -167,8 +167,8 @@ TEST(FindVisibleBlocks, FewOfThemSayNothing) {
   const IntegrationOptions options;
   const std::vector<VisibleBlock> visible =
       FindVisibleBlocks(frame.frame.header, DepthPyramid(frame.frame.depth),
-                        {map.block_size(), map.truncation(), options.min_range, options.max_range,
-                         options.free_space_range, options.free_space});
+                        {map.block_size(), map.truncation(), options.min_range_m,
+                         options.max_range_m, options.free_space_range_m, options.free_space});
   const auto silent = std::count_if(visible.begin(), visible.end(), [&](const VisibleBlock& block) {
     const naive::BlockSaid said = naive::WhatIsSaid(frame, options, map.options(), block.index);
     return said.near + said.free == 0;

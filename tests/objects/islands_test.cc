@@ -87,7 +87,7 @@ TEST(AbsorbIslands, LeavesWhatIsLargeForItsObjectOrLargeAtAll) {
   const auto cushion = [](int u, int v) { return InDisc(u, v, 6) ? kOnChair : kOnWall; };
   EXPECT_EQ(Absorbed(WallWith(cushion)), 0) << "more than 100 square centimetres";
   MeshingOptions larger;
-  larger.island_max_area = 0.02;
+  larger.island_max_area_m2 = 0.02;
   EXPECT_GT(Absorbed(WallWith(cushion), larger), 100);
 }
 

@@ -143,8 +143,8 @@ TEST(SummarizeObjects, OfWhatWasRemovedTheLastIsListedForAWhile) {
   };
   EXPECT_EQ(listed({}).size(), 20u);
   EXPECT_THAT(listed({.removed_max_count = 3}), ElementsAre(18, 19, 20));
-  EXPECT_THAT(listed({.removed_max_age = 11.5}), ElementsAre(19, 20));
-  EXPECT_EQ(listed({.removed_max_age = 0}).size(), 20u);
+  EXPECT_THAT(listed({.removed_max_age_s = 11.5}), ElementsAre(19, 20));
+  EXPECT_EQ(listed({.removed_max_age_s = 0}).size(), 20u);
   EXPECT_TRUE(listed({.removed_max_count = 0}).empty());
 }
 
@@ -198,10 +198,11 @@ TEST(EraseInsignificant, LimitsAreOptions) {
     return objects.size();
   };
   EXPECT_EQ(left({}), 0u);
-  EXPECT_EQ(left({.min_discovered_area = 0}), 1u);
+  EXPECT_EQ(left({.min_discovered_area_m2 = 0}), 1u);
   EXPECT_EQ(left({.min_discovered_fill = 0}), 1u);
-  EXPECT_EQ(left({.min_discovered_frames = 11, .min_discovered_area = 0, .min_discovered_fill = 0}),
-            0u);
+  EXPECT_EQ(
+      left({.min_discovered_frames = 11, .min_discovered_area_m2 = 0, .min_discovered_fill = 0}),
+      0u);
 }
 
 TEST(SummarizeObjects, EmptyMapHasNoObjects) {

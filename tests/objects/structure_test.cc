@@ -87,7 +87,7 @@ TEST(NameFlushPieces, PiecesOfANoisyWallAreWallAndWhatStandsOutIsNot) {
   EXPECT_THAT(NameBeside(kWall, pieces), ElementsAre(kWall, kWall, kNone, kNone));
   EXPECT_THAT(NameBeside(kWall, pieces, {.flush_roughness = 5}),
               ElementsAre(kWall, kWall, kWall, kNone));
-  EXPECT_THAT(NameBeside(kWall, pieces, {.flush_gap = 2.5}),
+  EXPECT_THAT(NameBeside(kWall, pieces, {.flush_gap_m = 2.5}),
               ElementsAre(kWall, kWall, kNone, kWall));
   EXPECT_THAT(NameBeside(kWall, pieces, {.flush_roughness = 0}),
               ElementsAre(kWall, kNone, kNone, kNone));

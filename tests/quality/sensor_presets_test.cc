@@ -50,7 +50,7 @@ struct Sensor {
 SegmentationStageOptions StageOf(const Sensor& sensor) {
   const auto config = ParseConfig(sensor.config, sensor.name);
   if (!config) throw std::runtime_error(config.error().message);
-  return config->segmentation;
+  return *config;
 }
 
 std::string TextOf(const std::string& preset) {

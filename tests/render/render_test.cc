@@ -19,7 +19,7 @@ namespace {
 using namespace testing_support;
 using Eigen::Vector3d;
 
-constexpr VoxelGridOptions kGrid{.voxel_size = 0.025, .truncation_voxels = 4};
+constexpr VoxelGridOptions kGrid{.voxel_size_m = 0.025, .truncation_voxels = 4};
 constexpr SegmentLabel kWalls{1}, kFloor{2}, kTable{3}, kBall{4};
 constexpr ClassId kDiningTable{67};
 

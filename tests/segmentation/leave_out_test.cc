@@ -26,7 +26,7 @@ DetectionSet Seen(ClassId class_id, float score = 0.9F) {
 RefineOptions Options(int margin = 6) {
   RefineOptions options;
   options.leave_out_classes = {kPerson};
-  options.leave_out_margin = margin;
+  options.leave_out_margin_px = margin;
   return options;
 }
 

@@ -44,8 +44,8 @@ TEST(SegmentDepth, EqualsTheNaiveOneWithOtherOptions) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     RandomNumbers random(seed + 100);
     SegmentationOptions options;
-    options.min_segment_pixels = random.Whole(0, 3000);
-    options.min_seed_pixels = random.Whole(0, 500);
+    options.min_segment_px = random.Whole(0, 3000);
+    options.min_seed_px = random.Whole(0, 500);
     options.concave_angle_deg = random.Real(0, 60);
     options.concave_sigmas = random.Real(0, 5);
     options.sharp_angle_deg = random.Real(20, 90);

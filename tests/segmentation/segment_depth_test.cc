@@ -218,7 +218,7 @@ TEST(SegmentDepth, SpecksBelowTheMinimumJoinNothingAcrossADepthJump) {
   EXPECT_EQ(segments.segment_count, 1);
   EXPECT_EQ(segments.index(240, 320), SegmentIndex::kNone);
   SegmentationStageOptions options;
-  options.segmentation.min_segment_pixels = 100;
+  options.segmentation.min_segment_px = 100;
   const SegmentImage finer =
       SegmentDepth(ComputeSurface(view.depth, kVga, options.surface), kVga, options.segmentation);
   EXPECT_EQ(finer.segment_count, 2);
@@ -320,13 +320,13 @@ TEST(SegmentationOptions, ValidateNamesEveryProblem) {
   EXPECT_TRUE(Validate(SegmentationStageOptions{}).empty());
   EXPECT_TRUE(Validate(PublishedOptions()).empty());
   SegmentationStageOptions bad;
-  bad.surface.min_radius = 0;
+  bad.surface.min_radius_px = 0;
   bad.segmentation.concave_angle_deg = std::numeric_limits<double>::quiet_NaN();
-  bad.segmentation.give_back_window = 8;
+  bad.segmentation.give_back_window_px = 8;
   bad.refine.min_overlap = 1.5;
   const auto problems = Validate(bad);
   ASSERT_EQ(problems.size(), 4u);
-  EXPECT_NE(problems[0].find("surface.min_radius"), std::string::npos);
+  EXPECT_NE(problems[0].find("surface.min_radius_px"), std::string::npos);
   EXPECT_NE(problems[1].find("segmentation.concave_angle_deg"), std::string::npos);
   EXPECT_NE(problems[3].find("refine.min_overlap"), std::string::npos);
 }

@@ -37,7 +37,7 @@ std::vector<InputFrame> RandomFrames(size_t count) {
 
 SegmentationStageOptions SmallSegments() {
   SegmentationStageOptions options;
-  options.segmentation.min_segment_pixels = 5000;  // scaled to the image's size: about 300 pixels
+  options.segmentation.min_segment_px = 5000;  // scaled to the image's size: about 300 pixels
   return options;
 }
 

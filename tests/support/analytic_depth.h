@@ -108,8 +108,9 @@ inline Image<float> AddNoise(const Image<float>& depth, const DepthNoiseModel& m
       const double deviate = (1 - b) * ((1 - a) * grid(y, x) + a * grid(y, x + 1)) +
                              b * ((1 - a) * grid(y + 1, x) + a * grid(y + 1, x + 1));
       double noisy = z + model.AxialSigma(z) * deviate;
-      if (model.disparity_step > 0) {  // one step of inverse depth = disparity_step
-        noisy = 1 / (std::round(1 / (noisy * model.disparity_step)) * model.disparity_step);
+      if (model.disparity_step_per_m > 0) {  // one step of inverse depth = disparity_step_per_m
+        noisy =
+            1 / (std::round(1 / (noisy * model.disparity_step_per_m)) * model.disparity_step_per_m);
       }
       out(v, u) = static_cast<float>(noisy);
     }

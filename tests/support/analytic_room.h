@@ -8,7 +8,7 @@
 
 namespace vismap::testing_support {
 
-inline constexpr VoxelGridOptions kGrid{.voxel_size = 0.02, .truncation_voxels = 4};
+inline constexpr VoxelGridOptions kGrid{.voxel_size_m = 0.02, .truncation_voxels = 4};
 inline constexpr double kVoxel = 0.02;
 inline const Eigen::Vector3d kBoxCenter(0.05, -0.3, 0.25);
 inline const Eigen::Vector3d kBoxHalf(0.3, 0.15, 0.25);

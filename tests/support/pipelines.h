@@ -14,6 +14,7 @@
 #include "mapping/integrate.h"
 #include "segmentation/refine.h"
 #include "segmentation/segment_depth.h"
+#include "session/derived_options.h"
 #include "simulation/sequence.h"
 #include "simulation/synthetic_dataset.h"
 #include "support/naive/associate.h"
@@ -73,16 +74,25 @@ class InputSequence {
   std::unique_ptr<DetectionSource> detections_;
 };
 
+/// The options that a map is made with by default.
+inline MapSessionOptions DefaultOptions(const VoxelGridOptions& grid) {
+  MapSessionOptions options{grid, {}, {}};
+  DeriveOptions(SurfaceOptions{}, &options);
+  return options;
+}
+
 /// The map of some frames, by the fast stages.
 inline SemanticMap MapFast(const std::vector<InputFrame>& inputs, const VoxelGridOptions& grid) {
+  const MapSessionOptions options = DefaultOptions(grid);
   SemanticMap map(grid);
   for (const InputFrame& input : inputs) {
     const PinholeCamera& camera = input.frame.header.camera;
     const SurfaceMap surface = ComputeSurface(input.frame.depth, camera, {});
     const SegmentedFrame frame = RefineWithDetections(
         input.frame, SegmentDepth(surface, camera, {}), input.Detections(), {});
-    const FrameAssociation association = Associate(frame, {map.voxels, map.labels}, {});
-    IntegrateFrame(frame, association, {}, &map);
+    const FrameAssociation association =
+        Associate(frame, {map.voxels, map.labels}, options.association);
+    IntegrateFrame(frame, association, options.integration, &map);
   }
   return map;
 }
@@ -91,14 +101,16 @@ inline SemanticMap MapFast(const std::vector<InputFrame>& inputs, const VoxelGri
 /// last digits, which moves a pixel at the border of a segment in some frames. A test of its own
 /// compares them.
 inline SemanticMap MapNaively(const std::vector<InputFrame>& inputs, const VoxelGridOptions& grid) {
+  const MapSessionOptions options = DefaultOptions(grid);
   SemanticMap map(grid);
   for (const InputFrame& input : inputs) {
     const PinholeCamera& camera = input.frame.header.camera;
     const SurfaceMap surface = ComputeSurface(input.frame.depth, camera, {});
     const SegmentedFrame frame = RefineWithDetections(
         input.frame, naive::SegmentDepth(surface, camera, {}), input.Detections(), {});
-    const FrameAssociation association = naive::Associate(frame, {map.voxels, map.labels}, {});
-    naive::IntegrateFrame(frame, association, {}, &map);
+    const FrameAssociation association =
+        naive::Associate(frame, {map.voxels, map.labels}, options.association);
+    naive::IntegrateFrame(frame, association, options.integration, &map);
   }
   return map;
 }

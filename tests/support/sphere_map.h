@@ -4,7 +4,7 @@
 
 namespace vismap::testing_support {
 
-inline constexpr VoxelGridOptions kSphereGrid{.voxel_size = 0.02, .truncation_voxels = 4};
+inline constexpr VoxelGridOptions kSphereGrid{.voxel_size_m = 0.02, .truncation_voxels = 4};
 
 /// A cube around the origin of W whose edges have length 2 `half` [m].
 inline AnalyticRegion CubeRegion(double half, int observations = 5) {

@@ -52,7 +52,7 @@ FrameCounts CountPoints(const SegmentedFrame& frame, const MapView& map,
     for (int u = 0; u < header.camera.width; u += options.pixel_stride) {
       const int segment = Raw(frame.image.index(v, u));
       const float z = frame.frame.depth(v, u);
-      if (segment < 0 || !(z > options.min_range && z < options.max_range)) continue;
+      if (segment < 0 || !(z > options.min_range_m && z < options.max_range_m)) continue;
       ++counts.points[static_cast<size_t>(segment)];
       const VoxelIndex voxel =
           testing_support::VoxelAt(map.voxels, header.T_W_C * header.camera.BackProject(u, v, z));

@@ -23,25 +23,25 @@ struct InverseDepth {
 float F(double x) { return static_cast<float>(x); }
 
 float InverseSigma(float z, const DepthNoiseModel& noise) {
-  const float inverse = 1 / z, past = std::max(z - F(noise.axial_offset), 0.0F);
+  const float inverse = 1 / z, past = std::max(z - F(noise.axial_offset_m), 0.0F);
   const float axial =
-      (F(noise.axial_base) + F(noise.axial_quadratic) * past * past) * inverse * inverse;
-  const float step = F(noise.disparity_step / std::sqrt(12.0));
+      (F(noise.axial_base_m) + F(noise.axial_quadratic_per_m) * past * past) * inverse * inverse;
+  const float step = F(noise.disparity_step_per_m / std::sqrt(12.0));
   return std::sqrt(axial * axial + step * step);
 }
 
 /// The radius that makes the normal as good as wanted [px].
 uint8_t Radius(float z, float sigma, const PinholeCamera& camera, const SurfaceOptions& options) {
   const double wanted = options.normal_sigma_deg * std::numbers::pi / 180;
-  const float gain = F(0.5 * std::sqrt(3.0) * camera.fx * options.noise.correlation / wanted);
-  const float most = F(std::min(31.0, options.max_radius * std::max(1.0, camera.width / 640.0)));
+  const float gain = F(0.5 * std::sqrt(3.0) * camera.fx * options.noise.correlation_px / wanted);
+  const float most = F(std::min(31.0, options.max_radius_px * std::max(1.0, camera.width / 640.0)));
   const float radius = std::sqrt(gain * sigma * z) + 0.999F;  // rounds up
-  return static_cast<uint8_t>(std::clamp(radius, F(options.min_radius), most));
+  return static_cast<uint8_t>(std::clamp(radius, F(options.min_radius_px), most));
 }
 
 void BackProject(int v, int u, float z, const PinholeCamera& camera, const SurfaceOptions& options,
                  InverseDepth* inverse, SurfaceMap* out) {
-  if (!(z >= F(options.min_depth) && z <= F(options.max_depth))) {
+  if (!(z >= F(options.min_depth_m) && z <= F(options.max_depth_m))) {
     out->points_C.x(v, u) = out->points_C.y(v, u) = out->points_C.z(v, u) = kNaN;
     return;
   }
@@ -188,8 +188,8 @@ SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera
   });
   ForPixels(camera, [&](int v, int u) {
     if (inverse.w(v, u) == 0) return;
-    FitNormal(SumWindow(inverse, out, v, u), camera, inverse.sigma(v, u), options.noise.correlation,
-              v, u, &out);
+    FitNormal(SumWindow(inverse, out, v, u), camera, inverse.sigma(v, u),
+              options.noise.correlation_px, v, u, &out);
   });
   return out;
 }

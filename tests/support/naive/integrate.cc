@@ -30,10 +30,10 @@ class View {
         camera_(frame.frame.header.camera),
         T_C_W_(frame.frame.header.T_W_C.inverse()),
         options_(options),
-        voxel_size_(grid.voxel_size),
-        step_C_((T_C_W_.linear() * grid.voxel_size).cast<float>()),
-        truncation_(F(grid.truncation_voxels * grid.voxel_size)),
-        carve_margin_(F(options.carve_margin_voxels * grid.voxel_size)) {}
+        voxel_size_(grid.voxel_size_m),
+        step_C_((T_C_W_.linear() * grid.voxel_size_m).cast<float>()),
+        truncation_(F(grid.truncation_voxels * grid.voxel_size_m)),
+        carve_margin_(F(options.carve_margin_voxels * grid.voxel_size_m)) {}
 
   /// The centre of a block's first voxel in the camera [m].
   Eigen::Vector3f FirstVoxel(BlockIndex index) const {
@@ -66,13 +66,13 @@ class View {
 
  private:
   std::optional<Sample> Judge(float z, float depth, float stretch, Sample sample) const {
-    const float min_range = F(options_.min_range);
+    const float min_range = F(options_.min_range_m);
     if (!(depth >= min_range) || z < min_range) return std::nullopt;
     const float distance = (depth - z) * stretch;
     if (distance < -truncation_) return std::nullopt;  // hidden
     sample.is_near = distance < truncation_;
-    if (sample.is_near && depth > F(options_.max_range)) return std::nullopt;
-    if (!sample.is_near && !(options_.free_space && z <= F(options_.free_space_range)))
+    if (sample.is_near && depth > F(options_.max_range_m)) return std::nullopt;
+    if (!sample.is_near && !(options_.free_space && z <= F(options_.free_space_range_m)))
       return std::nullopt;
     sample.distance = std::min(distance, truncation_);
     sample.weight = Weight(depth, distance);
@@ -301,7 +301,8 @@ MapDelta UpdateLabels(const SegmentedFrame& frame, const FrameAssociation& assoc
 
 std::vector<BlockIndex> BlocksInView(const FrameHeader& header, const IntegrationOptions& options,
                                      const VoxelMap& voxels) {
-  const double range = std::max(options.max_range, options.free_space_range) + voxels.truncation();
+  const double range =
+      std::max(options.max_range_m, options.free_space_range_m) + voxels.truncation();
   const PinholeCamera& camera = header.camera;
   Eigen::AlignedBox3d box(header.T_W_C.translation());
   for (const double u : {-0.5, camera.width - 0.5}) {

@@ -306,12 +306,12 @@ int ScaledPixels(int pixels_at_vga, const PinholeCamera& camera) {
 SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera,
                           const SegmentationOptions& options) {
   Require(options.method == SegmentationMethod::kNoiseScaled, "the naive one scales with noise");
-  const int min_pixels = ScaledPixels(options.min_segment_pixels, camera);
+  const int min_pixels = ScaledPixels(options.min_segment_px, camera);
   Image<uint8_t> strength(camera.width, camera.height);
   ForPixels(surface, [&](Pixel p) { strength(p.v, p.u) = EdgeStrength(surface, p, options); });
   RegionImage regions = Connect(
       surface, [&](Pixel p) { return surface.radius(p.v, p.u) != 0 && strength(p.v, p.u) == 0; });
-  const int min_seed = ScaledPixels(options.min_seed_pixels, camera);
+  const int min_seed = ScaledPixels(options.min_seed_px, camera);
   DropSmallRegions(min_seed, &regions);
   FloodRegions(surface, strength, &regions);
   AddMissedRegions(surface, min_seed, &regions);

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/enum_names.h"
+#include "detection/dnn_options.h"
+#include "freespace/octree.h"
+
+namespace vismap {
+
+// The options of the processes: what a config file can say about them. A program takes its struct
+// as it is here. They are in this room and not in the folders of the processes, because one file
+// configures all of them and every program checks all of it.
+
+/// What a frame waits for in the depth segmenter.
+enum class WaitForDetections { kRequired, kAuto, kNone };
+
+inline constexpr auto NamesOf(WaitForDetections) {
+  return std::to_array<EnumName<WaitForDetections>>({{"REQUIRED", WaitForDetections::kRequired},
+                                                     {"AUTO", WaitForDetections::kAuto},
+                                                     {"NONE", WaitForDetections::kNone}});
+}
+
+struct DepthSegmenterOptions {
+  WaitForDetections detections = WaitForDetections::kAuto;
+  double detection_timeout_s = 2.0;  ///< kAuto: patience with a detector that is alive
+  int max_waiting_frames = 64;       ///< beyond, the oldest is given up
+};
+
+struct MapServerOptions {
+  std::string load;             ///< map file to continue; empty = none
+  std::string save_on_exit;     ///< map file to write when stopped; empty = none
+  double save_period_s = 0;     ///< and also while running [s]; 0 = do not
+  bool recover = false;         ///< go on from save_on_exit, if it is there, and keep a journal
+  double mesh_period_s = 1;     ///< least time between two mesh updates [s]; 0 = every frame
+  double objects_period_s = 1;  ///< least time between two object lists [s]; 0 = every frame
+};
+
+struct OctomapExporterOptions {
+  double period_s = 1;  ///< least time between two octrees; 0 = only on request
+  UnknownPolicy unknown = UnknownPolicy::kAbsent;
+  std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere
+};
+
+struct SensorReplayOptions {
+  bool lockstep = false;  ///< at the pace of the map server instead of in real time
+  double speed = 1;       ///< of real time; 0 = as fast as frames can be read
+  int window_frames = 4;  ///< lockstep: frames sent ahead of the oldest that is not committed
+  double resend_s = 5;    ///< lockstep: silence after which open frames are sent again
+};
+
+/// Where detections come from. kAuto: recorded when the command line names some, else a network
+/// when there is a model.
+enum class DetectorBackend { kAuto, kRecorded, kDnn };
+
+inline constexpr auto NamesOf(DetectorBackend) {
+  return std::to_array<EnumName<DetectorBackend>>({{"AUTO", DetectorBackend::kAuto},
+                                                   {"RECORDED", DetectorBackend::kRecorded},
+                                                   {"DNN", DetectorBackend::kDnn}});
+}
+
+struct DetectorOptions {
+  int camera_id = -1;  ///< answer frames of this camera only; -1 = of all
+  DetectorBackend backend = DetectorBackend::kAuto;
+  DnnDetectorOptions dnn;
+  bool every_frame = false;  ///< network: look at every frame instead of the newest only
+};
+
+struct HubOptions {
+  std::string listen = "127.0.0.1:7700";  ///< port 0 = any free one
+  int queue_mb = 256;           ///< may wait for a client, of lossless messages and of others
+  int socket_buffer_bytes = 0;  ///< SO_RCVBUF and SO_SNDBUF of the connections; 0 = the system's
+  int max_clients = 256;        ///< connections beyond are refused
+  double patience_s = 30;       ///< with a client that takes nothing while others wait for it
+  /// Patterns of channels, see QueuePolicy.
+  std::vector<std::string> lossless, latest, drop_newest;
+};
+
+struct BridgeOptions {
+  std::string remote_url;            ///< the other bus
+  std::vector<std::string> send;     ///< channels passed on to the other bus, besides STATUS
+  std::vector<std::string> receive;  ///< and from there
+  int queue_mb = 256;                ///< may wait in each direction, see MessageQueue
+  /// Patterns of channels, see QueuePolicy.
+  std::vector<std::string> lossless, latest, drop_newest;
+};
+
+}  // namespace vismap
