@@ -5,42 +5,15 @@
 #include <algorithm>
 
 #include "support/random_scenes.h"
+#include "support/refine_frames.h"
 
 namespace vismap {
 namespace {
 
-constexpr int kWidth = 200, kHeight = 150;
-constexpr ClassId kCup{47}, kTable{67}, kChair{62};
-
-RgbdFrame Frame() {
-  RgbdFrame frame;
-  frame.header.camera = {kWidth, kHeight, 200, 200, 100, 75};
-  frame.depth = Image<float>(kWidth, kHeight, 1.0F);
-  return frame;
-}
-
-/// Two segments: 0 = columns below 100, 1 = the rest. The top ten rows belong to none.
-SegmentImage Halves() {
-  SegmentImage image{Image<SegmentIndex>(kWidth, kHeight, SegmentIndex::kNone), 2};
-  for (int v = 10; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) image.index(v, u) = static_cast<SegmentIndex>(u < 100 ? 0 : 1);
-  }
-  return image;
-}
-
-Detection Rectangle(ClassId class_id, float score, int u0, int v0, int width, int height) {
-  Detection detection{class_id, score, {}};
-  detection.mask.image_width = kWidth;
-  detection.mask.image_height = kHeight;
-  detection.mask.u0 = u0;
-  detection.mask.v0 = v0;
-  detection.mask.inside = Image<uint8_t>(width, height, uint8_t{1});
-  return detection;
-}
+using namespace testing_support;
 
 SegmentedFrame Refine(std::vector<Detection> detections, const RefineOptions& options = {}) {
-  DetectionSet set;
-  set.detections = std::move(detections);
+  const DetectionSet set = Set(std::move(detections));
   return RefineWithDetections(Frame(), Halves(), &set, options);
 }
 
@@ -255,9 +228,9 @@ TEST(Refine, OrderOfDetectionsWithDistinctScoresDoesNotMatter) {
 TEST(Refine, PixelsOnAFoldGoToTheMaskTheyLieInAndNoOthersDo) {
   // The mask ends at column 106, the segment at 100; the fold is six columns wide on either side.
   SegmentImage image = Halves();
-  image.ambiguous = Image<uint8_t>(kWidth, kHeight);
+  image.edge_strength = Image<uint8_t>(kWidth, kHeight);
   for (int v = 10; v < kHeight; ++v) {
-    for (int u = 94; u < 104; ++u) image.ambiguous(v, u) = 50;
+    for (int u = 94; u < 104; ++u) image.edge_strength(v, u) = 50;
   }
   DetectionSet set;
   set.detections = {Rectangle(kChair, 0.9F, 0, 10, 106, kHeight - 10)};
@@ -349,7 +322,7 @@ TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
 }
 
 TEST(Refine, OverlapsAreThoseOfTheSegmentsAfterAllSplits) {
-  testing_support::RandomNumbers random(3);
+  RandomNumbers random(3);
   int splits = 0, matches = 0;
   for (int round = 0; round < 60; ++round) {
     RefineOptions options;
