@@ -8,13 +8,13 @@
 
 #include "geometry/vector_clones.h"
 
-// Cloned functions only: GCC 12 does not vectorise ordinary ones beside them.
+// All functions here are cloned: GCC 12 does not vectorise ordinary functions in the same file.
 
 namespace vismap {
 namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// One number per pixel of a strip; lowered to what the machine has.
+// One number per pixel of a strip; the compiler splits them into registers of the machine's size.
 using Floats = float __attribute__((vector_size(4 * kPlaneStrip)));
 using Ints = int32_t __attribute__((vector_size(4 * kPlaneStrip)));
 using Bytes = uint8_t __attribute__((vector_size(kPlaneStrip)));
@@ -24,22 +24,22 @@ VISMAP_VECTOR_CLONES void PreparePixels(const PixelRow& row, const SurfaceConsta
                                         float ray_y, int width) {
   const SurfaceConstants k = constants;
   const float* __restrict depth = row.depth;
-  float* __restrict px = row.x, * __restrict py = row.y, * __restrict pz = row.z;
+  float* __restrict px = row.point_x, * __restrict py = row.point_y, * __restrict pz = row.point_z;
   float* __restrict w = row.w, * __restrict sigma = row.sigma;
   float* __restrict depth_sigma = row.depth_sigma;
   uint8_t* __restrict radius = row.radius;
-#pragma GCC ivdep  // so many rows: GCC would give up proving that none overlaps another
+#pragma GCC ivdep  // no row overlaps another, which GCC cannot prove for so many rows
   for (int u = 0; u < width; ++u) {
     const float d = depth[u];
-    const float in = (d >= k.low ? 1.0F : 0.0F) * (d <= k.high ? 1.0F : 0.0F);
+    const float in = (d >= k.min_depth ? 1.0F : 0.0F) * (d <= k.max_depth ? 1.0F : 0.0F);
     const float z = in > 0 ? d : 1.0F, inv = 1 / z;
-    const float past = std::max(z - k.offset, 0.0F);
-    const float axial = (k.base + k.quadratic * past * past) * inv * inv;
-    const float inverse_sigma = std::sqrt(axial * axial + k.step * k.step);
-    const float reach = std::sqrt(k.gain * inverse_sigma * z) + 0.999F;
+    const float past = std::max(z - k.axial_offset, 0.0F);
+    const float axial = (k.axial_base + k.axial_quadratic * past * past) * inv * inv;
+    const float inverse_sigma = std::sqrt(axial * axial + k.disparity_sigma * k.disparity_sigma);
+    const float reach = std::sqrt(k.radius_gain * inverse_sigma * z) + 0.999F;  // rounds up
     const float point_z = in > 0 ? z : kNaN;
     pz[u] = point_z;
-    px[u] = point_z * (k.x0 + k.inv_fx * static_cast<float>(u));
+    px[u] = point_z * (k.ray_x0 + k.ray_step_x * static_cast<float>(u));
     py[u] = point_z * ray_y;
     w[u] = in * inv;
     sigma[u] = in * inverse_sigma;
@@ -49,24 +49,23 @@ VISMAP_VECTOR_CLONES void PreparePixels(const PixelRow& row, const SurfaceConsta
   }
 }
 
-VISMAP_VECTOR_CLONES void JoinPairs(const PairRow& row, float jump, float cap, uint8_t bit,
-                                    int count, uint8_t* __restrict out) {
+VISMAP_VECTOR_CLONES void JoinPairs(const PairRow& row, float jump_sigmas, float max_step,
+                                    uint8_t bit, int count, uint8_t* __restrict out) {
   const float *before = row.before, *p = row.p, *q = row.q, *after = row.after;
   const float *sigma_p = row.sigma_p, *sigma_q = row.sigma_q;
   for (int u = 0; u < count; ++u) {
-    const float tolerance = jump * std::max(sigma_p[u], sigma_q[u]);
+    const float tolerance = jump_sigmas * std::max(sigma_p[u], sigma_q[u]);
     const float step = q[u] - p[u], size = std::abs(step);
     const float slope_before = before[u] > 0 ? p[u] - before[u] : 0.0F;
     const float slope_after = after[u] > 0 ? after[u] - q[u] : 0.0F;
     const float bend = std::min(std::abs(step - slope_before), std::abs(step - slope_after));
-    const float sloped = size <= cap * p[u] + tolerance ? bend : size;
+    const float sloped = size <= max_step * p[u] + tolerance ? bend : size;
     const float depth = std::min(p[u], q[u]);  // 0 = one of them has none
     const float excess = (depth > 0 ? 0.0F : size + 1) + std::min(size, sloped) - tolerance;
     out[u] = static_cast<uint8_t>(out[u] + (excess <= 0 ? bit : 0));
   }
 }
 
-// Stretches of joined pixels by doubling: what is known up to k pixels far gives 2 k.
 VISMAP_VECTOR_CLONES void ReachLeft(const uint8_t* joined, const uint8_t* radius, int width,
                                     uint8_t* scratch, uint8_t* __restrict out) {
   uint8_t* from = scratch;

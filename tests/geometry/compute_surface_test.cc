@@ -132,7 +132,7 @@ TEST(ComputeSurface, PixelsWithoutDepthHaveNoPointNoNormalAndAreJoinedToNothing)
     EXPECT_EQ(surface.joined(200, u), 0);
     EXPECT_EQ(surface.joined(200, u - 1) & kJoinedRight, 0);
     EXPECT_EQ(surface.joined(199, u) & kJoinedDown, 0);
-    EXPECT_NEAR(surface.normals_C.z(200, u + 1), -1, 1e-3);  // beside a hole all is well
+    EXPECT_NEAR(surface.normals_C.z(200, u + 1), -1, 1e-3);  // normals beside a hole are good
   }
 }
 
@@ -197,10 +197,10 @@ TEST(ComputeSurface, TinyImagesAndForeignSizes) {
 TEST(DepthNoiseModel, PresetsAreValidAndGrowWithRange) {
   for (const DepthNoiseModel& model : {KinectNoise(), RealSenseNoise(), CleanNoise()}) {
     EXPECT_TRUE(Validate(model).empty());
-    EXPECT_GE(model.Sigma(4), model.Sigma(1));
+    EXPECT_GE(model.AxialSigma(4), model.AxialSigma(1));
   }
   EXPECT_NEAR(KinectNoise().AxialSigma(2.4), 0.0012 + 0.0019 * 4, 1e-9);
-  EXPECT_NEAR(KinectNoise().QuantisationStep(5), 0.07, 0.005);  // Khoshelham: 7 cm at 5 m
+  EXPECT_NEAR(KinectNoise().disparity_step * 25, 0.07, 0.005);  // Khoshelham: 7 cm at 5 m
 }
 
 TEST(SurfaceOptions, ValidateNamesEveryProblem) {
