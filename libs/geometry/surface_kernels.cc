@@ -79,7 +79,8 @@ VISMAP_VECTOR_CLONES void ReachLeft(const uint8_t* joined, const uint8_t* radius
     uint8_t* __restrict b = to;
     const auto full = static_cast<uint8_t>(k);
     for (int u = k; u < width; ++u) {
-      const uint8_t near = a[u], far = a[u - k];  // read in any case, or the loop stays scalar
+      const uint8_t near = a[u],
+                    far = a[u - k];  // both are read always, or the loop does not vectorise
       b[u] = static_cast<uint8_t>(near + (near == full ? far : 0));
     }
     std::swap(from, to);
@@ -130,7 +131,8 @@ VISMAP_VECTOR_CLONES void SumStretches(const StretchRow& row, int width, const S
     const double stretch_w = prefix_w[b] - prefix_w[a];
     const float valid = w[u] > 0 ? 1.0F : 0.0F;
     n[u] = valid * static_cast<float>(l + r + 1);
-    // Sums of 1..r less (plus) those of 1..l, of x and of x^2; small integers, so floats are exact.
+    // The sums of x and x^2 over [-l, r]: that over 1..r minus (plus) that over 1..l. They are
+    // small integers, so that floats are exact.
     x[u] = valid * static_cast<float>((r * (r + 1) - l * (l + 1)) / 2);
     xx[u] = valid * static_cast<float>((r * (r + 1) * (2 * r + 1) + l * (l + 1) * (2 * l + 1)) / 6);
     sum_w[u] = valid * static_cast<float>(stretch_w);
@@ -145,7 +147,7 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
   const Ints up = __builtin_convertvector(up_bytes, Ints);
   const Ints down = __builtin_convertvector(down_bytes, Ints);
 
-  // Moments of each pixel's window; x and y counted from that pixel, w = inverse depth.
+  // Moments of each pixel's window; x and y are counted from that pixel, w = inverse depth.
   Floats n{}, x{}, y{}, xx{}, xy{}, yy{}, w{}, xw{}, yw{};
   for (int dy = -strip.rows_up; dy <= strip.rows_down; ++dy) {
     const Ints in = dy < 0 ? up >= -dy : down >= dy;  // all bits set, or none
@@ -170,7 +172,7 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
     yw += distance * row_w;
   }
 
-  // As plain arrays, since loops over those vectorise.
+  // Copied to plain arrays, since loops over those vectorise.
   struct Moments {
     alignas(64) float n[kPlaneStrip], x[kPlaneStrip], y[kPlaneStrip], xx[kPlaneStrip],
         xy[kPlaneStrip], yy[kPlaneStrip], w[kPlaneStrip], xw[kPlaneStrip], yw[kPlaneStrip];
@@ -196,7 +198,8 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
     const float cyy = m.yy[i] - m.y[i] * my;
     const float cxw = m.xw[i] - m.x[i] * mw, cyw = m.yw[i] - m.y[i] * mw;
     const float det = cxx * cyy - cxy * cxy, trace = cxx + cyy;
-    // The smaller eigenvalue of the window's shape, about det / trace: two rows of pixels have 1/4.
+    // det / trace is about the smaller eigenvalue of the window's scatter, n times the variance
+    // across its shorter side. Two rows of pixels have a variance of 1/4, one row has 0.
     const float plane = m.n[i] >= 5 ? det - 0.2F * m.n[i] * trace : 0.0F;
     const float inv_det = 1 / (plane > 0 ? det : 1.0F);
     const float a = (cxw * cyy - cyw * cxy) * inv_det * fx;
@@ -204,7 +207,7 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
     const float ray_x = first_x + static_cast<float>(i) * inv_fx;
     const float c = mw - a * (mx * inv_fx + ray_x) - b * (my * inv_fy + ray_y);
     const float inv_length = 1 / std::sqrt(a * a + b * b + c * c + 1e-30F);
-    // a x + b y + c is the fitted inverse depth at the pixel: positive unless the fit is nonsense.
+    // The fitted inverse depth at the pixel; negative when the plane lies behind the camera.
     const float good = plane > 0 ? a * ray_x + b * ray_y + c : 0.0F;
     const float error = sigma[i] * scale * inv_length * std::sqrt(std::max(trace * inv_det, 0.0F));
     nx[i] = good > 0 ? -a * inv_length : kNaN;

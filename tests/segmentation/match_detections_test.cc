@@ -14,7 +14,10 @@ std::vector<FrameSegment> Match(const std::vector<std::vector<int32_t>>& inside)
   static const DetectionSet set =
       Set({Rectangle(kTable, 0.6F, 0, 0, 9, 9), Rectangle(kChair, 0.8F, 50, 0, 9, 9)});
   static const PixelOwnership ownership(set, {}, kWidth, kHeight);
-  return MatchDetections({{}, {100, 200}, inside}, ownership, 0.7);
+  SegmentCounts counts;
+  counts.pixels = {100, 200};
+  counts.inside = inside;
+  return MatchDetections(counts, ownership, 0.7);
 }
 
 TEST(MatchDetections, ASegmentGetsTheDetectionThatOwnsMostOfIt) {

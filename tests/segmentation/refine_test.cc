@@ -17,7 +17,7 @@ SegmentedFrame Refine(std::vector<Detection> detections, const RefineOptions& op
   return RefineWithDetections(Frame(), Halves(), &set, options);
 }
 
-/// Every property that holds for any input.
+/// Checks the properties that hold for every input.
 void ExpectConsistent(const SegmentedFrame& out) {
   ASSERT_EQ(static_cast<int>(out.segments.size()), out.image.segment_count);
   std::vector<int> pixels(out.segments.size());
@@ -42,7 +42,7 @@ TEST(Refine, WithoutDetectorSegmentsAreOnlyCounted) {
   EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
 }
 
-TEST(Refine, DetectorThatFoundNothingIsNotNoDetector) {
+TEST(Refine, ADetectorThatFoundNothingStillProcessedTheFrame) {
   const SegmentedFrame out = Refine({});
   EXPECT_TRUE(out.had_detections);
   EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
@@ -83,7 +83,7 @@ TEST(Refine, AMaskOnAMuchLargerOneOfItsClassIsAnotherThing) {
   EXPECT_EQ(out.segments[2].detection, DetectionIndex{1});
 }
 
-TEST(Refine, ASecondMaskThatIsTooLargeTakesNothingFromAnotherThing) {
+TEST(Refine, ASecondMaskThatIsTooLargeGetsNoPixelOfAnotherThing) {
   const SegmentedFrame out = Refine({Rectangle(kChair, 0.9F, 0, 0, 100, kHeight),
                                      Rectangle(kChair, 0.8F, 0, 0, 150, kHeight),
                                      Rectangle(kChair, 0.6F, 100, 0, 100, kHeight)});
@@ -109,7 +109,7 @@ TEST(Refine, OneMaskMayHoldSeveralSegments) {
   EXPECT_EQ(out.segments[1].detection, DetectionIndex{0});
 }
 
-TEST(Refine, DetectionsBelowTheMinimumScoreDoNotExist) {
+TEST(Refine, DetectionsBelowTheMinimumScoreAreIgnored) {
   RefineOptions options;
   options.min_score = 0.5;
   const SegmentedFrame out = Refine({Rectangle(kTable, 0.4F, 0, 0, kWidth, kHeight)}, options);
@@ -164,8 +164,8 @@ TEST(Refine, PoorOrTornMasksDoNotSplit) {
   EXPECT_EQ(Refine({Rectangle(kCup, 0.9F, 30, 60, 30, 30)}, off).segments.size(), 2u);
 }
 
-TEST(Refine, SoftRimOfAMaskOnTheBackgroundIsNotCutOut) {
-  // The chair is segment 1; its mask laps over 8 px onto segment 0.
+TEST(Refine, TheBorderOfAMaskOnTheBackgroundIsNotCutOut) {
+  // The chair is segment 1; its mask covers 8 columns of segment 0 as well.
   const SegmentedFrame out = Refine({Rectangle(kChair, 0.95F, 92, 0, 108, kHeight)});
   ASSERT_EQ(out.segments.size(), 2u);
   EXPECT_EQ(out.segments[0].pixels, 100 * 140);
@@ -241,7 +241,7 @@ TEST(Refine, PixelsOnAFoldGoToTheMaskTheyLieInAndNoOthersDo) {
     for (int u = 100; u < kWidth; ++u) columns += Raw(out.image.index(80, u)) == 0;
     return columns;
   };
-  EXPECT_EQ(moved({}), 4);  // of the six columns that the mask covers, those on the fold
+  EXPECT_EQ(moved({}), 4);  // the mask covers six columns, four of them on the fold
   RefineOptions off;
   off.fold_min_score = 2;
   EXPECT_EQ(moved(off), 0);
@@ -269,8 +269,8 @@ TEST(Refine, LoosePiecesGoToTheObjectWhoseMaskCoversThem) {
         RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, options);
     ExpectConsistent(out);
     EXPECT_TRUE(out.image.loose.empty());
-    EXPECT_EQ(Raw(out.image.index(115, 110)), 1);  // in the mask, but of a segment that is not
-    EXPECT_EQ(out.image.index(115, 143), SegmentIndex::kNone);  // outside of the mask
+    EXPECT_EQ(Raw(out.image.index(115, 110)), 1);  // in the mask, but not of a loose piece
+    EXPECT_EQ(out.image.index(115, 143), SegmentIndex::kNone);  // outside the mask
     return Raw(out.image.index(115, 123)) == 0;
   };
   EXPECT_TRUE(taken({}));
@@ -281,7 +281,7 @@ TEST(Refine, LoosePiecesGoToTheObjectWhoseMaskCoversThem) {
   EXPECT_FALSE(taken({}));
 }
 
-TEST(Refine, LoosePiecesWithoutSegmentAreTakenToo) {
+TEST(Refine, LoosePiecesWithoutSegmentAreAttachedToo) {
   DetectionSet set;
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 150, kHeight - 10)};
   const SegmentedFrame out = RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, {});
@@ -290,7 +290,7 @@ TEST(Refine, LoosePiecesWithoutSegmentAreTakenToo) {
   EXPECT_EQ(out.segments[0].pixels, 100 * (kHeight - 10) + 2 * 8 * 20);
 }
 
-TEST(Refine, LoosePiecesSeenThroughTheObjectAreLeft) {
+TEST(Refine, LoosePiecesSeenThroughTheObjectStay) {
   DetectionSet set;  // a chair 1 m away, of 0.7 m
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10)};
   const auto taken = [&](float depth, const RefineOptions& options) {
@@ -311,7 +311,7 @@ TEST(Refine, LoosePiecesSeenThroughTheObjectAreLeft) {
   EXPECT_TRUE(taken(9, far));
 }
 
-TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
+TEST(Refine, LoosePiecesOfAnotherObjectStay) {
   DetectionSet set;
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10),
                     Rectangle(kTable, 0.5F, 100, 0, 100, kHeight)};
@@ -366,7 +366,7 @@ TEST(Refine, OverlapsAreThoseOfTheSegmentsAfterAllSplits) {
   EXPECT_GT(matches, 50);
 }
 
-TEST(Refine, NoSegmentsAtAllIsFine) {
+TEST(Refine, AnImageWithoutSegmentsIsValid) {
   DetectionSet set;
   set.detections = {Rectangle(kTable, 0.8F, 0, 0, kWidth, kHeight)};
   const SegmentedFrame out = RefineWithDetections(
@@ -374,7 +374,7 @@ TEST(Refine, NoSegmentsAtAllIsFine) {
   EXPECT_TRUE(out.segments.empty());
 }
 
-TEST(Refine, ForeignSegmentImageThrows) {
+TEST(Refine, ASegmentImageOfAnotherSizeThrows) {
   EXPECT_THROW(RefineWithDetections(Frame(), {Image<SegmentIndex>(3, 3), 1}, nullptr, {}),
                std::logic_error);
 }
