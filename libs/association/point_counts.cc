@@ -62,7 +62,7 @@ class PointLookup {
         map_(map),
         options_(options),
         max_distance_(static_cast<float>(options.max_distance_voxels * map.voxels.voxel_size() *
-                                         32767.0 / map.voxels.truncation())),
+                                         kTruncationSteps / map.voxels.truncation())),
         R_(frame.frame.header.T_W_C.linear() / map.voxels.voxel_size()),
         t_(frame.frame.header.T_W_C.translation() / map.voxels.voxel_size()) {}
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "base/require.h"
 #include "map/surface_reader.h"
@@ -37,8 +38,9 @@ void Pack(const std::array<uint8_t, kBlockVoxels>& flags, std::array<uint64_t, k
 
 /// A distance [voxels] in the steps of SurfaceVoxels::distance.
 int16_t DistanceSteps(double voxels, const VoxelGridOptions& grid, double (*round)(double)) {
-  const double steps = round(voxels / grid.truncation_voxels * 32767.0);
-  return static_cast<int16_t>(std::clamp(steps, -32768.0, 32767.0));
+  const double steps = round(voxels / grid.truncation_voxels * kTruncationSteps);
+  using Limits = std::numeric_limits<int16_t>;
+  return static_cast<int16_t>(std::clamp<double>(steps, Limits::min(), Limits::max()));
 }
 
 OccupancyPlanes ClassifySurface(const SurfaceVoxels& voxels, const VoxelGridOptions& grid,

@@ -7,14 +7,15 @@
 namespace vismap {
 namespace {
 
-constexpr int kRowStep = 4, kColumnStep = 3;  // of the pixels looked at
+constexpr int kRowStep = 4, kColumnStep = 3;  // of the samples [px]
 constexpr size_t kMinSamples = 500;
-// Measured: Kinects (7-Scenes, TUM, Redwood) and the simulated one bend by 1.4 to 2.2 deviations at
-// this quantile, so that 5 deviations stay; a sensor with steps three times as coarse by 5.4.
+// Measured bends at this quantile: 1.4 to 2.2 standard deviations for Kinects (7-Scenes, TUM,
+// Redwood) and the simulated one, so that their limit stays at 5; 5.4 for a sensor with depth steps
+// three times as coarse.
 constexpr double kQuantile = 0.9, kMargin = 1.3, kMostTimes = 2.5;
 
-/// By how much four neighbours bend between the inner two, at least, in standard deviations;
-/// negative when one has no return.
+/// The bend between the inner two of four neighbours in standard deviations: the smaller of the
+/// second differences to either side. Negative when one of them has no depth.
 float Bend(const float* w, const float* sigma) {
   if (!(w[0] > 0 && w[1] > 0 && w[2] > 0 && w[3] > 0)) return -1;
   const float step = w[2] - w[1];

@@ -10,13 +10,17 @@
 namespace vismap {
 namespace {
 
-/// Sums over the horizontal window of every pixel, x counted from that pixel. Rows are padded with
-/// zeros to whole strips.
+/// Sums over the stretch of its row that each pixel reaches, see SumStretches. The rows are padded
+/// with zeros to whole strips.
 struct RowSums {
   Image<float> n, x, xx, w, xw;
 
   SumsRow At(int v, int u) {
-    return {n.row(v) + u, x.row(v) + u, xx.row(v) + u, w.row(v) + u, xw.row(v) + u};
+    return {.n = n.row(v) + u,
+            .x = x.row(v) + u,
+            .xx = xx.row(v) + u,
+            .w = w.row(v) + u,
+            .xw = xw.row(v) + u};
   }
 };
 
@@ -31,14 +35,18 @@ void SumRow(const InverseDepth& inverse, const PixelReach& reach, int v, RowSums
     prefix_w[static_cast<size_t>(u) + 1] = sum_w;
     prefix_uw[static_cast<size_t>(u) + 1] = sum_uw;
   }
-  SumStretches({w, reach.left.row(v), reach.right.row(v), prefix_w.data(), prefix_uw.data()}, width,
-               sums->At(v, 0));
+  SumStretches({.w = w,
+                .left = reach.left.row(v),
+                .right = reach.right.row(v),
+                .prefix_w = prefix_w.data(),
+                .prefix_uw = prefix_uw.data()},
+               width, sums->At(v, 0));
   for (Image<float>* sum : {&sums->n, &sums->x, &sums->xx, &sums->w, &sums->xw})
     std::fill(sum->row(v) + width, sum->row(v) + sum->width(), 0.0F);
 }
 
-/// A strip of fewer than kPlaneStrip pixels at the end of a row, completed with pixels that have no
-/// window.
+/// Memory for a strip at the end of a row that has fewer than kPlaneStrip pixels; the others have
+/// no window.
 struct PaddedStrip {
   std::array<uint8_t, kPlaneStrip> up{}, down{};
   std::array<float, kPlaneStrip> sigma{};
@@ -65,20 +73,23 @@ void FitStrip(const InverseDepth& inverse, const PinholeCamera& camera, double c
   const int count = std::min(kPlaneStrip, camera.width - u);
   const uint8_t* up = out->reach.up.row(v) + u;
   const uint8_t* down = out->reach.down.row(v) + u;
-  const PlaneStrip strip{sums->At(v, u),
-                         sums->n.width(),
-                         up,
-                         down,
-                         *std::max_element(up, up + count),
-                         *std::max_element(down, down + count),
-                         inverse.sigma.row(v) + u,
-                         static_cast<float>(camera.fx),
-                         static_cast<float>(camera.fy),
-                         static_cast<float>((u - camera.cx) / camera.fx),
-                         static_cast<float>((v - camera.cy) / camera.fy),
-                         static_cast<float>(correlation * std::max(camera.fx, camera.fy))};
-  const NormalRow normals{out->normals_C.x.row(v) + u, out->normals_C.y.row(v) + u,
-                          out->normals_C.z.row(v) + u, out->normal_sigma.row(v) + u};
+  const PlaneStrip strip{
+      .sums = sums->At(v, u),
+      .stride = sums->n.width(),
+      .up = up,
+      .down = down,
+      .rows_up = *std::max_element(up, up + count),
+      .rows_down = *std::max_element(down, down + count),
+      .sigma = inverse.sigma.row(v) + u,
+      .fx = static_cast<float>(camera.fx),
+      .fy = static_cast<float>(camera.fy),
+      .ray_x = static_cast<float>((u - camera.cx) / camera.fx),
+      .ray_y = static_cast<float>((v - camera.cy) / camera.fy),
+      .sigma_scale = static_cast<float>(correlation * std::max(camera.fx, camera.fy))};
+  const NormalRow normals{.x = out->normals_C.x.row(v) + u,
+                          .y = out->normals_C.y.row(v) + u,
+                          .z = out->normals_C.z.row(v) + u,
+                          .sigma = out->normal_sigma.row(v) + u};
   if (count == kPlaneStrip) {
     FitPlanes(strip, normals);
   } else {

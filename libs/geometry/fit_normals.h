@@ -12,11 +12,12 @@ struct InverseDepth {
   Image<float> w, sigma;
 };
 
-/// Fits a plane w = a u + b v + c to the inverse depth around every pixel, over the rows it reaches
-/// in its column and in each of them over what that row's pixel reaches (so no window crosses a
-/// depth jump), and turns it into normals and normal_sigma of a surface whose reach is given.
-/// `correlation` is the noise's [px]. The cost per pixel grows with the window's radius, not its
-/// area.
+/// Computes normals_C and normal_sigma of a surface whose reach is given. Around every pixel, a
+/// plane is fitted to the inverse depth, in which planes are linear: w = a u + b v + c. The window
+/// has the rows that the pixel reaches in its column, and of each row what the pixel in that column
+/// reaches, so that no window crosses a depth jump. `correlation` = length over which the noise of
+/// neighbouring pixels is correlated [px]. The cost per pixel grows with the window's radius, not
+/// with its area.
 void FitNormals(const InverseDepth& inverse, const PinholeCamera& camera, double correlation,
                 SurfaceMap* surface);
 

@@ -10,7 +10,7 @@
 
 namespace vismap {
 
-/// What every frame says of itself, whatever its images are encoded in.
+/// When, where and with which camera a frame was taken.
 struct FrameHeader {
   int64_t utime = 0;      ///< when the images were taken [us]
   CameraId camera_id{0};  ///< which camera took them
@@ -20,9 +20,9 @@ struct FrameHeader {
   Pose T_W_C = Pose::Identity();  ///< camera to world, given by the pose source
 };
 
-/// A frame as a sensor or data set delivers it and as it travels: colour as JPEG bytes, depth as
-/// integers. Decoding it gives the same RgbdFrame in every process, so live and offline maps agree
-/// bit for bit.
+/// A frame as a sensor or a data set delivers it and as messages carry it: colour as JPEG bytes,
+/// depth as integers. Decoding it gives the same RgbdFrame in every process, so that live and
+/// offline maps are equal bit for bit.
 struct SensorFrame {
   FrameHeader header;
   std::vector<uint8_t> color_jpeg;  ///< JPEG of the colour image; empty = a camera without colour
@@ -30,7 +30,7 @@ struct SensorFrame {
   double depth_unit_m = 0.001;      ///< metres per depth step
 };
 
-/// A frame as the algorithms see it.
+/// A decoded frame, the input of the algorithms.
 struct RgbdFrame {
   FrameHeader header;
   Image<float> depth;  ///< HxW [m] along optical z; NaN = no return

@@ -9,6 +9,7 @@
 
 namespace vismap {
 
+/// A colour, 8 bits per channel.
 struct Rgb8 {
   uint8_t r = 0;
   uint8_t g = 0;
@@ -16,7 +17,7 @@ struct Rgb8 {
   friend bool operator==(const Rgb8&, const Rgb8&) = default;
 };
 
-/// Dense row-major image, indexed (row v, column u), contiguous, owning. Pixel centres lie at
+/// Dense row-major image that owns its pixels, indexed (row v, column u). Pixel centres lie at
 /// integer (u, v).
 template <typename T>
 class Image {
@@ -29,7 +30,7 @@ class Image {
     pixels_.assign(static_cast<size_t>(width) * static_cast<size_t>(height), fill);
   }
 
-  /// An image whose pixels have no particular value yet, for kernels that set them all.
+  /// An image whose pixels are not initialised, for kernels that set them all.
   static Image Unset(int width, int height) {
     Require(width >= 0 && height >= 0, "image sizes are not negative");
     Image image;

@@ -26,8 +26,7 @@ Result<Pose> MakePose(const Eigen::Matrix4d& matrix) {
   }
   Pose pose = Pose::Identity();
   pose.linear() = R;
-  if (off > 1e-9) {  // left alone when already exact, so that a pose survives any number of hops
-                     // unchanged
+  if (off > 1e-9) {  // a pose that is exact already stays as it is, however often it is sent
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
     pose.linear() = svd.matrixU() * svd.matrixV().transpose();
   }

@@ -10,8 +10,8 @@
 
 namespace vismap {
 
-/// Three numbers per pixel, stored as one plane per coordinate so that loops over rows vectorise.
-/// NaN = none.
+/// A vector per pixel, stored as one image per coordinate so that loops over rows vectorise. NaN =
+/// none.
 struct VectorImage {
   Image<float> x, y, z;
 
@@ -23,21 +23,21 @@ struct VectorImage {
 inline constexpr uint8_t kJoinedRight = 1;  ///< one surface with pixel (u + 1, v)
 inline constexpr uint8_t kJoinedDown = 2;   ///< one surface with pixel (u, v + 1)
 
-/// How many pixels a pixel can go along each axis without crossing a depth jump, at most its
-/// radius.
+/// How many pixels a pixel reaches in each direction without crossing a depth jump, at most its
+/// radius [px].
 struct PixelReach {
   Image<uint8_t> left, right, up, down;
 };
 
-/// Back-projected depth image with normals. HxW; both NaN where depth is NaN; a normal may also be
-/// NaN where its neighbourhood does not define a plane.
+/// Back-projected depth image with normals, HxW. Points and normals are NaN where there is no
+/// depth; normals also where the neighbourhood does not define a plane.
 struct SurfaceMap {
   VectorImage points_C;       ///< [m], camera frame
   VectorImage normals_C;      ///< unit length, toward the camera: n . p <= 0
-  Image<float> normal_sigma;  ///< expected error of the normal [rad]; NaN where there is no normal
-  Image<float> depth_sigma;   ///< expected error of the depth [m]; 0 where there is none
+  Image<float> normal_sigma;  ///< standard deviation of the normal [rad]; NaN without a normal
+  Image<float> depth_sigma;   ///< standard deviation of the depth [m]; 0 without depth
   Image<uint8_t> joined;      ///< kJoined bits: no depth jump between the two pixels
-  Image<uint8_t> radius;      ///< of the window that the normal was asked from [px]; 0 = no depth
+  Image<uint8_t> radius;      ///< of the window for the normal [px]; 0 without depth
   PixelReach reach;
 };
 

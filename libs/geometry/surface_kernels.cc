@@ -8,13 +8,13 @@
 
 #include "geometry/vector_clones.h"
 
-// Cloned functions only: GCC 12 does not vectorise ordinary ones beside them.
+// All functions here are cloned: GCC 12 does not vectorise ordinary functions in the same file.
 
 namespace vismap {
 namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// One number per pixel of a strip; lowered to what the machine has.
+// One number per pixel of a strip; the compiler splits them into registers of the machine's size.
 using Floats = float __attribute__((vector_size(4 * kPlaneStrip)));
 using Ints = int32_t __attribute__((vector_size(4 * kPlaneStrip)));
 using Bytes = uint8_t __attribute__((vector_size(kPlaneStrip)));
@@ -24,22 +24,22 @@ VISMAP_VECTOR_CLONES void PreparePixels(const PixelRow& row, const SurfaceConsta
                                         float ray_y, int width) {
   const SurfaceConstants k = constants;
   const float* __restrict depth = row.depth;
-  float* __restrict px = row.x, * __restrict py = row.y, * __restrict pz = row.z;
+  float* __restrict px = row.point_x, * __restrict py = row.point_y, * __restrict pz = row.point_z;
   float* __restrict w = row.w, * __restrict sigma = row.sigma;
   float* __restrict depth_sigma = row.depth_sigma;
   uint8_t* __restrict radius = row.radius;
-#pragma GCC ivdep  // so many rows: GCC would give up proving that none overlaps another
+#pragma GCC ivdep  // no row overlaps another, which GCC cannot prove for so many rows
   for (int u = 0; u < width; ++u) {
     const float d = depth[u];
-    const float in = (d >= k.low ? 1.0F : 0.0F) * (d <= k.high ? 1.0F : 0.0F);
+    const float in = (d >= k.min_depth ? 1.0F : 0.0F) * (d <= k.max_depth ? 1.0F : 0.0F);
     const float z = in > 0 ? d : 1.0F, inv = 1 / z;
-    const float past = std::max(z - k.offset, 0.0F);
-    const float axial = (k.base + k.quadratic * past * past) * inv * inv;
-    const float inverse_sigma = std::sqrt(axial * axial + k.step * k.step);
-    const float reach = std::sqrt(k.gain * inverse_sigma * z) + 0.999F;
+    const float past = std::max(z - k.axial_offset, 0.0F);
+    const float axial = (k.axial_base + k.axial_quadratic * past * past) * inv * inv;
+    const float inverse_sigma = std::sqrt(axial * axial + k.disparity_sigma * k.disparity_sigma);
+    const float reach = std::sqrt(k.radius_gain * inverse_sigma * z) + 0.999F;  // rounds up
     const float point_z = in > 0 ? z : kNaN;
     pz[u] = point_z;
-    px[u] = point_z * (k.x0 + k.inv_fx * static_cast<float>(u));
+    px[u] = point_z * (k.ray_x0 + k.ray_step_x * static_cast<float>(u));
     py[u] = point_z * ray_y;
     w[u] = in * inv;
     sigma[u] = in * inverse_sigma;
@@ -49,24 +49,23 @@ VISMAP_VECTOR_CLONES void PreparePixels(const PixelRow& row, const SurfaceConsta
   }
 }
 
-VISMAP_VECTOR_CLONES void JoinPairs(const PairRow& row, float jump, float cap, uint8_t bit,
-                                    int count, uint8_t* __restrict out) {
+VISMAP_VECTOR_CLONES void JoinPairs(const PairRow& row, float jump_sigmas, float max_step,
+                                    uint8_t bit, int count, uint8_t* __restrict out) {
   const float *before = row.before, *p = row.p, *q = row.q, *after = row.after;
   const float *sigma_p = row.sigma_p, *sigma_q = row.sigma_q;
   for (int u = 0; u < count; ++u) {
-    const float tolerance = jump * std::max(sigma_p[u], sigma_q[u]);
+    const float tolerance = jump_sigmas * std::max(sigma_p[u], sigma_q[u]);
     const float step = q[u] - p[u], size = std::abs(step);
     const float slope_before = before[u] > 0 ? p[u] - before[u] : 0.0F;
     const float slope_after = after[u] > 0 ? after[u] - q[u] : 0.0F;
     const float bend = std::min(std::abs(step - slope_before), std::abs(step - slope_after));
-    const float sloped = size <= cap * p[u] + tolerance ? bend : size;
+    const float sloped = size <= max_step * p[u] + tolerance ? bend : size;
     const float depth = std::min(p[u], q[u]);  // 0 = one of them has none
     const float excess = (depth > 0 ? 0.0F : size + 1) + std::min(size, sloped) - tolerance;
     out[u] = static_cast<uint8_t>(out[u] + (excess <= 0 ? bit : 0));
   }
 }
 
-// Stretches of joined pixels by doubling: what is known up to k pixels far gives 2 k.
 VISMAP_VECTOR_CLONES void ReachLeft(const uint8_t* joined, const uint8_t* radius, int width,
                                     uint8_t* scratch, uint8_t* __restrict out) {
   uint8_t* from = scratch;
@@ -80,7 +79,8 @@ VISMAP_VECTOR_CLONES void ReachLeft(const uint8_t* joined, const uint8_t* radius
     uint8_t* __restrict b = to;
     const auto full = static_cast<uint8_t>(k);
     for (int u = k; u < width; ++u) {
-      const uint8_t near = a[u], far = a[u - k];  // read in any case, or the loop stays scalar
+      const uint8_t near = a[u],
+                    far = a[u - k];  // both are read always, or the loop does not vectorise
       b[u] = static_cast<uint8_t>(near + (near == full ? far : 0));
     }
     std::swap(from, to);
@@ -131,7 +131,8 @@ VISMAP_VECTOR_CLONES void SumStretches(const StretchRow& row, int width, const S
     const double stretch_w = prefix_w[b] - prefix_w[a];
     const float valid = w[u] > 0 ? 1.0F : 0.0F;
     n[u] = valid * static_cast<float>(l + r + 1);
-    // Sums of 1..r less (plus) those of 1..l, of x and of x^2; small integers, so floats are exact.
+    // The sums of x and x^2 over [-l, r]: that over 1..r minus (plus) that over 1..l. They are
+    // small integers, so that floats are exact.
     x[u] = valid * static_cast<float>((r * (r + 1) - l * (l + 1)) / 2);
     xx[u] = valid * static_cast<float>((r * (r + 1) * (2 * r + 1) + l * (l + 1) * (2 * l + 1)) / 6);
     sum_w[u] = valid * static_cast<float>(stretch_w);
@@ -146,7 +147,7 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
   const Ints up = __builtin_convertvector(up_bytes, Ints);
   const Ints down = __builtin_convertvector(down_bytes, Ints);
 
-  // Moments of each pixel's window; x and y counted from that pixel, w = inverse depth.
+  // Moments of each pixel's window; x and y are counted from that pixel, w = inverse depth.
   Floats n{}, x{}, y{}, xx{}, xy{}, yy{}, w{}, xw{}, yw{};
   for (int dy = -strip.rows_up; dy <= strip.rows_down; ++dy) {
     const Ints in = dy < 0 ? up >= -dy : down >= dy;  // all bits set, or none
@@ -171,7 +172,7 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
     yw += distance * row_w;
   }
 
-  // As plain arrays, since loops over those vectorise.
+  // Copied to plain arrays, since loops over those vectorise.
   struct Moments {
     alignas(64) float n[kPlaneStrip], x[kPlaneStrip], y[kPlaneStrip], xx[kPlaneStrip],
         xy[kPlaneStrip], yy[kPlaneStrip], w[kPlaneStrip], xw[kPlaneStrip], yw[kPlaneStrip];
@@ -197,7 +198,8 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
     const float cyy = m.yy[i] - m.y[i] * my;
     const float cxw = m.xw[i] - m.x[i] * mw, cyw = m.yw[i] - m.y[i] * mw;
     const float det = cxx * cyy - cxy * cxy, trace = cxx + cyy;
-    // The smaller eigenvalue of the window's shape, about det / trace: two rows of pixels have 1/4.
+    // det / trace is about the smaller eigenvalue of the window's scatter, n times the variance
+    // across its shorter side. Two rows of pixels have a variance of 1/4, one row has 0.
     const float plane = m.n[i] >= 5 ? det - 0.2F * m.n[i] * trace : 0.0F;
     const float inv_det = 1 / (plane > 0 ? det : 1.0F);
     const float a = (cxw * cyy - cyw * cxy) * inv_det * fx;
@@ -205,7 +207,7 @@ VISMAP_VECTOR_CLONES void FitPlanes(const PlaneStrip& strip, const NormalRow& ou
     const float ray_x = first_x + static_cast<float>(i) * inv_fx;
     const float c = mw - a * (mx * inv_fx + ray_x) - b * (my * inv_fy + ray_y);
     const float inv_length = 1 / std::sqrt(a * a + b * b + c * c + 1e-30F);
-    // a x + b y + c is the fitted inverse depth at the pixel: positive unless the fit is nonsense.
+    // The fitted inverse depth at the pixel; negative when the plane lies behind the camera.
     const float good = plane > 0 ? a * ray_x + b * ray_y + c : 0.0F;
     const float error = sigma[i] * scale * inv_length * std::sqrt(std::max(trace * inv_det, 0.0F));
     nx[i] = good > 0 ? -a * inv_length : kNaN;

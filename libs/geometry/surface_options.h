@@ -43,7 +43,7 @@ struct SurfaceOptions {
   double window_depth_ratio = 0.05;  ///< points farther than this times z are left out
 };
 
-/// All that is wrong with the options, one sentence each; empty = nothing.
+/// The problems of the options, one sentence each; empty = they are valid.
 std::vector<std::string> Validate(const SurfaceOptions& options);
 
 }  // namespace vismap

@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-/// Covariance of the points around (v, u); nullopt with fewer than three.
+/// Covariance of the points around (v, u); nullopt when there are fewer than three.
 std::optional<Eigen::Matrix3f> WindowCovariance(const VectorImage& points, int v, int u,
                                                 const SurfaceOptions& options) {
   const int half = options.window_px / 2;

@@ -14,6 +14,8 @@ namespace vismap {
 inline constexpr int kBlockSide = 8;
 inline constexpr int kBlockVoxels = kBlockSide * kBlockSide * kBlockSide;
 inline constexpr int kVoteSlots = 3;
+/// The truncation distance in the steps in which voxels store their distance.
+inline constexpr int kTruncationSteps = 32767;
 
 /// Position of a block in the grid of blocks: it covers voxels 8 i to 8 i + 7 along each axis of W.
 struct BlockIndex {
@@ -60,7 +62,7 @@ struct SurfaceVoxels {
   static void* operator new(size_t size);
   static void operator delete(void* voxels) noexcept;
 
-  /// Truncated signed distance in steps of truncation / 32767; positive in front of the
+  /// Truncated signed distance in steps of truncation / kTruncationSteps; positive in front of the
   /// surface.
   std::array<int16_t, kBlockVoxels> distance{};
   /// Integration weight in steps of 1/kWeightScale (1 = one observation at 1 m); 0 = never

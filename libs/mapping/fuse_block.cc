@@ -43,7 +43,7 @@ std::unique_ptr<SurfaceVoxels> Densify(const Block& block) {
     if (block.free) observations = block.free->SeenTwice(i) ? 2 : block.free->SeenOnce(i) ? 1 : 0;
     if (observations == 0) continue;
     const auto at = static_cast<size_t>(i);
-    voxels->distance[at] = 32767;
+    voxels->distance[at] = kTruncationSteps;
     voxels->observations[at] = static_cast<uint8_t>(observations);
     voxels->weight[at] =
         static_cast<uint16_t>(static_cast<float>(observations) * kWeightScale * 0.25F);
@@ -70,7 +70,28 @@ void ForEach(const VoxelBits& bits, const Visit& visit) {
 // itself soon becomes that of free space.
 constexpr float kCarvedPart = 0.75F;
 
-CarvingLimits LimitsOf(const IntegrationOptions& options, const VoxelGridOptions& grid) {
+MeasurementLimits LimitsOf(const IntegrationOptions& options, const VoxelGridOptions& grid) {
+  return {.truncation = static_cast<float>(grid.truncation_voxels * grid.voxel_size_m),
+          .min_range = static_cast<float>(options.min_range_m),
+          .max_range = static_cast<float>(options.max_range_m),
+          .free_space_range = static_cast<float>(options.free_space_range_m),
+          .drop_off_start = -static_cast<float>(grid.voxel_size_m),
+          .vote_distance = static_cast<float>(options.vote_distance_voxels * grid.voxel_size_m),
+          // A mesh vertex lies between voxels that are at most this far from the surface.
+          .color_distance = static_cast<float>(2 * grid.voxel_size_m),
+          .free_space = options.free_space};
+}
+
+WeightLimits WeightLimitsOf(const IntegrationOptions& options) {
+  // A frame weighs at least one step, so that this many times its weight exceeds every weight.
+  constexpr float kNoLimit = 65536.0F;
+  return {.most = static_cast<float>(options.max_weight) * kWeightScale,
+          .free_frames = options.free_frames > 0
+                             ? std::max(static_cast<float>(options.free_frames), 1.0F)
+                             : kNoLimit};
+}
+
+CarvingLimits CarvingLimitsOf(const IntegrationOptions& options, const VoxelGridOptions& grid) {
   const auto truncation = static_cast<float>(grid.truncation_voxels * grid.voxel_size_m);
   const auto margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size_m);
   return {.frames = static_cast<float>(options.carve_frames),
@@ -98,22 +119,12 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
       labels_(std::move(labels)),
       cut_votes_(options.cut_votes),
       voxel_size_(grid.voxel_size_m),
-      carving_(LimitsOf(options, grid)) {
+      carving_(CarvingLimitsOf(options, grid)) {
   const Pose T_C_W = frame.frame.header.T_W_C.inverse();
   R_C_W_ = T_C_W.linear();
   t_C_W_ = T_C_W.translation();
-  limits_ = {static_cast<float>(grid.truncation_voxels * grid.voxel_size_m),
-             static_cast<float>(options.min_range_m),
-             static_cast<float>(options.max_range_m),
-             static_cast<float>(options.free_space_range_m),
-             -static_cast<float>(grid.voxel_size_m),
-             static_cast<float>(options.vote_distance_voxels * grid.voxel_size_m),
-             static_cast<float>(2 * grid.voxel_size_m),  // all that a mesh vertex can lie between
-             options.free_space};
-  // No limit: more than any weight, since that of a frame is at least a step.
-  weights_ = {
-      static_cast<float>(options.max_weight) * kWeightScale,
-      options.free_frames > 0 ? std::max(static_cast<float>(options.free_frames), 1.0F) : 65536.0F};
+  limits_ = LimitsOf(options, grid);
+  weights_ = WeightLimitsOf(options);
   if (options.carve_frames <= 0) return;
   clear_depth_ =
       ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),

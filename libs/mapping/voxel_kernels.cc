@@ -107,8 +107,8 @@ VISMAP_VECTOR_CLONES void Weigh(const float* depth_in, const float* distance_in,
   }
 }
 
-// Mean distances from here on are those of free space: nine tenths of the truncation.
-constexpr float kFreeSteps = 29490.0F;
+// A mean distance of nine tenths of the truncation or more is one of free space.
+constexpr float kFreeSteps = 9 * kTruncationSteps / 10;
 
 VISMAP_VECTOR_CLONES void Fuse(const float* distance_in, const float* weight_in, float scale,
                                float max_weight, float free_frames, int16_t* distances,
@@ -235,7 +235,7 @@ uint8_t UnionOf(const VoxelArray<uint8_t>& flags) {
 
 void FuseDistances(const VoxelSamples& samples, float truncation, const WeightLimits& limits,
                    SurfaceVoxels& voxels, VoxelArray<float>& shares) {
-  Fuse(samples.distance.data(), samples.weight.data(), 32767.0F / truncation, limits.most,
+  Fuse(samples.distance.data(), samples.weight.data(), kTruncationSteps / truncation, limits.most,
        limits.free_frames, voxels.distance.data(), voxels.weight.data(), voxels.observations.data(),
        shares.data());
 }
@@ -243,16 +243,16 @@ void FuseDistances(const VoxelSamples& samples, float truncation, const WeightLi
 bool MayCarve(const VoxelSamples& samples, float truncation, const CarvingLimits& limits,
               const SurfaceVoxels& voxels) {
   return CountPassable(samples.distance.data(), samples.weight.data(), limits.min_measured,
-                       limits.max_distance * (32767.0F / truncation), voxels.distance.data(),
-                       voxels.weight.data()) > 0;
+                       limits.max_distance * (kTruncationSteps / truncation),
+                       voxels.distance.data(), voxels.weight.data()) > 0;
 }
 
 VoxelBits CarveVoxels(const ProjectedVoxels& projected, const VoxelArray<float>& clear,
                       float truncation, const CarvingLimits& limits, VoxelSamples& samples,
                       SurfaceVoxels& voxels) {
   alignas(64) VoxelArray<uint8_t> turning;
-  Carve(projected.z.data(), clear.data(), truncation / 32767.0F, limits, samples.weight.data(),
-        voxels.distance.data(), voxels.weight.data(), turning.data());
+  Carve(projected.z.data(), clear.data(), truncation / kTruncationSteps, limits,
+        samples.weight.data(), voxels.distance.data(), voxels.weight.data(), turning.data());
   return VoxelsWith(turning, 1);
 }
 

@@ -102,7 +102,8 @@ inline void AddCorners(const Recipe& recipe, size_t cell, uint16_t* slots_out) {
 
 BlockMesher::BlockMesher(const MeshingJob& job)
     : job_(job),
-      jump_(static_cast<int>(std::lround(std::clamp(job.jump_fraction, 0.0, 2.0) * 32767))),
+      jump_(static_cast<int>(
+          std::lround(std::clamp(job.jump_fraction, 0.0, 2.0) * kTruncationSteps))),
       walk_(job.views),
       vertex_maker_(grid_, job.voxel_size, job.shown) {}
 

@@ -43,7 +43,7 @@ class BlockMesher {
   void LeaveOutJumps();
 
   const MeshingJob& job_;
-  int jump_;  // in steps of truncation / 32767
+  int jump_;  // in steps of truncation / kTruncationSteps
   NeighbourWalk walk_;
   SurfaceReader reader_;
   CellGrid grid_;

@@ -8,8 +8,8 @@
 
 namespace vismap {
 
-/// A binary mask of one frame, stored as its bounding box: pixel (u, v) of the image is inside when
-/// inside(v - v0, u - u0) != 0. May be empty.
+/// A binary mask of one frame, stored as its bounding box: pixel (u, v) of the image is in the mask
+/// when inside(v - v0, u - u0) != 0. The box may be empty or reach beyond the image.
 struct Mask {
   int image_width = 0;
   int image_height = 0;
@@ -30,7 +30,7 @@ struct Detection {
   Mask mask;
 };
 
-/// All detections of one frame; empty = the detector looked and found nothing.
+/// All detections of one frame; empty = the detector processed the frame and found nothing.
 struct DetectionSet {
   int64_t utime = 0;  ///< of the frame [us]
   CameraId camera_id{0};

@@ -12,7 +12,7 @@ bool IsLeftOut(ClassId class_id, const RefineOptions& options) {
          options.leave_out_classes.end();
 }
 
-/// The pixels of all masks to leave out, 0 or 1; false = there are none.
+/// Sets the pixels of all masks to leave out to 1. Returns whether there is such a pixel.
 bool PaintMasks(const DetectionSet& set, const RefineOptions& options, Image<uint8_t>* image) {
   bool any = false;
   for (const Detection& detection : set.detections) {
@@ -32,7 +32,7 @@ bool PaintMasks(const DetectionSet& set, const RefineOptions& options, Image<uin
 
 /// Grows the ones of a line of `count` pixels, `stride` apart, by `radius` to both sides.
 void GrowLine(uint8_t* line, int count, int stride, int radius) {
-  int reach = 0;  // pixels still to be set after the last one
+  int reach = 0;  // how many pixels are still to be set after the last one of the mask
   std::vector<uint8_t> grown(static_cast<size_t>(count));
   const auto pass = [&](int i) {
     if (line[i * stride] != 0) reach = radius + 1;
@@ -45,7 +45,7 @@ void GrowLine(uint8_t* line, int count, int stride, int radius) {
   for (int i = 0; i < count; ++i) line[i * stride] = grown[static_cast<size_t>(i)];
 }
 
-/// By a square: rows, then columns.
+/// Dilates by a square of side 2 radius + 1: first the rows, then the columns.
 void Grow(int radius, Image<uint8_t>* image) {
   if (radius <= 0) return;
   for (int v = 0; v < image->height(); ++v) GrowLine(image->row(v), image->width(), 1, radius);
@@ -61,14 +61,14 @@ int64_t LeaveOut(const DetectionSet& detections, const RefineOptions& options, R
   if (!PaintMasks(detections, options, &out)) return 0;
   const double scale = frame->depth.width() / 640.0;
   Grow(static_cast<int>(std::lround(options.leave_out_margin_px * scale)), &out);
-  int64_t taken = 0;
+  int64_t removed = 0;
   for (size_t i = 0; i < frame->depth.size(); ++i) {
     float& depth = frame->depth.data()[i];
     if (out.data()[i] == 0 || std::isnan(depth)) continue;
     depth = std::numeric_limits<float>::quiet_NaN();
-    ++taken;
+    ++removed;
   }
-  return taken;
+  return removed;
 }
 
 DetectionSet WithoutLeftOut(const DetectionSet& detections, const RefineOptions& options) {

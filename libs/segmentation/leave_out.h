@@ -5,14 +5,14 @@
 
 namespace vismap {
 
-/// Takes the pixels of detections of the classes to leave out (people, animals: what moves) out of
-/// a frame: their depth becomes NaN, so that no stage after this one sees surface, free space or
-/// segments there. Masks are grown by the margin first. Detections below min_score, and masks for
-/// images of another size beyond the border, count as in RefineWithDetections. Returns how many
-/// pixels with depth were taken out.
+/// Removes things that move, such as people, from a frame: the depth of all pixels in masks of
+/// RefineOptions::leave_out_classes becomes NaN, so that later stages find no surface, free space
+/// or segment there. The masks are grown by the margin first. Detections below min_score are
+/// ignored, and masks are cut at the image's border. Returns the number of pixels that lost their
+/// depth.
 int64_t LeaveOut(const DetectionSet& detections, const RefineOptions& options, RgbdFrame* frame);
 
-/// The detections that are not of classes to leave out.
+/// The detections of all other classes.
 DetectionSet WithoutLeftOut(const DetectionSet& detections, const RefineOptions& options);
 
 }  // namespace vismap

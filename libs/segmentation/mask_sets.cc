@@ -5,6 +5,7 @@
 namespace vismap {
 namespace {
 
+/// Adds the pixels of a mask to one whose box contains its box.
 void Add(const Mask& mask, Mask* sum) {
   for (int v = 0; v < mask.inside.height(); ++v) {
     const uint8_t* from = mask.inside.row(v);

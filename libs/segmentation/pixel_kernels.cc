@@ -5,7 +5,7 @@
 
 #include "geometry/vector_clones.h"
 
-// Cloned functions only: GCC 12 does not vectorise ordinary ones beside them.
+// All functions here are cloned: GCC 12 does not vectorise ordinary functions in the same file.
 
 namespace vismap {
 
@@ -24,15 +24,14 @@ VISMAP_VECTOR_CLONES void PackNormals(const float* x, const float* y, const floa
 }
 
 int PackedSquare(float chord) {
-  // Each component of a difference is off by at most one step: the chord by sqrt(3) of them.
-  const float least = std::floor(chord * 127.0F - 1.7321F);
+  const float least = std::floor(chord * 127.0F - 1.7321F);  // sqrt(3), rounded up
   return least > 0 ? static_cast<int>(least * least) : 0;
 }
 
 VISMAP_VECTOR_CLONES void MarkFolds(const FoldRow& row, int min_square, int width,
                                     uint8_t* __restrict out) {
   const uint32_t* __restrict normals = row.normals;
-  const uint8_t* __restrict radius = row.radius;
+  const uint8_t* __restrict has_depth = row.has_depth;
   const uint8_t* __restrict left = row.left, * __restrict right = row.right;
   const uint8_t* __restrict up = row.up, * __restrict down = row.down;
   const int stride = row.stride;
@@ -49,7 +48,7 @@ VISMAP_VECTOR_CLONES void MarkFolds(const FoldRow& row, int min_square, int widt
     const int32_t across = x * x + y * y + z * z >= min_square ? kFoldAcross : 0;
     const int32_t along = p * p + q * q + s * s >= min_square ? kFoldAlong : 0;
     const int32_t folds = (known_across ? across : 0) | (known_along ? along : 0);
-    out[u] = static_cast<uint8_t>(radius[u] ? folds : 0);
+    out[u] = static_cast<uint8_t>(has_depth[u] ? folds : 0);
   }
 }
 
@@ -62,38 +61,40 @@ VISMAP_VECTOR_CLONES void LinkPixels(const uint8_t* joined, const uint8_t* above
     out[u] = static_cast<uint8_t>(out[u] | (joined[u - 1] & kLinkRight) << 2);
 }
 
-VISMAP_VECTOR_CLONES void MarkRim(const uint8_t* links, const uint8_t* above, const uint8_t* radius,
-                                  const uint8_t* below, int width, uint8_t* __restrict out) {
+VISMAP_VECTOR_CLONES void MarkRim(const RimRow& row, int width, uint8_t* __restrict out) {
+  const uint8_t *links = row.links, *has_depth = row.has_depth;
+  const uint8_t *above = row.has_depth_above, *below = row.has_depth_below;
   for (int u = 0; u < width; ++u) {
     const bool up = above[u] != 0 && (links[u] & kLinkUp) == 0;
     const bool down = below[u] != 0 && (links[u] & kLinkDown) == 0;
-    out[u] = (up | down) && radius[u] != 0 ? 1 : 0;
+    out[u] = (up | down) && has_depth[u] != 0 ? 1 : 0;
   }
   for (int u = 1; u < width; ++u) {
-    const bool left = radius[u - 1] != 0 && (links[u] & kLinkLeft) == 0;
-    out[u] = static_cast<uint8_t>(out[u] | (left && radius[u] != 0 ? 1 : 0));
+    const bool left = has_depth[u - 1] != 0 && (links[u] & kLinkLeft) == 0;
+    out[u] = static_cast<uint8_t>(out[u] | (left && has_depth[u] != 0 ? 1 : 0));
   }
   for (int u = 0; u + 1 < width; ++u) {
-    const bool right = radius[u + 1] != 0 && (links[u] & kLinkRight) == 0;
-    out[u] = static_cast<uint8_t>(out[u] | (right && radius[u] != 0 ? 1 : 0));
+    const bool right = has_depth[u + 1] != 0 && (links[u] & kLinkRight) == 0;
+    out[u] = static_cast<uint8_t>(out[u] | (right && has_depth[u] != 0 ? 1 : 0));
   }
 }
 
-VISMAP_VECTOR_CLONES void MarkFlat(const uint8_t* radius, const uint8_t* strength,
-                                   const uint8_t* links, int width, RunFlags out) {
+VISMAP_VECTOR_CLONES void MarkFlat(const FlatRow& row, int width, RunFlags out) {
+  const uint8_t *has_depth = row.has_depth, *strength = row.edge_strength, *links = row.links;
   uint8_t* __restrict in = out.in;
   uint8_t* __restrict on = out.on;
-  for (int u = 0; u < width; ++u) in[u] = radius[u] != 0 && strength[u] == 0 ? 1 : 0;
+  for (int u = 0; u < width; ++u) in[u] = has_depth[u] != 0 && strength[u] == 0 ? 1 : 0;
   on[0] = 0;
   for (int u = 1; u < width; ++u)
     on[u] = static_cast<uint8_t>(in[u] & in[u - 1] & (links[u] & kLinkLeft) >> 2);
 }
 
-VISMAP_VECTOR_CLONES void MarkMissed(const uint8_t* radius, const int32_t* regions,
-                                     const uint8_t* links, int width, RunFlags out) {
+VISMAP_VECTOR_CLONES void MarkMissed(const MissedRow& row, int width, RunFlags out) {
+  const uint8_t *has_depth = row.has_depth, *links = row.links;
+  const int32_t* regions = row.regions;
   uint8_t* __restrict in = out.in;
   uint8_t* __restrict on = out.on;
-  for (int u = 0; u < width; ++u) in[u] = radius[u] != 0 && regions[u] == 0 ? 1 : 0;
+  for (int u = 0; u < width; ++u) in[u] = has_depth[u] != 0 && regions[u] == 0 ? 1 : 0;
   on[0] = 0;
   for (int u = 1; u < width; ++u)
     on[u] = static_cast<uint8_t>(in[u] & in[u - 1] & (links[u] & kLinkLeft) >> 2);
@@ -119,21 +120,21 @@ VISMAP_VECTOR_CLONES void MarkSegments(const SegmentIndex* segments, int width, 
 
 VISMAP_VECTOR_CLONES void MarkFront(const FrontRow& row, int width, uint8_t* __restrict out) {
   const uint8_t* __restrict links = row.links;
-  const uint8_t* __restrict radius = row.radius;
+  const uint8_t* __restrict has_depth = row.has_depth;
   const int32_t* __restrict regions = row.regions;
-  const uint8_t *radius_above = row.radius_above, *radius_below = row.radius_below;
-  const int32_t *above = row.above, *below = row.below;
+  const uint8_t *has_depth_above = row.has_depth_above, *has_depth_below = row.has_depth_below;
+  const int32_t *above = row.regions_above, *below = row.regions_below;
   for (int u = 0; u < width; ++u) {
-    const bool up = (links[u] & kLinkUp) != 0 && above[u] == 0 && radius_above[u] != 0;
-    const bool down = (links[u] & kLinkDown) != 0 && below[u] == 0 && radius_below[u] != 0;
+    const bool up = (links[u] & kLinkUp) != 0 && above[u] == 0 && has_depth_above[u] != 0;
+    const bool down = (links[u] & kLinkDown) != 0 && below[u] == 0 && has_depth_below[u] != 0;
     out[u] = (up | down) && regions[u] != 0 ? 1 : 0;
   }
   for (int u = 1; u < width; ++u) {
-    const bool left = (links[u] & kLinkLeft) != 0 && regions[u - 1] == 0 && radius[u - 1] != 0;
+    const bool left = (links[u] & kLinkLeft) != 0 && regions[u - 1] == 0 && has_depth[u - 1] != 0;
     out[u] = static_cast<uint8_t>(out[u] | (left && regions[u] != 0 ? 1 : 0));
   }
   for (int u = 0; u + 1 < width; ++u) {
-    const bool right = (links[u] & kLinkRight) != 0 && regions[u + 1] == 0 && radius[u + 1] != 0;
+    const bool right = (links[u] & kLinkRight) != 0 && regions[u + 1] == 0 && has_depth[u + 1] != 0;
     out[u] = static_cast<uint8_t>(out[u] | (right && regions[u] != 0 ? 1 : 0));
   }
 }

@@ -22,6 +22,7 @@ void ForWindow(int width, int height, int v, int u, int side, const Visit& visit
   }
 }
 
+/// The image of flags value(v, u).
 template <typename Value>
 Image<uint8_t> ForEachPixel(int width, int height, const Value& value) {
   Image<uint8_t> out(width, height);
@@ -48,7 +49,8 @@ Image<uint8_t> Erode(const Image<uint8_t>& in) {
   });
 }
 
-bool DepthStep(const SurfaceMap& surface, double ratio, int v, int u) {
+/// Whether the depth steps up or down by more than `ratio` of itself in the 3x3 window.
+bool IsDepthStep(const SurfaceMap& surface, double ratio, int v, int u) {
   const Image<float>& depth = surface.points_C.z;
   const float z = depth(v, u);
   float low = z, high = z;
@@ -60,7 +62,9 @@ bool DepthStep(const SurfaceMap& surface, double ratio, int v, int u) {
   return std::max(high - z, z - low) > static_cast<float>(ratio) * z;
 }
 
-bool Convex(const SurfaceMap& surface, const SegmentationOptions& options, int v, int u) {
+/// Whether no neighbour in the window is concave: rises above the pixel's tangent plane with a
+/// normal that is turned away.
+bool IsConvex(const SurfaceMap& surface, const SegmentationOptions& options, int v, int u) {
   if (!surface.normals_C.valid(v, u)) return false;
   const Eigen::Vector3f p = surface.points_C.at(v, u), n = surface.normals_C.at(v, u);
   const auto tolerance = static_cast<float>(options.concave_tolerance_m);
@@ -74,7 +78,7 @@ bool Convex(const SurfaceMap& surface, const SegmentationOptions& options, int v
   return least > static_cast<float>(options.concave_cosine);
 }
 
-/// Treats every pair of neighbours with depth as linked: the published regions know only edges.
+/// Links every two neighbours with depth: in the published method only edges separate regions.
 Image<uint8_t> LinksByDepth(const Image<uint8_t>& depth) {
   Image<uint8_t> joined(depth.width(), depth.height());
   for (int v = 0; v < depth.height(); ++v) {
@@ -87,17 +91,17 @@ Image<uint8_t> LinksByDepth(const Image<uint8_t>& depth) {
   return LinkImage(joined);
 }
 
-/// Gives every pixel without region to that of the nearest point in the window; ties to the lower
-/// region.
-RegionImage GiveBack(const SurfaceMap& surface, const RegionImage& regions,
-                     const SegmentationOptions& options) {
+/// Assigns every pixel without region to the region of the nearest point in its window; of several
+/// equally near to the one with the lowest number.
+RegionImage AssignEdgePixels(const SurfaceMap& surface, const RegionImage& regions,
+                             const SegmentationOptions& options) {
   RegionImage out = regions;
   const int width = regions.width(), height = regions.height();
   const auto reach = static_cast<float>(options.give_back_distance_m);
   ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < width; ++u) {
-      if (regions(v, u) || surface.radius(v, u) == 0) continue;
+      if (regions(v, u) || surface.radius(v, u) == 0) continue;  // not an edge, or without depth
       const Eigen::Vector3f p = surface.points_C.at(v, u);
       float nearest = reach * reach;
       ForWindow(width, height, v, u, options.give_back_window_px, [&](int y, int x) {
@@ -119,15 +123,16 @@ SegmentImage SegmentAsPublished(const SurfaceMap& surface, int min_pixels,
                                 const SegmentationOptions& options) {
   const int width = surface.radius.width(), height = surface.radius.height();
   const Image<uint8_t> convex = Dilate(Erode(
-      ForEachPixel(width, height, [&](int v, int u) { return Convex(surface, options, v, u); })));
+      ForEachPixel(width, height, [&](int v, int u) { return IsConvex(surface, options, v, u); })));
   const Image<uint8_t> steps = Erode(Dilate(ForEachPixel(width, height, [&](int v, int u) {
-    return surface.radius(v, u) && DepthStep(surface, options.depth_ratio, v, u);
+    return surface.radius(v, u) && IsDepthStep(surface, options.depth_ratio, v, u);
   })));
   const Image<uint8_t> edge =
       ForEachPixel(width, height, [&](int v, int u) { return !convex(v, u) || steps(v, u) != 0; });
-  const Regions regions =
-      ConnectedRegions(surface.radius, LinksByDepth(surface.radius), edge, min_pixels);
-  return NumberRegions(GiveBack(surface, regions.image, options));
+  const Image<uint8_t> links = LinksByDepth(surface.radius);
+  const Regions regions = ConnectedRegions(
+      {.has_depth = surface.radius, .links = links, .edge_strength = edge}, min_pixels);
+  return NumberRegions(AssignEdgePixels(surface, regions.image, options));
 }
 
 }  // namespace vismap

@@ -6,11 +6,12 @@
 
 namespace vismap {
 
-/// The published code's segmentation (Grinvald 2019, Sec. III-A): depth steps in a 3x3 window above
-/// a fixed ratio (a hole counts as depth 0) or concave neighbours in a 5x5 window are edges;
-/// regions between edges get edge pixels back from a 9x9 window. Contours are replaced by
-/// 4-connected components; neighbours without depth are skipped in the convexity test. Kept for
-/// comparison, and as the slow reference of the benchmark.
+/// The segmentation of the published code (Grinvald 2019, Sec. III-A). A pixel is an edge when the
+/// depth in its 3x3 window differs by more than a fixed ratio (a hole counts as depth 0), or when a
+/// neighbour in its 5x5 window is concave. Edge pixels are then assigned to the region of the
+/// nearest point in their 9x9 window. Departures from that code: regions are 4-connected components
+/// instead of contours, and the convexity test skips neighbours without depth. Used for comparison,
+/// and as the slow reference of the benchmark.
 SegmentImage SegmentAsPublished(const SurfaceMap& surface, int min_pixels,
                                 const SegmentationOptions& options);
 

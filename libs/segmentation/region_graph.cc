@@ -17,7 +17,8 @@ constexpr size_t kRowGrain = 16;
 
 size_t At(int32_t i) { return static_cast<size_t>(i); }
 
-/// Sums over the pixels of a run.
+/// Sums over the pixels of a run: of inverse depth w, of the ray's x, of their products, and of the
+/// normals. The ray's y is the same for all of them.
 struct RunSums {
   double w = 0, xw = 0, ww = 0, variance = 0, x = 0, xx = 0;
   double nx = 0, ny = 0, nz = 0;
@@ -77,7 +78,7 @@ void Measure(const SurfaceMap& surface, const PinholeCamera& camera, int32_t cou
   }
 }
 
-/// Pairs of linked pixels per pair of regions.
+/// Counts the linked pairs of pixels of every two regions.
 class ContactCounts {
  public:
   void Add(int32_t a, int32_t b, int32_t pairs) {
@@ -106,6 +107,7 @@ std::vector<Contact> FindContacts(const Image<uint8_t>& links, const RunTable& r
     const auto row = runs.row(v);
     const uint8_t* link = links.row(v);
     for (size_t i = 0; i + 1 < row.size(); ++i) {
+      // A gap between the runs, or a depth jump.
       if (row[i].end != row[i + 1].begin || !(link[row[i].end - 1] & kLinkRight)) continue;
       counts.Add(row[i].region, row[i + 1].region, 1);
     }
@@ -122,7 +124,7 @@ std::vector<Contact> FindContacts(const Image<uint8_t>& links, const RunTable& r
   return counts.Sorted();
 }
 
-/// For each region those that it touches, ascending.
+/// For each region the regions that it touches, ascending.
 std::vector<std::vector<int32_t>> Neighbors(const RegionGraph& graph) {
   std::vector<std::vector<int32_t>> neighbors(graph.pixels.size());
   for (const Contact& contact : graph.contacts) {
@@ -133,7 +135,7 @@ std::vector<std::vector<int32_t>> Neighbors(const RegionGraph& graph) {
   return neighbors;
 }
 
-/// Whether `part` lies on the plane of `whole` within the noise.
+/// Whether a region lies on a plane within the noise.
 bool LiesOn(const Eigen::Vector3d& plane, const PlaneMoments& part, double max_sigmas) {
   const double variance = part.variance / part.count();
   const double limit = max_sigmas * max_sigmas * variance;
@@ -141,12 +143,12 @@ bool LiesOn(const Eigen::Vector3d& plane, const PlaneMoments& part, double max_s
   return mean * mean < 0.25 * limit && part.MeanSquaredError(plane) < limit;
 }
 
-/// What JoinSmallRegions knows of a region that others have been joined to.
+/// A host with all regions that were joined to it.
 struct JoinedRegion {
   int32_t pixels = 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  int32_t border = 0;                    ///< linked pairs with other regions
-  std::map<int32_t, int32_t> neighbors;  ///< pairs per other region; only of small regions
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< sum over the pixels
+  int32_t border = 0;  ///< linked pairs of pixels with other hosts; only of small ones
+  std::map<int32_t, int32_t> neighbors;  ///< the same per other host
 };
 
 std::vector<JoinedRegion> Summarize(const RegionGraph& graph, const std::vector<int32_t>& hosts,
@@ -169,11 +171,11 @@ std::vector<JoinedRegion> Summarize(const RegionGraph& graph, const std::vector<
   return joined;
 }
 
-/// The large region that a small one is a speck of; 0 = none.
+/// The large region that a small one is joined to; 0 = none.
 int32_t HostOf(const std::vector<JoinedRegion>& joined, const JoinedRegion& small, int min_pixels,
                double max_angle) {
   int32_t host = 0;
-  int32_t most = small.border / 2;
+  int32_t most = small.border / 2;  // the host must share more than half of the border
   for (const auto& [neighbor, pairs] : small.neighbors) {
     if (pairs <= most || joined[At(neighbor)].pixels < min_pixels) continue;
     host = neighbor;
@@ -230,17 +232,17 @@ std::vector<int32_t> JoinCoplanarRegions(const RegionGraph& graph, double max_si
   std::vector<int32_t> host(moments.size(), 0);
   for (const int32_t root : order) {
     PlaneMoments& whole = moments[At(root)];
-    if (host[At(root)] != 0) continue;
+    if (host[At(root)] != 0) continue;  // joined to a larger region before
     host[At(root)] = root;
-    if (whole.count() < 3) continue;
+    if (whole.count() < 3) continue;  // too few pixels for a plane
     Eigen::Vector3d plane = whole.Plane();
     if (whole.MeanSquaredError(plane) > max_sigmas * max_sigmas * whole.variance / whole.count()) {
-      continue;  // not a plane itself
+      continue;  // the region itself is curved
     }
     std::vector<int32_t> open = neighbors[At(root)];
-    for (size_t next = 0; next < open.size(); ++next) {  // `open` grows
+    for (size_t next = 0; next < open.size(); ++next) {  // `open` grows while it is read
       const size_t other = At(open[next]);
-      if (host[other] != 0 || moments[other].count() == 0) continue;
+      if (host[other] != 0 || moments[other].count() == 0) continue;  // joined, or empty
       if (!LiesOn(plane, moments[other], max_sigmas)) continue;
       host[other] = root;
       whole.Add(moments[other]);
@@ -251,17 +253,18 @@ std::vector<int32_t> JoinCoplanarRegions(const RegionGraph& graph, double max_si
   return host;
 }
 
-void JoinSmallRegions(const RegionGraph& graph, int min_pixels, double max_angle,
-                      std::vector<int32_t>* hosts) {
-  const std::vector<JoinedRegion> joined = Summarize(graph, *hosts, min_pixels);
-  std::vector<int32_t> becomes(hosts->size());
+std::vector<int32_t> JoinSmallRegions(const RegionGraph& graph, std::vector<int32_t> hosts,
+                                      int min_pixels, double max_angle) {
+  const std::vector<JoinedRegion> joined = Summarize(graph, hosts, min_pixels);
+  std::vector<int32_t> becomes(hosts.size());
   for (size_t region = 1; region < joined.size(); ++region) {
     const JoinedRegion& one = joined[region];
     becomes[region] = one.pixels >= min_pixels ? static_cast<int32_t>(region)
                       : one.pixels > 0         ? HostOf(joined, one, min_pixels, max_angle)
                                                : 0;
   }
-  for (int32_t& host : *hosts) host = becomes[At(host)];
+  for (int32_t& host : hosts) host = becomes[At(host)];
+  return hosts;
 }
 
 std::vector<LooseRun> LooseRuns(const RegionGraph& graph, const std::vector<int32_t>& before,

@@ -15,7 +15,7 @@ constexpr size_t kRowGrain = 16;
 
 size_t At(int32_t i) { return static_cast<size_t>(i); }
 
-/// Disjoint sets of region numbers; the smallest number of a set stands for it.
+/// Disjoint sets of numbers (union-find); the smallest number of a set represents it.
 class DisjointSets {
  public:
   explicit DisjointSets(size_t count) : parent_(count) {
@@ -38,8 +38,8 @@ bool AnyLinkDown(const uint8_t* links, int32_t begin, int32_t end) {
   return std::any_of(links + begin, links + end, [](uint8_t bits) { return bits & kLinkDown; });
 }
 
-/// Gives linked runs one number, from `first` on by their first pixel, and those of fewer than
-/// `min_pixels` the number 0. Returns the highest number.
+/// Numbers the connected components of the runs from `first` on, by their first pixel; those of
+/// fewer than `min_pixels` pixels get the number 0. Returns the highest number.
 int32_t ConnectRuns(const Image<uint8_t>& links, int min_pixels, int32_t first, RunTable* table) {
   std::vector<Run>& runs = table->runs();
   for (size_t i = 0; i < runs.size(); ++i) runs[i].region = static_cast<int32_t>(i);
@@ -56,7 +56,7 @@ int32_t ConnectRuns(const Image<uint8_t>& links, int min_pixels, int32_t first, 
     run.region = sets.Find(run.region);
     pixels[At(run.region)] += run.length();
   }
-  // The runs of a set come after the one that stands for it, which has its first pixel.
+  // The run that represents a set is its first one, so the sets are numbered by their first pixel.
   std::vector<int32_t> number(runs.size());
   int32_t next = first;
   for (size_t i = 0; i < runs.size(); ++i) {
@@ -78,9 +78,8 @@ void Paint(const RunTable& table, bool clear, RegionImage* regions) {
   });
 }
 
-/// The pixels from which regions can grow, in row order.
-std::vector<int32_t> Front(const Image<uint8_t>& depth, const Image<uint8_t>& links,
-                           const RegionImage& regions) {
+/// The pixels from which regions can grow, in row order, as offsets in the image.
+std::vector<int32_t> FindFront(const PixelGrid& grid, const RegionImage& regions) {
   const int width = regions.width(), height = regions.height();
   constexpr int kBandRows = 32;
   std::vector<std::vector<int32_t>> bands(At((height + kBandRows - 1) / kBandRows));
@@ -88,10 +87,15 @@ std::vector<int32_t> Front(const Image<uint8_t>& depth, const Image<uint8_t>& li
     std::vector<uint8_t> front(At(width));
     const int first = static_cast<int>(band) * kBandRows;
     for (int v = first; v < std::min(height, first + kBandRows); ++v) {
-      // Outside the image nothing is linked, so that any row may stand for it.
+      // No pixel is linked with one outside the image, so any row may be given in its place.
       const int above = std::max(v - 1, 0), below = std::min(v + 1, height - 1);
-      MarkFront({links.row(v), depth.row(v), depth.row(above), depth.row(below), regions.row(v),
-                 regions.row(above), regions.row(below)},
+      MarkFront({.links = grid.links.row(v),
+                 .has_depth = grid.has_depth.row(v),
+                 .has_depth_above = grid.has_depth.row(above),
+                 .has_depth_below = grid.has_depth.row(below),
+                 .regions = regions.row(v),
+                 .regions_above = regions.row(above),
+                 .regions_below = regions.row(below)},
                 width, front.data());
       for (int u = 0; u < width; ++u) {
         if (front[At(u)]) bands[band].push_back(v * width + u);
@@ -103,8 +107,8 @@ std::vector<int32_t> Front(const Image<uint8_t>& depth, const Image<uint8_t>& li
   return all;
 }
 
-/// Queues of pixels, one per edge strength. Every pixel waits at most once, so that a queue is a
-/// chain through one image.
+/// Queues of pixels, one per edge strength. Every pixel is in at most one queue and once, so that
+/// all queues are linked lists in one image of "next" offsets.
 class PixelQueues {
  public:
   PixelQueues(int width, int height) : next_(Image<int32_t>::Unset(width, height)) {
@@ -143,37 +147,39 @@ Image<uint8_t> LinkImage(const Image<uint8_t>& joined) {
   return links;
 }
 
-Regions ConnectedRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
-                         const Image<uint8_t>& strength, int min_pixels) {
-  const int width = links.width(), height = links.height();
+Regions ConnectedRegions(const PixelGrid& grid, int min_pixels) {
+  const int width = grid.links.width(), height = grid.links.height();
   RunTable table(width, height, [&](int v, RunFlags flags) {
-    MarkFlat(depth.row(v), strength.row(v), links.row(v), width, flags);
+    MarkFlat({.has_depth = grid.has_depth.row(v),
+              .edge_strength = grid.edge_strength.row(v),
+              .links = grid.links.row(v)},
+             width, flags);
   });
-  Regions regions{RegionImage::Unset(width, height), ConnectRuns(links, min_pixels, 1, &table)};
+  const int32_t count = ConnectRuns(grid.links, min_pixels, 1, &table);
+  Regions regions{RegionImage::Unset(width, height), count};
   Paint(table, true, &regions.image);
   return regions;
 }
 
-void FloodRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
-                  const Image<uint8_t>& strength, RegionImage* regions) {
-  // A pixel waits in the queue of the strongest edge on its way, so that all that is reached over
-  // weaker edges comes first; within a queue, first come, first served.
-  const int32_t width = links.width();
-  PixelQueues queues(width, links.height());
+void FloodRegions(const PixelGrid& grid, RegionImage* regions) {
+  // A pixel waits in the queue of the strongest edge on the way to it, so that all pixels behind
+  // weaker edges come first. Within a queue the order is first in, first out.
+  const int32_t width = grid.links.width();
+  PixelQueues queues(width, grid.links.height());
   int32_t* region = regions->data();
-  const auto take = [&](int32_t from, int32_t to, uint8_t level) {
-    if (region[to] != 0) return;
+  const auto assign = [&](int32_t from, int32_t to, uint8_t level) {
+    if (region[to] != 0) return;  // another region, or this one, was here first
     region[to] = region[from];
-    queues.Push(std::max(level, strength.data()[to]), to);
+    queues.Push(std::max(level, grid.edge_strength.data()[to]), to);
   };
   const auto spread = [&](int32_t from, uint8_t level) {
-    const uint8_t bits = links.data()[from];
-    if (bits & kLinkRight) take(from, from + 1, level);
-    if (bits & kLinkDown) take(from, from + width, level);
-    if (bits & kLinkLeft) take(from, from - 1, level);
-    if (bits & kLinkUp) take(from, from - width, level);
+    const uint8_t bits = grid.links.data()[from];
+    if (bits & kLinkRight) assign(from, from + 1, level);
+    if (bits & kLinkDown) assign(from, from + width, level);
+    if (bits & kLinkLeft) assign(from, from - 1, level);
+    if (bits & kLinkUp) assign(from, from - width, level);
   };
-  for (const int32_t pixel : Front(depth, links, *regions)) spread(pixel, 0);
+  for (const int32_t pixel : FindFront(grid, *regions)) spread(pixel, 0);
   for (size_t level = 0; level < 256; ++level) {
     for (int32_t pixel = queues.First(level); pixel != PixelQueues::kNone;
          pixel = queues.Next(pixel)) {
@@ -182,13 +188,15 @@ void FloodRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
   }
 }
 
-void AddMissedRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links, int min_pixels,
-                      Regions* regions) {
-  const int width = links.width(), height = links.height();
+void AddMissedRegions(const PixelGrid& grid, int min_pixels, Regions* regions) {
+  const int width = grid.links.width(), height = grid.links.height();
   RunTable missed(width, height, [&](int v, RunFlags flags) {
-    MarkMissed(depth.row(v), regions->image.row(v), links.row(v), width, flags);
+    MarkMissed({.has_depth = grid.has_depth.row(v),
+                .regions = regions->image.row(v),
+                .links = grid.links.row(v)},
+               width, flags);
   });
-  regions->count = ConnectRuns(links, min_pixels, regions->count + 1, &missed);
+  regions->count = ConnectRuns(grid.links, min_pixels, regions->count + 1, &missed);
   Paint(missed, false, &regions->image);
 }
 

@@ -8,9 +8,17 @@
 
 namespace vismap {
 
-/// For every pixel, with which neighbours it lies on one surface: kLink bits. From the surface's
-/// joined bits.
+/// The neighbours with which each pixel lies on one surface, as kLink bits; from
+/// SurfaceMap::joined.
 Image<uint8_t> LinkImage(const Image<uint8_t>& joined);
+
+/// The images that regions are made of, all of one size. Name the members where you make one: the
+/// images have the same type.
+struct PixelGrid {
+  const Image<uint8_t>& has_depth;      ///< not 0 where the pixel has depth
+  const Image<uint8_t>& links;          ///< kLink bits
+  const Image<uint8_t>& edge_strength;  ///< as SegmentImage::edge_strength
+};
 
 /// An image of regions that are numbered 1..count; 0 = none.
 struct Regions {
@@ -18,20 +26,18 @@ struct Regions {
   int32_t count = 0;
 };
 
-/// 4-connected regions of at least `min_pixels` pixels with depth and strength 0 that are linked,
-/// numbered 1, 2, ... by their first pixel in row order. `depth`: not 0 where there is some.
-Regions ConnectedRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
-                         const Image<uint8_t>& strength, int min_pixels);
+/// The connected regions of linked pixels with depth and edge strength 0, numbered 1, 2, ... by
+/// their first pixel in row order. Only regions of at least `min_pixels` count.
+Regions ConnectedRegions(const PixelGrid& grid, int min_pixels);
 
-/// Lets regions grow along links into all that they can reach, over weak edges before strong ones
-/// and near pixels before far ones, so that two regions meet on the ridge between them.
-void FloodRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links,
-                  const Image<uint8_t>& strength, RegionImage* regions);
+/// Grows the regions along links to all pixels that they can reach (a watershed on the edge
+/// strength): over weak edges before strong ones, and near pixels before far ones, so that two
+/// regions meet where the edge between them is strongest.
+void FloodRegions(const PixelGrid& grid, RegionImage* regions);
 
-/// Turns what no region reached, where it hangs together over at least `min_pixels`, into regions
-/// with the next numbers.
-void AddMissedRegions(const Image<uint8_t>& depth, const Image<uint8_t>& links, int min_pixels,
-                      Regions* regions);
+/// Adds the connected regions of linked pixels with depth that no region reached, with the next
+/// numbers. Only regions of at least `min_pixels` count.
+void AddMissedRegions(const PixelGrid& grid, int min_pixels, Regions* regions);
 
 /// Renumbers regions 0..n-1 by their first pixel in row order.
 SegmentImage NumberRegions(const RegionImage& regions);

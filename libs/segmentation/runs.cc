@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kBandRows = 32;
 
-/// First place in [u, end) of a byte that is (is not) 0; `end` when there is none.
+/// The first u' in [u, end) with bytes[u'] == 0 (NextZero) or != 0 (NextSet); `end` = none.
 int NextZero(const uint8_t* bytes, int u, int end) {
   const void* found = std::memchr(bytes + u, 0, static_cast<size_t>(end - u));
   return found == nullptr ? end : static_cast<int>(static_cast<const uint8_t*>(found) - bytes);
@@ -32,9 +32,10 @@ void AppendRuns(RunFlags flags, int v, int width, std::vector<Run>* runs) {
   }
 }
 
+/// The runs of some neighbouring rows, which one thread finds.
 struct Band {
   std::vector<Run> runs;
-  std::vector<size_t> row_end;
+  std::vector<size_t> row_end;  ///< number of runs up to the end of each row
 };
 
 }  // namespace

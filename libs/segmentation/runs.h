@@ -11,11 +11,11 @@
 
 namespace vismap {
 
-/// Working image of SegmentDepth: 0 = no region, otherwise a positive number.
+/// Working image of SegmentDepth: the number of the region that each pixel belongs to; 0 = none.
 using RegionImage = Image<int32_t>;
 
-/// The pixels [begin, end) of row v, all of one region. What is done once per run instead of once
-/// per pixel costs next to nothing.
+/// The pixels [begin, end) of row v, all of one region. An image has far fewer runs than pixels, so
+/// that work per run is cheap.
 struct Run {
   int32_t v = 0, begin = 0, end = 0;
   int32_t region = 0;
@@ -26,7 +26,8 @@ struct Run {
 /// All runs of an image, row by row, from left to right.
 class RunTable {
  public:
-  /// Finds the runs of an image whose rows are flagged by `mark(v, flags)`, several rows at once.
+  /// Finds the runs of an image. `mark(v, flags)` fills the flags of row v; it is called from
+  /// several threads.
   RunTable(int width, int height, const std::function<void(int, RunFlags)>& mark);
 
   std::vector<Run>& runs() { return runs_; }
@@ -42,8 +43,8 @@ class RunTable {
   std::vector<size_t> row_begin_{0};
 };
 
-/// Calls visit(upper, lower, begin, end) for every two runs of neighbouring rows that lie one over
-/// the other in the columns [begin, end), from left to right.
+/// Calls visit(upper, lower, begin, end) for every two runs of neighbouring rows that share the
+/// columns [begin, end), from left to right.
 template <typename Visit>
 void ForOverlaps(std::span<const Run> upper, std::span<const Run> lower, const Visit& visit) {
   size_t a = 0, b = 0;

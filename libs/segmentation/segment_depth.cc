@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -17,7 +18,7 @@ namespace {
 
 constexpr size_t kRowGrain = 8;
 
-/// Concave folds between pairs of pixels, graded. Pixels are given by their offset in the image.
+/// Measures the concave fold between two pixels, given by their offsets in the image.
 class FoldTest {
  public:
   FoldTest(const SurfaceMap& surface, const SegmentationOptions& options)
@@ -32,21 +33,23 @@ class FoldTest {
         sharp_angle_(static_cast<float>(options.sharp_angle_deg * std::numbers::pi / 180)),
         sigmas_(static_cast<float>(options.concave_sigmas)) {}
 
-  /// For MarkFolds: pixels that it does not mark have no fold.
+  /// For MarkFolds: where it marks no fold, Strength is 0.
   int min_square() const { return PackedSquare(min_angle_); }
 
-  /// 0 = no concave fold between the two pixels; otherwise 2..255, growing with its angle (1 is
-  /// left to pixels beside a depth jump, which are given back first).
+  /// Edge strength of the fold between pixels a and b: 0 = none, otherwise 2..255, growing with the
+  /// angle. A fold counts from concave_angle_deg on if it exceeds the noise of the normals, and
+  /// from sharp_angle_deg on in any case. (1 is for pixels beside a depth jump, which the flood
+  /// reaches before those on folds.)
   uint8_t Strength(int a, int b) const {
     const float dx = nx_[b] - nx_[a], dy = ny_[b] - ny_[a], dz = nz_[b] - nz_[a];
     const float square = dx * dx + dy * dy + dz * dz;
-    if (!(square >= min_angle_ * min_angle_)) return 0;  // flat, or without a normal
+    if (!(square >= min_angle_ * min_angle_)) return 0;  // flat, or a normal is missing
     const float opening = (px_[b] - px_[a]) * dx + (py_[b] - py_[a]) * dy + (pz_[b] - pz_[a]) * dz;
     if (opening >= 0) return 0;             // convex
     const float chord = std::sqrt(square);  // about the angle
     const float noise = sigmas_ * std::sqrt(sigma_[a] * sigma_[a] + sigma_[b] * sigma_[b]);
-    if (chord < std::min(noise, sharp_angle_)) return 0;
-    return static_cast<uint8_t>(std::clamp(chord * 127.0F, 2.0F, 255.0F));
+    if (chord < std::min(noise, sharp_angle_)) return 0;  // may be noise
+    return static_cast<uint8_t>(std::clamp(chord * 127.0F, kBesideJump + 1.0F, 255.0F));
   }
 
  private:
@@ -54,47 +57,74 @@ class FoldTest {
   float min_angle_, sharp_angle_, sigmas_;
 };
 
-/// Edge strength of every pixel: 0 inside surfaces.
+Image<uint32_t> PackedNormals(const VectorImage& normals) {
+  const int width = normals.z.width(), height = normals.z.height();
+  Image<uint32_t> packed = Image<uint32_t>::Unset(width, height);
+  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
+    const int v = static_cast<int>(row);
+    PackNormals(normals.x.row(v), normals.y.row(v), normals.z.row(v), width, packed.row(v));
+  });
+  return packed;
+}
+
+/// Raises the edge strength of a row where there is a fold across or along it. Only the few pixels
+/// that MarkFolds marks are tested exactly.
+void AddFolds(const Image<uint32_t>& packed_normals, const SurfaceMap& surface,
+              const FoldTest& fold, int v, uint8_t* strength) {
+  const int width = packed_normals.width();
+  const PixelReach& reach = surface.reach;
+  std::vector<uint8_t> marks(static_cast<size_t>(width));
+  MarkFolds({.normals = packed_normals.row(v),
+             .has_depth = surface.radius.row(v),
+             .left = reach.left.row(v),
+             .right = reach.right.row(v),
+             .up = reach.up.row(v),
+             .down = reach.down.row(v),
+             .stride = width},
+            fold.min_square(), width, marks.data());
+  for (int u = 0; u < width; ++u) {
+    const uint8_t mark = marks[static_cast<size_t>(u)];
+    if (mark == 0) continue;
+    const int here = v * width + u;
+    const auto add = [&](int a, int b) {
+      strength[u] = std::max(strength[u], fold.Strength(a, b));
+    };
+    if (mark & kFoldAcross) add(here - reach.left(v, u), here + reach.right(v, u));
+    if (mark & kFoldAlong) add(here - width * reach.up(v, u), here + width * reach.down(v, u));
+  }
+}
+
+/// Edge strength of every pixel, see SegmentImage::edge_strength.
 Image<uint8_t> EdgeStrength(const SurfaceMap& surface, const Image<uint8_t>& links,
                             const SegmentationOptions& options) {
   const int width = links.width(), height = links.height();
-  const auto rows = static_cast<size_t>(height);
-  Image<uint32_t> packed = Image<uint32_t>::Unset(width, height);
-  ParallelFor(rows, kRowGrain, [&](size_t row) {
-    const int v = static_cast<int>(row);
-    PackNormals(surface.normals_C.x.row(v), surface.normals_C.y.row(v), surface.normals_C.z.row(v),
-                width, packed.row(v));
-  });
+  const Image<uint32_t> packed_normals = PackedNormals(surface.normals_C);
   Image<uint8_t> strength = Image<uint8_t>::Unset(width, height);
-  const std::vector<uint8_t> none(static_cast<size_t>(width));
-  const PixelReach& reach = surface.reach;
+  const std::vector<uint8_t> no_depth(static_cast<size_t>(width));
   const FoldTest fold(surface, options);
-  ParallelFor(rows, kRowGrain, [&](size_t row) {
+  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
-    uint8_t* out = strength.row(v);
-    MarkRim(links.row(v), v > 0 ? surface.radius.row(v - 1) : none.data(), surface.radius.row(v),
-            v + 1 < height ? surface.radius.row(v + 1) : none.data(), width, out);  // kRim = 1
-    // Few pixels have normals around them that differ: only those are looked at closely.
-    std::vector<uint8_t> marks(static_cast<size_t>(width));
-    MarkFolds({packed.row(v), surface.radius.row(v), reach.left.row(v), reach.right.row(v),
-               reach.up.row(v), reach.down.row(v), width},
-              fold.min_square(), width, marks.data());
-    for (int u = 0; u < width; ++u) {
-      const uint8_t mark = marks[static_cast<size_t>(u)];
-      if (mark == 0) continue;
-      const int here = v * width + u;
-      if (mark & kFoldAcross) {
-        out[u] = std::max(out[u], fold.Strength(here - reach.left(v, u), here + reach.right(v, u)));
-      }
-      if (mark & kFoldAlong) {
-        out[u] = std::max(
-            out[u], fold.Strength(here - width * reach.up(v, u), here + width * reach.down(v, u)));
-      }
-    }
+    const auto depth_row = [&](int y) {
+      return y >= 0 && y < height ? surface.radius.row(y) : no_depth.data();
+    };
+    static_assert(kBesideJump == 1);  // MarkRim sets flags
+    MarkRim({.links = links.row(v),
+             .has_depth = depth_row(v),
+             .has_depth_above = depth_row(v - 1),
+             .has_depth_below = depth_row(v + 1)},
+            width, strength.row(v));
+    AddFolds(packed_normals, surface, fold, v, strength.row(v));
   });
   return strength;
 }
 
+std::vector<int32_t> EachItsOwnHost(const RegionGraph& graph) {
+  std::vector<int32_t> hosts(graph.pixels.size());
+  std::iota(hosts.begin(), hosts.end(), 0);
+  return hosts;
+}
+
+/// A number of pixels at 640x480 as one of the camera's image, by its area.
 int ScaledPixels(int pixels_at_vga, const PinholeCamera& camera) {
   const double area = static_cast<double>(camera.width) * camera.height;
   return std::max(1, static_cast<int>(std::lround(pixels_at_vga * area / (640.0 * 480.0))));
@@ -112,23 +142,20 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   }
   const Image<uint8_t> links = LinkImage(surface.joined);
   Image<uint8_t> strength = EdgeStrength(surface, links, options);
+  const PixelGrid grid{.has_depth = surface.radius, .links = links, .edge_strength = strength};
   const int min_seed = ScaledPixels(options.min_seed_px, camera);
-  Regions regions = ConnectedRegions(surface.radius, links, strength, min_seed);
-  FloodRegions(surface.radius, links, strength, &regions.image);
-  AddMissedRegions(surface.radius, links, min_seed, &regions);
+  Regions regions = ConnectedRegions(grid, min_seed);
+  FloodRegions(grid, &regions.image);
+  AddMissedRegions(grid, min_seed, &regions);
   const RegionGraph graph = MakeRegionGraph(surface, camera, links, regions);
-  std::vector<int32_t> hosts;
-  if (options.coplanar_sigmas > 0) {
-    hosts = JoinCoplanarRegions(graph, options.coplanar_sigmas);
-  } else {
-    hosts.resize(graph.pixels.size());
-    std::iota(hosts.begin(), hosts.end(), 0);
-  }
-  const std::vector<int32_t> before = hosts;
-  JoinSmallRegions(graph, min_pixels, options.join_angle_deg * std::numbers::pi / 180, &hosts);
+  const std::vector<int32_t> planes = options.coplanar_sigmas > 0
+                                          ? JoinCoplanarRegions(graph, options.coplanar_sigmas)
+                                          : EachItsOwnHost(graph);
+  const std::vector<int32_t> hosts =
+      JoinSmallRegions(graph, planes, min_pixels, options.join_angle_deg * std::numbers::pi / 180);
   SegmentImage image = PaintSegments(graph, hosts, camera.width);
-  image.ambiguous = std::move(strength);
-  image.loose = LooseRuns(graph, before, hosts);
+  image.edge_strength = std::move(strength);
+  image.loose = LooseRuns(graph, planes, hosts);
   return image;
 }
 

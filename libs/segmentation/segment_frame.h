@@ -5,9 +5,9 @@
 
 namespace vismap {
 
-/// The whole stage: what is left out goes, then surface, segments, detections. `detections` =
-/// nullptr: no detector looked at this frame. The depth of the result is NaN where things were left
-/// out.
+/// The whole stage: removes things that move (LeaveOut), computes the surface, segments it and
+/// matches the segments with the detections. `detections` = nullptr: no detector processed this
+/// frame. The depth of the result is NaN where things were removed.
 SegmentedFrame SegmentFrame(RgbdFrame frame, const DetectionSet* detections,
                             const SegmentationStageOptions& options);
 

@@ -23,7 +23,7 @@ CellState StateAt(double voxels, int observations, const OccupancyOptions& optio
   block.surface = std::make_unique<SurfaceVoxels>();
   constexpr int kOffset = 77;
   const double clamped = std::clamp(voxels / grid.truncation_voxels, -1.0, 1.0);
-  block.surface->distance[kOffset] = static_cast<int16_t>(std::lround(clamped * 32767));
+  block.surface->distance[kOffset] = static_cast<int16_t>(std::lround(clamped * kTruncationSteps));
   block.surface->weight[kOffset] = observations > 0 ? 100 : 0;
   block.surface->observations[kOffset] = static_cast<uint8_t>(observations);
   const BlockOccupancy occupancy = ClassifyBlock(block, grid, options);

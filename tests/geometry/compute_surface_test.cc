@@ -25,7 +25,7 @@ double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// Bit for bit, NaN equal to NaN.
+/// Whether two images are equal; NaN equals NaN.
 bool Same(const Image<float>& a, const Image<float>& b) {
   return a.size() == b.size() &&
          std::equal(a.pixels().begin(), a.pixels().end(), b.pixels().begin(),
@@ -111,7 +111,7 @@ TEST(ComputeSurface, WindowGrowsWithRangeSoThatNormalsStayGoodInNoise) {
     EXPECT_GE(surface.radius(240, 320), last_radius);
     last_radius = surface.radius(240, 320);
     EXPECT_LT(MedianError(surface, {0, 0, -1}), 12) << z;
-    // The stated error is of the size of the true one.
+    // The expected error is about as large as the true one.
     EXPECT_GT(3 * surface.normal_sigma(240, 320) * 180 / std::numbers::pi,
               MedianError(surface, {0, 0, -1}))
         << z;
@@ -132,11 +132,11 @@ TEST(ComputeSurface, PixelsWithoutDepthHaveNoPointNoNormalAndAreJoinedToNothing)
     EXPECT_EQ(surface.joined(200, u), 0);
     EXPECT_EQ(surface.joined(200, u - 1) & kJoinedRight, 0);
     EXPECT_EQ(surface.joined(199, u) & kJoinedDown, 0);
-    EXPECT_NEAR(surface.normals_C.z(200, u + 1), -1, 1e-3);  // beside a hole all is well
+    EXPECT_NEAR(surface.normals_C.z(200, u + 1), -1, 1e-3);  // normals beside a hole are good
   }
 }
 
-TEST(ComputeSurface, OneLoneLineOfPixelsHasNoNormal) {
+TEST(ComputeSurface, ASingleRowOfPixelsHasNoNormal) {
   Image<float> depth(kVga.width, kVga.height, kNaN);
   for (int u = 0; u < kVga.width; ++u) depth(100, u) = 1.0F;
   const SurfaceMap surface = ComputeSurface(depth, kVga, SurfaceOptions{});
@@ -184,7 +184,7 @@ TEST(ComputeSurface, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.joined, four.joined);
 }
 
-TEST(ComputeSurface, TinyImagesAndForeignSizes) {
+TEST(ComputeSurface, AcceptsTinyImagesAndThrowsForImagesOfAnotherSize) {
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 3}, {3, 2}}) {
     const PinholeCamera camera{width, height, 500, 500, 0.5, 0.5};
     const SurfaceMap surface =
@@ -197,10 +197,10 @@ TEST(ComputeSurface, TinyImagesAndForeignSizes) {
 TEST(DepthNoiseModel, PresetsAreValidAndGrowWithRange) {
   for (const DepthNoiseModel& model : {KinectNoise(), RealSenseNoise(), CleanNoise()}) {
     EXPECT_TRUE(Validate(model).empty());
-    EXPECT_GE(model.Sigma(4), model.Sigma(1));
+    EXPECT_GE(model.AxialSigma(4), model.AxialSigma(1));
   }
   EXPECT_NEAR(KinectNoise().AxialSigma(2.4), 0.0012 + 0.0019 * 4, 1e-9);
-  EXPECT_NEAR(KinectNoise().QuantisationStep(5), 0.07, 0.005);  // Khoshelham: 7 cm at 5 m
+  EXPECT_NEAR(KinectNoise().disparity_step * 25, 0.07, 0.005);  // Khoshelham: 7 cm at 5 m
 }
 
 TEST(SurfaceOptions, ValidateNamesEveryProblem) {

@@ -7,7 +7,8 @@
 namespace vismap {
 namespace {
 
-/// A slanted wall, of which a sensor measures inverse depth in such steps.
+/// JumpSigmas for a slanted wall, seen by a sensor that measures inverse depth in steps of this
+/// many standard deviations.
 double JumpSigmasOfSteps(double step_sigmas, int width = 320) {
   constexpr float kSigma = 0.0017F;
   const double step = step_sigmas * double{kSigma};
@@ -33,16 +34,18 @@ TEST(JumpSigmas, GrowWithTheStepsOfTheSensorUpToABound) {
   EXPECT_EQ(JumpSigmasOfSteps(50), 12.5);
 }
 
-TEST(JumpSigmas, FewPixelsTellNothing) { EXPECT_EQ(JumpSigmasOfSteps(50, 24), 5); }
+TEST(JumpSigmas, AreThoseOfTheModelInImagesWithFewPixels) {
+  EXPECT_EQ(JumpSigmasOfSteps(50, 24), 5);
+}
 
-TEST(JumpSigmas, EdgesOfThingsAreTooRareToCount) {
+TEST(JumpSigmas, AreNotRaisedByTheDepthJumpsOfThings) {
   Image<float> w(320, 240, 0.5F);
   const Image<float> sigma(320, 240, 0.0017F);
   for (int v = 0; v < w.height(); ++v) {
     for (int u = 0; u < w.width(); ++u) w(v, u) += u / 16 % 2 == 0 ? 0.0F : 0.2F;
   }
   EXPECT_EQ(JumpSigmas(w, sigma, 5), 5);
-  EXPECT_EQ(JumpSigmas(Image<float>(320, 240), sigma, 5), 5) << "nothing seen";
+  EXPECT_EQ(JumpSigmas(Image<float>(320, 240), sigma, 5), 5) << "no depth";
 }
 
 }  // namespace

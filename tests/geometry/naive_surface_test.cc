@@ -1,4 +1,4 @@
-// The fast surface equals the naive one.
+// The fast surface and the naive one are equal.
 #include <gtest/gtest.h>
 
 #include "geometry/compute_surface.h"

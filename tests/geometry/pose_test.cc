@@ -20,7 +20,7 @@ TEST(MakePose, AcceptsARigidTransform) {
   EXPECT_EQ(pose->matrix(), SomePose());
 }
 
-TEST(MakePose, MendsRoundingOnceAndThenChangesNothing) {
+TEST(MakePose, CorrectsRoundingOnceAndThenChangesNothing) {
   Eigen::Matrix4d matrix = SomePose();
   matrix(0, 0) += 1e-4;
   const Result<Pose> once = MakePose(matrix);

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
+#include "support/random_scenes.h"
+
 namespace vismap {
 namespace {
 
@@ -37,6 +42,58 @@ TEST(AddVote, SaturatesByHalvingAllSlots) {
   for (int i = 0; i < 256; ++i) AddVote(voxels, 0, SegmentLabel{1});
   EXPECT_EQ(VotesFor(voxels, 0, SegmentLabel{1}), 128);
   EXPECT_EQ(VotesFor(voxels, 0, SegmentLabel{2}), 50);
+}
+
+/// The votes of one voxel without a palette; a label of none marks an empty slot.
+class NaiveVotes {
+ public:
+  bool Add(SegmentLabel label) {
+    for (LabelVote& slot : slots_) {
+      if (slot.label != label && slot.label != SegmentLabel::kNone) continue;
+      slot.label = label;
+      if (slot.votes == 255) Halve();
+      ++slot.votes;
+      return true;
+    }
+    LabelVote& weakest =
+        *std::min_element(slots_.begin(), slots_.end(),
+                          [](const LabelVote& a, const LabelVote& b) { return a.votes < b.votes; });
+    if (weakest.votes > 1) {
+      --weakest.votes;
+      return false;
+    }
+    weakest = {label, 1};
+    return true;
+  }
+  const LabelVote& slot(int i) const { return slots_[static_cast<size_t>(i)]; }
+
+ private:
+  void Halve() {
+    for (LabelVote& slot : slots_) slot.votes = static_cast<uint8_t>(slot.votes / 2);
+  }
+  std::array<LabelVote, kVoteSlots> slots_{};
+};
+
+TEST(AddVote, EqualsTheNaiveOne) {
+  testing_support::RandomNumbers random(1);
+  SurfaceVoxels voxels;
+  std::array<NaiveVotes, 4> naive;
+  int lost = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const int voxel = random.Whole(0, 3);
+    // Few labels get most votes, so that counts reach 255; more labels than slots get some.
+    const int label = random.Chance(0.9) ? random.Whole(1, 2) : random.Whole(1, 40);
+    const SegmentLabel voted{static_cast<uint32_t>(label)};
+    NaiveVotes& expected = naive[static_cast<size_t>(voxel)];
+    const bool stored = AddVote(voxels, voxel, voted);
+    ASSERT_EQ(stored, expected.Add(voted)) << "vote " << i;
+    lost += stored ? 0 : 1;
+    for (int slot = 0; slot < kVoteSlots; ++slot) {
+      ASSERT_EQ(voxels.Vote(voxel, slot).label, expected.slot(slot).label) << "vote " << i;
+      ASSERT_EQ(voxels.Vote(voxel, slot).votes, expected.slot(slot).votes) << "vote " << i;
+    }
+  }
+  EXPECT_GT(lost, 100);
 }
 
 TEST(AddVote, KeepsWorkingAfterMoreLabelsThanAPaletteHolds) {

@@ -266,7 +266,7 @@ TEST(MeshBlocks, FollowingChangesGivesTheSameAsStartingOver) {
   const BlockIndex erased =
       BlockOf(VoxelAt(map.voxels, kSphereCenter - Vector3d(0, kSphereRadius, 0)));
   for (int16_t& d : map.voxels.FindMutable(changed)->surface->distance) {
-    d = static_cast<int16_t>(std::max(d - 3000, -32767));
+    d = static_cast<int16_t>(std::max(d - 3000, -kTruncationSteps));
   }
   map.voxels.Erase(erased);
   const std::vector<BlockIndex> blocks{changed, erased};

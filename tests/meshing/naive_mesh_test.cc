@@ -194,6 +194,27 @@ SemanticMap RandomVotes(uint64_t seed) {
   return map;
 }
 
+TEST(MeshBlocks, NormalsEqualTheNaiveOnes) {
+  const auto compare = [](const SemanticMap& map, const MeshingOptions& options) {
+    size_t vertices = 0;
+    for (const BlockMesh& block :
+         MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels), options).blocks) {
+      for (const MeshVertex& vertex : block.mesh.vertices) {
+        const naive::VertexEdge edge = naive::EdgeOf(vertex, map);
+        EXPECT_EQ(vertex.normal_W, naive::NormalAt(edge, map, options))
+            << vertex.position_W.transpose();
+        ++vertices;
+      }
+    }
+    return vertices;
+  };
+  MeshingOptions options;
+  options.jump_fraction = 2;
+  EXPECT_GT(compare(RandomVotes(3), options), 5000u);
+  const SemanticMap map = MapRandomFrames(4, [](const SemanticMap&, const MapDelta&) {});
+  EXPECT_GT(compare(map, RandomOptions(4)), 1000u);
+}
+
 TEST(MeshBlocks, ColoursAndLabelsEqualTheNaiveOnes) {
   size_t unlabelled = 0, beyond_the_ends = 0;
   for (uint64_t seed = 1; seed <= 2; ++seed) {

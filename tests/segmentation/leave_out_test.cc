@@ -36,7 +36,7 @@ int64_t Holes(const RgbdFrame& frame) {
   return holes;
 }
 
-TEST(LeaveOut, TakesTheMaskAndItsMarginOutOfTheDepth) {
+TEST(LeaveOut, RemovesTheDepthOfTheMaskAndItsMargin) {
   RgbdFrame frame = Wall();
   EXPECT_EQ(LeaveOut(Seen(kPerson), Options(), &frame), (40 + 12) * (60 + 12));
   EXPECT_EQ(Holes(frame), (40 + 12) * (60 + 12));
@@ -46,7 +46,7 @@ TEST(LeaveOut, TakesTheMaskAndItsMarginOutOfTheDepth) {
   EXPECT_FALSE(std::isnan(frame.depth(220, 339 + 7)));
 }
 
-TEST(LeaveOut, OtherClassesWeakDetectionsAndAnEmptyListTakeNothing) {
+TEST(LeaveOut, OtherClassesWeakDetectionsAndAnEmptyListRemoveNothing) {
   RgbdFrame frame = Wall();
   RefineOptions strict = Options();
   strict.min_score = 0.95;

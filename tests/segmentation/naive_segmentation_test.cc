@@ -1,4 +1,4 @@
-// The fast segmentation gives the naive one's image.
+// The fast segmentation and the naive one give the same image.
 #include <gtest/gtest.h>
 
 #include "geometry/compute_surface.h"
@@ -22,6 +22,7 @@ int Compare(int width, int height, const SegmentationOptions& options, uint64_t 
   const SegmentImage slow = naive::SegmentDepth(surface, camera, options);
   EXPECT_EQ(fast.segment_count, slow.segment_count);
   EXPECT_TRUE(fast.index == slow.index);
+  EXPECT_TRUE(fast.edge_strength == slow.edge_strength);
   EXPECT_EQ(fast.loose.size(), slow.loose.size());
   EXPECT_TRUE(fast.loose == slow.loose);
   return fast.segment_count;
@@ -32,7 +33,7 @@ TEST(SegmentDepth, EqualsTheNaiveOneOnRandomScenesOfOddSizes) {
   for (const auto& [width, height] : testing_support::kOddSizes) {
     for (uint64_t seed = 1; seed <= 20; ++seed) segments += Compare(width, height, {}, seed);
   }
-  EXPECT_GT(segments, 500);  // it was not all empty
+  EXPECT_GT(segments, 500);  // the scenes are not empty
 }
 
 TEST(SegmentDepth, EqualsTheNaiveOneAroundTheUsualSize) {

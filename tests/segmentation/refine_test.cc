@@ -5,46 +5,19 @@
 #include <algorithm>
 
 #include "support/random_scenes.h"
+#include "support/refine_frames.h"
 
 namespace vismap {
 namespace {
 
-constexpr int kWidth = 200, kHeight = 150;
-constexpr ClassId kCup{47}, kTable{67}, kChair{62};
-
-RgbdFrame Frame() {
-  RgbdFrame frame;
-  frame.header.camera = {kWidth, kHeight, 200, 200, 100, 75};
-  frame.depth = Image<float>(kWidth, kHeight, 1.0F);
-  return frame;
-}
-
-/// Two segments: 0 = columns below 100, 1 = the rest. The top ten rows belong to none.
-SegmentImage Halves() {
-  SegmentImage image{Image<SegmentIndex>(kWidth, kHeight, SegmentIndex::kNone), 2};
-  for (int v = 10; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) image.index(v, u) = static_cast<SegmentIndex>(u < 100 ? 0 : 1);
-  }
-  return image;
-}
-
-Detection Rectangle(ClassId class_id, float score, int u0, int v0, int width, int height) {
-  Detection detection{class_id, score, {}};
-  detection.mask.image_width = kWidth;
-  detection.mask.image_height = kHeight;
-  detection.mask.u0 = u0;
-  detection.mask.v0 = v0;
-  detection.mask.inside = Image<uint8_t>(width, height, uint8_t{1});
-  return detection;
-}
+using namespace testing_support;
 
 SegmentedFrame Refine(std::vector<Detection> detections, const RefineOptions& options = {}) {
-  DetectionSet set;
-  set.detections = std::move(detections);
+  const DetectionSet set = Set(std::move(detections));
   return RefineWithDetections(Frame(), Halves(), &set, options);
 }
 
-/// Every property that holds for any input.
+/// Checks the properties that hold for every input.
 void ExpectConsistent(const SegmentedFrame& out) {
   ASSERT_EQ(static_cast<int>(out.segments.size()), out.image.segment_count);
   std::vector<int> pixels(out.segments.size());
@@ -69,7 +42,7 @@ TEST(Refine, WithoutDetectorSegmentsAreOnlyCounted) {
   EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
 }
 
-TEST(Refine, DetectorThatFoundNothingIsNotNoDetector) {
+TEST(Refine, ADetectorThatFoundNothingStillProcessedTheFrame) {
   const SegmentedFrame out = Refine({});
   EXPECT_TRUE(out.had_detections);
   EXPECT_EQ(out.segments[0].detection, DetectionIndex::kNone);
@@ -110,7 +83,7 @@ TEST(Refine, AMaskOnAMuchLargerOneOfItsClassIsAnotherThing) {
   EXPECT_EQ(out.segments[2].detection, DetectionIndex{1});
 }
 
-TEST(Refine, ASecondMaskThatIsTooLargeTakesNothingFromAnotherThing) {
+TEST(Refine, ASecondMaskThatIsTooLargeGetsNoPixelOfAnotherThing) {
   const SegmentedFrame out = Refine({Rectangle(kChair, 0.9F, 0, 0, 100, kHeight),
                                      Rectangle(kChair, 0.8F, 0, 0, 150, kHeight),
                                      Rectangle(kChair, 0.6F, 100, 0, 100, kHeight)});
@@ -136,7 +109,7 @@ TEST(Refine, OneMaskMayHoldSeveralSegments) {
   EXPECT_EQ(out.segments[1].detection, DetectionIndex{0});
 }
 
-TEST(Refine, DetectionsBelowTheMinimumScoreDoNotExist) {
+TEST(Refine, DetectionsBelowTheMinimumScoreAreIgnored) {
   RefineOptions options;
   options.min_score = 0.5;
   const SegmentedFrame out = Refine({Rectangle(kTable, 0.4F, 0, 0, kWidth, kHeight)}, options);
@@ -191,8 +164,8 @@ TEST(Refine, PoorOrTornMasksDoNotSplit) {
   EXPECT_EQ(Refine({Rectangle(kCup, 0.9F, 30, 60, 30, 30)}, off).segments.size(), 2u);
 }
 
-TEST(Refine, SoftRimOfAMaskOnTheBackgroundIsNotCutOut) {
-  // The chair is segment 1; its mask laps over 8 px onto segment 0.
+TEST(Refine, TheBorderOfAMaskOnTheBackgroundIsNotCutOut) {
+  // The chair is segment 1; its mask covers 8 columns of segment 0 as well.
   const SegmentedFrame out = Refine({Rectangle(kChair, 0.95F, 92, 0, 108, kHeight)});
   ASSERT_EQ(out.segments.size(), 2u);
   EXPECT_EQ(out.segments[0].pixels, 100 * 140);
@@ -255,9 +228,9 @@ TEST(Refine, OrderOfDetectionsWithDistinctScoresDoesNotMatter) {
 TEST(Refine, PixelsOnAFoldGoToTheMaskTheyLieInAndNoOthersDo) {
   // The mask ends at column 106, the segment at 100; the fold is six columns wide on either side.
   SegmentImage image = Halves();
-  image.ambiguous = Image<uint8_t>(kWidth, kHeight);
+  image.edge_strength = Image<uint8_t>(kWidth, kHeight);
   for (int v = 10; v < kHeight; ++v) {
-    for (int u = 94; u < 104; ++u) image.ambiguous(v, u) = 50;
+    for (int u = 94; u < 104; ++u) image.edge_strength(v, u) = 50;
   }
   DetectionSet set;
   set.detections = {Rectangle(kChair, 0.9F, 0, 10, 106, kHeight - 10)};
@@ -268,7 +241,7 @@ TEST(Refine, PixelsOnAFoldGoToTheMaskTheyLieInAndNoOthersDo) {
     for (int u = 100; u < kWidth; ++u) columns += Raw(out.image.index(80, u)) == 0;
     return columns;
   };
-  EXPECT_EQ(moved({}), 4);  // of the six columns that the mask covers, those on the fold
+  EXPECT_EQ(moved({}), 4);  // the mask covers six columns, four of them on the fold
   RefineOptions off;
   off.fold_min_score = 2;
   EXPECT_EQ(moved(off), 0);
@@ -296,8 +269,8 @@ TEST(Refine, LoosePiecesGoToTheObjectWhoseMaskCoversThem) {
         RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, options);
     ExpectConsistent(out);
     EXPECT_TRUE(out.image.loose.empty());
-    EXPECT_EQ(Raw(out.image.index(115, 110)), 1);  // in the mask, but of a segment that is not
-    EXPECT_EQ(out.image.index(115, 143), SegmentIndex::kNone);  // outside of the mask
+    EXPECT_EQ(Raw(out.image.index(115, 110)), 1);  // in the mask, but not of a loose piece
+    EXPECT_EQ(out.image.index(115, 143), SegmentIndex::kNone);  // outside the mask
     return Raw(out.image.index(115, 123)) == 0;
   };
   EXPECT_TRUE(taken({}));
@@ -308,7 +281,7 @@ TEST(Refine, LoosePiecesGoToTheObjectWhoseMaskCoversThem) {
   EXPECT_FALSE(taken({}));
 }
 
-TEST(Refine, LoosePiecesWithoutSegmentAreTakenToo) {
+TEST(Refine, LoosePiecesWithoutSegmentAreAttachedToo) {
   DetectionSet set;
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 150, kHeight - 10)};
   const SegmentedFrame out = RefineWithDetections(Frame(), HalvesWithLoosePieces(), &set, {});
@@ -317,7 +290,7 @@ TEST(Refine, LoosePiecesWithoutSegmentAreTakenToo) {
   EXPECT_EQ(out.segments[0].pixels, 100 * (kHeight - 10) + 2 * 8 * 20);
 }
 
-TEST(Refine, LoosePiecesSeenThroughTheObjectAreLeft) {
+TEST(Refine, LoosePiecesSeenThroughTheObjectStay) {
   DetectionSet set;  // a chair 1 m away, of 0.7 m
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10)};
   const auto taken = [&](float depth, const RefineOptions& options) {
@@ -338,7 +311,7 @@ TEST(Refine, LoosePiecesSeenThroughTheObjectAreLeft) {
   EXPECT_TRUE(taken(9, far));
 }
 
-TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
+TEST(Refine, LoosePiecesOfAnotherObjectStay) {
   DetectionSet set;
   set.detections = {Rectangle(kChair, 0.6F, 0, 10, 135, kHeight - 10),
                     Rectangle(kTable, 0.5F, 100, 0, 100, kHeight)};
@@ -349,7 +322,7 @@ TEST(Refine, LoosePiecesOfAnotherObjectAreLeft) {
 }
 
 TEST(Refine, OverlapsAreThoseOfTheSegmentsAfterAllSplits) {
-  testing_support::RandomNumbers random(3);
+  RandomNumbers random(3);
   int splits = 0, matches = 0;
   for (int round = 0; round < 60; ++round) {
     RefineOptions options;
@@ -393,7 +366,7 @@ TEST(Refine, OverlapsAreThoseOfTheSegmentsAfterAllSplits) {
   EXPECT_GT(matches, 50);
 }
 
-TEST(Refine, NoSegmentsAtAllIsFine) {
+TEST(Refine, AnImageWithoutSegmentsIsValid) {
   DetectionSet set;
   set.detections = {Rectangle(kTable, 0.8F, 0, 0, kWidth, kHeight)};
   const SegmentedFrame out = RefineWithDetections(
@@ -401,7 +374,7 @@ TEST(Refine, NoSegmentsAtAllIsFine) {
   EXPECT_TRUE(out.segments.empty());
 }
 
-TEST(Refine, ForeignSegmentImageThrows) {
+TEST(Refine, ASegmentImageOfAnotherSizeThrows) {
   EXPECT_THROW(RefineWithDetections(Frame(), {Image<SegmentIndex>(3, 3), 1}, nullptr, {}),
                std::logic_error);
 }

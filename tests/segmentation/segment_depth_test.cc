@@ -86,7 +86,7 @@ TEST(SegmentDepth, ConcaveFoldSplitsExactlyAlongTheFold) {
   EXPECT_EQ(segments.segment_count, 2);
   for (int v = 0; v < kVga.height; ++v) {
     for (int u = 0; u < kVga.width; ++u) {
-      if (std::abs(u - kVga.cx) < 2) continue;  // the original expects a line of two pixels
+      if (std::abs(u - kVga.cx) < 2) continue;  // the published test allows two pixels, too
       ASSERT_EQ(Raw(segments.index(v, u)), u < kVga.cx ? 0 : 1) << v << " " << u;
     }
   }
@@ -289,7 +289,7 @@ TEST(SegmentDepth, NoDepthGivesNoSegments) {
   EXPECT_EQ(Segment(Image<float>(1, 1, 1.0F), KinectNoise(), dot).segment_count, 1);
 }
 
-TEST(SegmentDepth, OtherSensorsHoldToo) {
+TEST(SegmentDepth, WorksWithTheNoiseOfOtherSensors) {
   for (const DepthNoiseModel& noise : {RealSenseNoise(), CleanNoise()}) {
     const TestView view = Render(SphereBeforeWall());
     const SegmentImage segments = Segment(AddNoise(view.depth, noise, 3, 41), noise);
@@ -298,7 +298,7 @@ TEST(SegmentDepth, OtherSensorsHoldToo) {
   }
 }
 
-TEST(SegmentDepth, ForeignSurfaceThrows) {
+TEST(SegmentDepth, ASurfaceOfAnotherSizeThrows) {
   const SurfaceMap surface = ComputeSurface(Render(Plane(1)).depth, kVga, SurfaceOptions{});
   EXPECT_THROW(SegmentDepth(surface, {2, 2, 500, 500, 1, 1}, SegmentationOptions{}),
                std::logic_error);
@@ -312,7 +312,8 @@ TEST(PublishedSegmentation, DoesWhatThePaperShowsOnCleanDepth) {
   };
   EXPECT_EQ(run(Plane(1.5)).segment_count, 1);
   EXPECT_EQ(run(Fold(45, true)).segment_count, 2);
-  EXPECT_EQ(run(Fold(75, false)).segment_count, 1);  // at 90 degrees its smoothed normals split it
+  EXPECT_EQ(run(Fold(75, false)).segment_count,
+            1);  // a fold of 90 degrees would be split, since the normals are smoothed
   EXPECT_EQ(run(SphereBeforeWall()).segment_count, 2);
 }
 

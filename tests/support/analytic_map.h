@@ -60,7 +60,8 @@ struct BlockBuilder {
     if (d <= -map.truncation()) return;  // inside a solid: no camera sees it
     const auto i = static_cast<size_t>(offset);
     const double clamped = std::min(d, map.truncation());
-    surface->distance[i] = static_cast<int16_t>(std::lround(clamped / map.truncation() * 32767));
+    surface->distance[i] =
+        static_cast<int16_t>(std::lround(clamped / map.truncation() * kTruncationSteps));
     surface->weight[i] =
         static_cast<uint16_t>(std::min(65535.0F, static_cast<float>(observations) * kWeightScale));
     surface->observations[i] = static_cast<uint8_t>(observations);

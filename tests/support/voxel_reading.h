@@ -26,7 +26,7 @@ inline std::optional<VoxelReading> ReadVoxel(const VoxelMap& map, const Block& b
     const SurfaceVoxels& voxels = *reader.Read(block);
     const auto i = static_cast<size_t>(offset);
     if (voxels.weight[i] == 0) return std::nullopt;
-    return VoxelReading{static_cast<float>(voxels.distance[i]) * truncation / 32767.0F,
+    return VoxelReading{static_cast<float>(voxels.distance[i]) * truncation / kTruncationSteps,
                         static_cast<float>(voxels.weight[i]) / kWeightScale,
                         voxels.observations[i]};
   }

@@ -38,8 +38,8 @@ Choices VoxelChoices(const SurfaceVoxels& voxels, int offset, const LabelTable& 
 
 // Whether a voxel is so near to a surface that its labels say something of it.
 bool IsNear(const StoredVoxel& voxel, const VoxelMap& map, double max_distance_voxels) {
-  const auto steps =
-      static_cast<float>(max_distance_voxels * map.voxel_size() * 32767.0 / map.truncation());
+  const auto steps = static_cast<float>(max_distance_voxels * map.voxel_size() * kTruncationSteps /
+                                        map.truncation());
   return voxel.weight > 0 && std::abs(static_cast<float>(voxel.distance)) < steps;
 }
 

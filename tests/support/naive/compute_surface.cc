@@ -30,7 +30,7 @@ float InverseSigma(float z, const DepthNoiseModel& noise) {
   return std::sqrt(axial * axial + step * step);
 }
 
-/// The radius that makes the normal as good as wanted [px].
+/// The radius of the window with which the normal has the wanted standard deviation [px].
 uint8_t Radius(float z, float sigma, const PinholeCamera& camera, const SurfaceOptions& options) {
   const double wanted = options.normal_sigma_deg * std::numbers::pi / 180;
   const float gain = F(0.5 * std::sqrt(3.0) * camera.fx * options.noise.correlation_px / wanted);
@@ -56,29 +56,32 @@ void BackProject(int v, int u, float z, const PinholeCamera& camera, const Surfa
   inverse->sigma(v, u) = sigma;
 }
 
-/// Whether pixel (v, u) lies on one surface with the next one, (dv, du) from it: their inverse
-/// depths are equal within the noise, or go on as they did before or will do after.
-bool Joined(const InverseDepth& inverse, int v, int u, int dv, int du, float jump, float cap) {
+/// Whether pixel (v, u) lies on one surface with its neighbour (v + dv, u + du): their inverse
+/// depths are equal within the noise, or have the slope that the surface has before or after them.
+bool Joined(const InverseDepth& inverse, int v, int u, int dv, int du, float jump_sigmas,
+            float max_step) {
   const float p = inverse.W(v, u), q = inverse.W(v + dv, u + du);
   if (p == 0 || q == 0) return false;
-  const float tolerance = jump * std::max(inverse.sigma(v, u), inverse.sigma(v + dv, u + du));
+  const float tolerance =
+      jump_sigmas * std::max(inverse.sigma(v, u), inverse.sigma(v + dv, u + du));
   const float before = inverse.W(v - dv, u - du), after = inverse.W(v + 2 * dv, u + 2 * du);
   const float step = q - p, size = std::abs(step);
   if (size - tolerance <= 0) return true;
-  if (size > cap * p + tolerance) return false;  // steeper than any surface that we would see
+  if (size > max_step * p + tolerance) return false;  // steeper than any visible surface
   const float slope_before = before > 0 ? p - before : 0.0F;
   const float slope_after = after > 0 ? after - q : 0.0F;
   const float bend = std::min(std::abs(step - slope_before), std::abs(step - slope_after));
   return bend - tolerance <= 0;
 }
 
-/// How many pixels (v, u) can go in direction (dv, du), at most its radius.
+/// How many pixels (v, u) reaches in direction (dv, du), at most its radius.
 uint8_t Reach(const SurfaceMap& surface, int v, int u, int dv, int du) {
   const uint8_t bit = dv == 0 ? kJoinedRight : kJoinedDown;
   const int most = surface.radius(v, u);
   int steps = 0;
   while (steps < most) {
-    const int from_v = v + (dv < 0 ? dv : 0), from_u = u + (du < 0 ? du : 0);  // the pair's first
+    const int from_v = v + (dv < 0 ? dv : 0),
+              from_u = u + (du < 0 ? du : 0);  // of the pair's first pixel
     if (!surface.joined.Contains(from_v, from_u) || !(surface.joined(from_v, from_u) & bit)) break;
     v += dv;
     u += du;
@@ -87,7 +90,8 @@ uint8_t Reach(const SurfaceMap& surface, int v, int u, int dv, int du) {
   return static_cast<uint8_t>(steps);
 }
 
-/// Sums over a pixel's window; x and y counted from that pixel. Sums of x and y are whole numbers.
+/// Sums over a pixel's window; x and y are counted from that pixel. Sums without w are whole
+/// numbers and exact in float.
 struct Moments {
   float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   double w = 0, xw = 0, yw = 0;
@@ -114,15 +118,16 @@ Moments SumWindow(const InverseDepth& inverse, const SurfaceMap& surface, int v,
   return m;
 }
 
-/// Whether a window is wide enough for a plane; in float, like the fast one: at the limit, rounding
-/// is part of the definition.
+/// Whether a window is wide enough for a plane. Computed in float like the fast one, so that both
+/// decide alike at the limit.
 bool DefinesPlane(const Moments& m) {
   const float inv_n = 1 / std::max(m.n, 1.0F), mx = m.x * inv_n, my = m.y * inv_n;
   const float cxx = m.xx - m.x * mx, cxy = m.xy - m.x * my, cyy = m.yy - m.y * my;
   return m.n >= 5 && cxx * cyy - cxy * cxy - 0.2F * m.n * (cxx + cyy) > 0;
 }
 
-/// The plane w = a x + b y + c around a pixel, as a normal.
+/// Sets the normal of the plane w = a r_x + b r_y + c through the window of pixel (v, u), r = the
+/// ray through a pixel.
 void FitNormal(const Moments& m, const PinholeCamera& camera, double sigma, double correlation,
                int v, int u, SurfaceMap* out) {
   if (!DefinesPlane(m)) return;
@@ -166,18 +171,19 @@ void ForPixels(const PinholeCamera& camera, const Visit& visit) {
 
 SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera,
                           const SurfaceOptions& options) {
-  Require(options.method == NormalMethod::kInverseDepthFit, "the naive surface fits inverse depth");
+  Require(options.method == NormalMethod::kInverseDepthFit,
+          "the naive surface has the method kInverseDepthFit only");
   SurfaceMap out = EmptySurface(camera.width, camera.height);
   InverseDepth inverse{Image<float>(camera.width, camera.height),
                        Image<float>(camera.width, camera.height)};
   ForPixels(camera,
             [&](int v, int u) { BackProject(v, u, depth(v, u), camera, options, &inverse, &out); });
   const double tangent = std::tan(options.max_incidence_deg * std::numbers::pi / 180);
-  const float jump = F(JumpSigmas(inverse.w, inverse.sigma, options.jump_sigmas));
-  const float cap_x = F(tangent / camera.fx), cap_y = F(tangent / camera.fy);
+  const float jump_sigmas = F(JumpSigmas(inverse.w, inverse.sigma, options.jump_sigmas));
+  const float max_step_x = F(tangent / camera.fx), max_step_y = F(tangent / camera.fy);
   ForPixels(camera, [&](int v, int u) {
-    const bool right = Joined(inverse, v, u, 0, 1, jump, cap_x);
-    const bool down = Joined(inverse, v, u, 1, 0, jump, cap_y);
+    const bool right = Joined(inverse, v, u, 0, 1, jump_sigmas, max_step_x);
+    const bool down = Joined(inverse, v, u, 1, 0, jump_sigmas, max_step_y);
     out.joined(v, u) = static_cast<uint8_t>((right ? kJoinedRight : 0) | (down ? kJoinedDown : 0));
   });
   ForPixels(camera, [&](int v, int u) {

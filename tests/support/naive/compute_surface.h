@@ -5,16 +5,16 @@
 
 namespace vismap::naive {
 
-/// ComputeSurface with kInverseDepthFit, one pixel at a time: each walks to what it reaches and
-/// sums over its own window. Points, radius, joined, reach and depth_sigma have the same bits as
-/// the fast one's. Normals are summed in double where the fast one sums in float: which pixels have
-/// one is the same, components differ by less than kMaxNormalError and normal_sigma by less than
-/// that part of itself.
+/// ComputeSurface with kInverseDepthFit, one pixel at a time: each pixel searches what it reaches
+/// and sums over its own window. Points, radius, joined, reach and depth_sigma are equal to those
+/// of the fast one bit for bit. Normals are summed in double here and in float there: the same
+/// pixels have one, components differ by less than kMaxNormalError, and normal_sigma relatively by
+/// less than that.
 SurfaceMap ComputeSurface(const Image<float>& depth, const PinholeCamera& camera,
                           const SurfaceOptions& options);
 
-/// Sums of some 400 inverse depths in float, of which slopes are small differences: 4e-4 is the
-/// largest that was seen on recorded frames. Sensors' normals err by a hundred times that.
+/// Rounding error of sums of about 400 inverse depths in float, whose small differences are the
+/// slopes. On recorded frames it was at most 4e-4, a hundredth of the error by the sensor's noise.
 inline constexpr float kMaxNormalError = 6e-4F;
 
 }  // namespace vismap::naive

@@ -136,7 +136,7 @@ uint8_t Blend(uint8_t old_value, uint8_t new_value, float share) {
 /// frame.
 void CarveVoxel(const IntegrationOptions& options, float truncation, StoredVoxel* voxel,
                 Sample* sample) {
-  const float distance = static_cast<float>(voxel->distance) * (truncation / 32767.0F);
+  const float distance = static_cast<float>(voxel->distance) * (truncation / kTruncationSteps);
   const bool passed = options.carve_frames > 0 && voxel->weight > 0 &&
                       distance < 0.75F * truncation &&
                       sample->passed > F(options.carve_slope) * std::max(distance, 0.0F);
@@ -158,16 +158,19 @@ SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, int offset) {
   return best.label;
 }
 
+/// A mean distance of nine tenths of the truncation or more is one of free space.
+constexpr float kFreeSteps = 9 * kTruncationSteps / 10;
+
 /// The running means of distance and colour, and the counts.
 StoredVoxel FuseVoxel(StoredVoxel voxel, const Sample& sample, const Image<Rgb8>& colors,
                       const IntegrationOptions& options, float truncation) {
   const float old_weight = voxel.weight, old_distance = voxel.distance;
   const float sum = old_weight + sample.weight, share = sample.weight / std::max(sum, 1.0F);
   const float fused =
-      old_distance + share * (sample.distance * (32767.0F / truncation) - old_distance);
+      old_distance + share * (sample.distance * (kTruncationSteps / truncation) - old_distance);
   voxel.distance = static_cast<int16_t>(static_cast<int>(fused + 32768.5F) - 32768);
   float weight = std::min(sum, F(options.max_weight) * kWeightScale);
-  if (options.free_frames > 0 && sample.weight > 0 && fused >= 29490)
+  if (options.free_frames > 0 && sample.weight > 0 && fused >= kFreeSteps)
     weight = std::min(weight, std::max(F(options.free_frames), 1.0F) * sample.weight);
   voxel.weight = static_cast<uint16_t>(weight + 0.5F);
   if (sample.weight > 0)

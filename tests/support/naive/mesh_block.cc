@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "map/surface_reader.h"
 #include "support/naive/voxel_access.h"
@@ -19,24 +18,6 @@ constexpr int kCorner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 constexpr int kEdgeEnds[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
-
-/// Signed distance in steps of truncation / 32767; nullopt = not seen well enough.
-std::optional<int> SeenDistance(const VoxelMap& map, VoxelIndex voxel,
-                                const MeshingOptions& options) {
-  const Block* block = map.Find(BlockOf(voxel));
-  if (block == nullptr) return std::nullopt;
-  const int offset = OffsetInBlock(voxel);
-  if (!block->surface) {
-    // Free space remembers no more than two observations, so no more can be asked of it.
-    const int wanted = std::clamp(options.min_observations, 1, 2);
-    return TimesSeenFree(*block, offset) >= wanted ? std::optional(32767) : std::nullopt;
-  }
-  SurfaceReader reader;
-  const StoredVoxel stored = ReadVoxel(*reader.Read(*block), offset);
-  const int gate = static_cast<int>(options.min_weight * static_cast<double>(kWeightScale));
-  if (stored.weight <= gate || stored.observations < options.min_observations) return std::nullopt;
-  return stored.distance;
-}
 
 /// The eight voxels of a cell and their distances.
 struct Cell {
@@ -60,7 +41,8 @@ std::optional<Cell> ReadCell(const VoxelMap& map, VoxelIndex low, const MeshingO
 
 /// Whether two surfaces meet in the cell, so that there is none between them.
 bool HasJump(const Cell& cell, double jump_fraction) {
-  const auto jump = static_cast<int>(std::lround(std::clamp(jump_fraction, 0.0, 2.0) * 32767));
+  const auto jump =
+      static_cast<int>(std::lround(std::clamp(jump_fraction, 0.0, 2.0) * kTruncationSteps));
   for (int edge = 0; edge < 12; ++edge) {
     const int a = cell.distance[kEdgeEnds[edge][0]], b = cell.distance[kEdgeEnds[edge][1]];
     if (cell.Crossed(edge) && std::max(a, b) >= jump && std::min(a, b) <= -jump) return true;
@@ -97,6 +79,23 @@ void MeshCell(const Cell& cell, const VoxelMap& map, std::vector<Triangle>* tria
 }
 
 }  // namespace
+
+std::optional<int> SeenDistance(const VoxelMap& map, VoxelIndex voxel,
+                                const MeshingOptions& options) {
+  const Block* block = map.Find(BlockOf(voxel));
+  if (block == nullptr) return std::nullopt;
+  const int offset = OffsetInBlock(voxel);
+  if (!block->surface) {
+    // Free space remembers no more than two observations, so no more can be asked of it.
+    const int wanted = std::clamp(options.min_observations, 1, 2);
+    return TimesSeenFree(*block, offset) >= wanted ? std::optional(kTruncationSteps) : std::nullopt;
+  }
+  SurfaceReader reader;
+  const StoredVoxel stored = ReadVoxel(*reader.Read(*block), offset);
+  const int gate = static_cast<int>(options.min_weight * static_cast<double>(kWeightScale));
+  if (stored.weight <= gate || stored.observations < options.min_observations) return std::nullopt;
+  return stored.distance;
+}
 
 std::vector<Triangle> MeshBlock(const SemanticMap& map, BlockIndex block,
                                 const MeshingOptions& options) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "meshing/marching_cubes.h"
@@ -10,6 +11,11 @@ namespace vismap::naive {
 
 /// Corners in W [m], counter-clockwise seen from free space.
 using Triangle = std::array<std::array<float, 3>, 3>;
+
+/// Signed distance of a voxel in steps of truncation / kTruncationSteps; nullopt = not observed
+/// well enough.
+std::optional<int> SeenDistance(const VoxelMap& map, VoxelIndex voxel,
+                                const MeshingOptions& options);
 
 /// The surface in the cells of one block, cell by cell, each voxel looked up in the map: the same
 /// triangles as in the fast mesh, bit for bit; sorted, each from its lowest corner on. Normals,

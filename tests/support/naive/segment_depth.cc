@@ -15,7 +15,7 @@
 namespace vismap::naive {
 namespace {
 
-/// 0 = no region, otherwise the number of one.
+/// The number of the region that each pixel belongs to; 0 = none.
 using RegionImage = Image<int32_t>;
 
 struct Pixel {
@@ -29,7 +29,8 @@ void ForPixels(const SurfaceMap& surface, const Visit& visit) {
   }
 }
 
-/// Calls visit(neighbour, joined with it?) for the neighbours in the image: right, down, left, up.
+/// Calls visit(q, joined) for the neighbours q of pixel p in the image: right, down, left, up.
+/// `joined` = p and q lie on one surface.
 template <typename Visit>
 void ForNeighbors(const SurfaceMap& surface, Pixel p, const Visit& visit) {
   const Image<uint8_t>& joined = surface.joined;
@@ -50,7 +51,7 @@ uint8_t FoldStrength(const SurfaceMap& surface, Pixel a, Pixel b,
   const float dy = normals.y(b.v, b.u) - normals.y(a.v, a.u);
   const float dz = normals.z(b.v, b.u) - normals.z(a.v, a.u);
   const float square = dx * dx + dy * dy + dz * dz;
-  if (!(square >= min_angle * min_angle)) return 0;  // flat, or without a normal
+  if (!(square >= min_angle * min_angle)) return 0;  // flat, or a normal is missing
   const float opening = (points.x(b.v, b.u) - points.x(a.v, a.u)) * dx +
                         (points.y(b.v, b.u) - points.y(a.v, a.u)) * dy +
                         (points.z(b.v, b.u) - points.z(a.v, a.u)) * dz;
@@ -59,11 +60,11 @@ uint8_t FoldStrength(const SurfaceMap& surface, Pixel a, Pixel b,
   const float sigma_a = surface.normal_sigma(a.v, a.u), sigma_b = surface.normal_sigma(b.v, b.u);
   const float noise =
       static_cast<float>(options.concave_sigmas) * std::sqrt(sigma_a * sigma_a + sigma_b * sigma_b);
-  if (chord < std::min(noise, radians(options.sharp_angle_deg))) return 0;
+  if (chord < std::min(noise, radians(options.sharp_angle_deg))) return 0;  // may be noise
   return static_cast<uint8_t>(std::clamp(chord * 127.0F, 2.0F, 255.0F));
 }
 
-/// 0 inside surfaces, 1 beside a depth jump, more in a fold.
+/// 0 inside a surface, 1 beside a depth jump, more on a fold.
 uint8_t EdgeStrength(const SurfaceMap& surface, Pixel p, const SegmentationOptions& options) {
   const auto [v, u] = p;
   if (surface.radius(v, u) == 0) return 0;
@@ -77,8 +78,8 @@ uint8_t EdgeStrength(const SurfaceMap& surface, Pixel p, const SegmentationOptio
   return strength;
 }
 
-/// Regions of joined pixels where `keep(pixel)`, numbered 1, 2, ... by their first pixel in row
-/// order.
+/// The connected regions of joined pixels for which keep(pixel) is true, numbered 1, 2, ... by
+/// their first pixel in row order.
 template <typename Keep>
 RegionImage Connect(const SurfaceMap& surface, const Keep& keep) {
   RegionImage regions(surface.joined.width(), surface.joined.height());
@@ -106,9 +107,9 @@ void DropSmallRegions(int min_pixels, RegionImage* regions) {
   }
 }
 
-/// Regions grow along joined pixels into all that they can reach. A pixel waits in the queue of the
-/// strongest edge on its way, so that all that is reached over weaker edges comes first; within a
-/// queue, first come, first served.
+/// Grows the regions along joined pixels to all pixels that they can reach. A pixel waits in the
+/// queue of the strongest edge on the way to it, so that all pixels behind weaker edges come first.
+/// Within a queue the order is first in, first out.
 void FloodRegions(const SurfaceMap& surface, const Image<uint8_t>& strength, RegionImage* regions) {
   std::array<std::vector<Pixel>, 256> queues;
   ForPixels(surface, [&](Pixel p) {
@@ -126,7 +127,7 @@ void FloodRegions(const SurfaceMap& surface, const Image<uint8_t>& strength, Reg
   }
 }
 
-/// What no region reached becomes regions, too, with the next numbers.
+/// Adds the connected regions of pixels that no region reached, with the next numbers.
 void AddMissedRegions(const SurfaceMap& surface, int min_pixels, RegionImage* regions) {
   RegionImage missed = Connect(
       surface, [&](Pixel p) { return surface.radius(p.v, p.u) != 0 && (*regions)(p.v, p.u) == 0; });
@@ -137,7 +138,8 @@ void AddMissedRegions(const SurfaceMap& surface, int min_pixels, RegionImage* re
   }
 }
 
-/// Sums over a region of inverse depth w and a = (x, y, 1), where a plane is w = k . a.
+/// Sums over the pixels of a region, with w = inverse depth and a = (x, y, 1), the ray through the
+/// pixel. A plane is w = k . a.
 struct PlaneMoments {
   Eigen::Matrix3d aa = Eigen::Matrix3d::Zero();
   Eigen::Vector3d aw = Eigen::Vector3d::Zero();
@@ -152,13 +154,13 @@ struct PlaneMoments {
   double Variance() const { return variance / count(); }
 };
 
-/// What is known of each region, by its number.
+/// One region.
 struct Region {
   PlaneMoments moments;
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // summed
   int pixels = 0;
-  int border = 0;                    // joined pairs of pixels with other regions
-  std::map<int32_t, int> neighbors;  // the same per other region
+  int border = 0;                    // number of joined pairs of pixels with other regions
+  std::map<int32_t, int> neighbors;  // the same for each other region
 };
 
 std::map<int32_t, Region> Measure(const SurfaceMap& surface, const PinholeCamera& camera,
@@ -198,29 +200,29 @@ std::vector<int32_t> LargestFirst(const std::map<int32_t, Region>& regions) {
   return order;
 }
 
-/// Whether `part` lies on the plane of another region within the noise.
+/// Whether a region lies on a plane within the noise.
 bool LiesOn(const Eigen::Vector3d& plane, const PlaneMoments& part, double max_sigmas) {
   const double limit = max_sigmas * max_sigmas * part.Variance();
   const double mean = part.MeanError(plane);
   return mean * mean < 0.25 * limit && part.MeanSquaredError(plane) < limit;
 }
 
-/// From the largest region down, each takes in the neighbours that lie on its plane.
+/// From the largest region down, joins to each the neighbours that lie on its plane.
 void JoinCoplanarRegions(const SurfaceMap& surface, const PinholeCamera& camera, double max_sigmas,
                          RegionImage* regions) {
   const std::map<int32_t, Region> measured = Measure(surface, camera, *regions);
   std::map<int32_t, int32_t> host{{0, 0}};
   for (const int32_t root : LargestFirst(measured)) {
-    if (!host.try_emplace(root, root).second) continue;
+    if (!host.try_emplace(root, root).second) continue;  // joined to a larger region before
     PlaneMoments whole = measured.at(root).moments;
-    if (whole.count() < 3) continue;
+    if (whole.count() < 3) continue;  // too few pixels for a plane
     Eigen::Vector3d plane = whole.Plane();
     if (whole.MeanSquaredError(plane) > max_sigmas * max_sigmas * whole.Variance()) continue;
     std::vector<int32_t> open;
-    const auto look_at_neighbors = [&](int32_t number) {
+    const auto open_neighbors = [&](int32_t number) {
       for (const auto& [other, pairs] : measured.at(number).neighbors) open.push_back(other);
     };
-    look_at_neighbors(root);
+    open_neighbors(root);
     for (size_t next = 0; next < open.size(); ++next) {  // `open` grows
       const int32_t other = open[next];
       const PlaneMoments& part = measured.at(other).moments;
@@ -231,13 +233,14 @@ void JoinCoplanarRegions(const SurfaceMap& surface, const PinholeCamera& camera,
       whole.ww += part.ww;
       whole.variance += part.variance;
       plane = whole.Plane();
-      look_at_neighbors(other);
+      open_neighbors(other);
     }
   }
   for (int32_t& region : regions->pixels()) region = host.at(region);
 }
 
-/// The large region that a small one is a speck of: most of its border, and parallel; 0 = none.
+/// The large region that a small one is joined to: it has more than half of the small one's border
+/// and a similar normal; 0 = none.
 int32_t HostOf(const std::map<int32_t, Region>& measured, const Region& small, int min_pixels,
                double max_angle) {
   int32_t host = 0;
@@ -253,7 +256,7 @@ int32_t HostOf(const std::map<int32_t, Region>& measured, const Region& small, i
   return normal.dot(small.normal) >= limit ? host : 0;
 }
 
-/// Small regions go to their host, or away.
+/// Joins small regions to their hosts; those without one become 0.
 void JoinSmallRegions(const SurfaceMap& surface, const PinholeCamera& camera, int min_pixels,
                       double max_angle, RegionImage* regions) {
   const std::map<int32_t, Region> measured = Measure(surface, camera, *regions);
@@ -265,7 +268,7 @@ void JoinSmallRegions(const SurfaceMap& surface, const PinholeCamera& camera, in
   for (int32_t& region : regions->pixels()) region = becomes.at(region);
 }
 
-/// What is of another region than before.
+/// The runs of pixels whose region changed; a region before is one piece.
 std::vector<LooseRun> LooseRuns(const RegionImage& before, const RegionImage& after) {
   std::vector<LooseRun> loose;
   std::map<int32_t, int32_t> number;
@@ -305,7 +308,8 @@ int ScaledPixels(int pixels_at_vga, const PinholeCamera& camera) {
 
 SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera,
                           const SegmentationOptions& options) {
-  Require(options.method == SegmentationMethod::kNoiseScaled, "the naive one scales with noise");
+  Require(options.method == SegmentationMethod::kNoiseScaled,
+          "the naive segmentation has the method kNoiseScaled only");
   const int min_pixels = ScaledPixels(options.min_segment_px, camera);
   Image<uint8_t> strength(camera.width, camera.height);
   ForPixels(surface, [&](Pixel p) { strength(p.v, p.u) = EdgeStrength(surface, p, options); });
@@ -321,7 +325,7 @@ SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera
   JoinSmallRegions(surface, camera, min_pixels, options.join_angle_deg * std::numbers::pi / 180,
                    &regions);
   SegmentImage image = NumberRegions(regions);
-  image.ambiguous = std::move(strength);
+  image.edge_strength = std::move(strength);
   image.loose = LooseRuns(before, regions);
   return image;
 }

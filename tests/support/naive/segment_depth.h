@@ -6,9 +6,10 @@
 
 namespace vismap::naive {
 
-/// SegmentDepth with kNoiseScaled, one pixel at a time: every fold is tested exactly, components
-/// are found by search, all pixels of all regions start the flood, sums go over pixels. The same
-/// image as the fast one, whose sums over runs round differently in the 16th digit.
+/// SegmentDepth with kNoiseScaled, one pixel at a time: it tests every fold exactly, finds
+/// connected components by search, starts the flood from all pixels with a region, and sums over
+/// pixels. The image is the same as that of the fast one. (Sums over runs differ in the 16th digit,
+/// too little to change which regions are joined.)
 SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera,
                           const SegmentationOptions& options);
 

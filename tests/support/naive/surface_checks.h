@@ -9,14 +9,14 @@
 
 namespace vismap::naive {
 
-/// Bit for bit, but NaN equals NaN.
+/// Whether two images are equal; NaN equals NaN.
 inline bool SameFloats(const Image<float>& a, const Image<float>& b) {
   return a.width() == b.width() && a.height() == b.height() &&
          std::equal(a.pixels().begin(), a.pixels().end(), b.pixels().begin(),
                     [](float x, float y) { return x == y || (x != x && y != y); });
 }
 
-/// Largest difference of any two components; infinite where only one of them is NaN.
+/// Largest difference between two pixels; infinite when only one of the two is NaN.
 inline float LargestDifference(const Image<float>& a, const Image<float>& b) {
   float largest = 0;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -28,7 +28,7 @@ inline float LargestDifference(const Image<float>& a, const Image<float>& b) {
   return largest;
 }
 
-/// Largest difference as a part of `b`.
+/// Largest difference relative to `b`.
 inline float LargestPart(Image<float> a, Image<float> b) {
   for (size_t i = 0; i < a.size(); ++i) {
     a.data()[i] /= b.data()[i];
@@ -37,7 +37,7 @@ inline float LargestPart(Image<float> a, Image<float> b) {
   return LargestDifference(a, b);
 }
 
-/// What naive::ComputeSurface says of itself and the fast one.
+/// Checks what the comment of naive::ComputeSurface promises.
 inline void ExpectEqualSurfaces(const SurfaceMap& fast, const SurfaceMap& slow) {
   EXPECT_TRUE(SameFloats(fast.points_C.x, slow.points_C.x));
   EXPECT_TRUE(SameFloats(fast.points_C.y, slow.points_C.y));

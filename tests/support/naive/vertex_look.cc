@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "map/surface_reader.h"
+#include "support/naive/mesh_block.h"
 #include "support/naive/voxel_access.h"
 
 namespace vismap::naive {
@@ -53,6 +54,25 @@ Offset OffsetOf(VoxelIndex a, VoxelIndex b) {
   return offset;
 }
 
+VoxelIndex Moved(VoxelIndex voxel, int axis, int steps) {
+  int32_t* coordinates[] = {&voxel.x, &voxel.y, &voxel.z};
+  *coordinates[axis] += steps;
+  return voxel;
+}
+
+/// Gradient of the distance at an observed voxel [steps per voxel].
+Eigen::Vector3f Gradient(VoxelIndex voxel, const VoxelMap& map, const MeshingOptions& options) {
+  Eigen::Vector3f gradient;
+  const auto here = SeenDistance(map, voxel, options);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto below = SeenDistance(map, Moved(voxel, axis, -1), options);
+    const auto above = SeenDistance(map, Moved(voxel, axis, 1), options);
+    const int rise = above.value_or(here.value()) - below.value_or(here.value());
+    gradient[axis] = static_cast<float>(rise) * (below && above ? 0.5F : 1.0F);
+  }
+  return gradient;
+}
+
 /// Of the voxels next to an end, which differ from it along so many axes at most.
 SegmentLabel MostFrequentBeside(const VertexEdge& edge, const SemanticMap& map, int most_axes) {
   std::map<SegmentLabel, int> frequency;
@@ -87,7 +107,7 @@ VertexEdge EdgeOf(const MeshVertex& vertex, const SemanticMap& map) {
   edge.upper = {high.x(), high.y(), high.z()};
   // As exact as it was computed: a rounded position would do for the place, but not for a colour.
   const auto distance = [&](VoxelIndex voxel) {
-    float steps = 32767;  // of free blocks
+    float steps = kTruncationSteps;  // of free blocks
     WithVoxel(map, voxel, [&](const SurfaceVoxels& voxels, int offset) {
       steps = ReadVoxel(voxels, offset).distance;
     });
@@ -113,6 +133,19 @@ Rgb8 ColorAt(const VertexEdge& edge, const SemanticMap& map) {
     return static_cast<uint8_t>((a * (256 - share) + b * share + 128) / 256);
   };
   return {mix(lower->r, upper->r), mix(lower->g, upper->g), mix(lower->b, upper->b)};
+}
+
+Eigen::Vector3f NormalAt(const VertexEdge& edge, const SemanticMap& map,
+                         const MeshingOptions& options) {
+  const Eigen::Vector3f g = Gradient(edge.lower, map.voxels, options) * (1 - edge.t) +
+                            Gradient(edge.upper, map.voxels, options) * edge.t;
+  const float length = std::sqrt(g.x() * g.x() + (g.y() * g.y() + g.z() * g.z()));
+  if (length > 1) return {g.x() / length, g.y() / length, g.z() / length};
+  const Eigen::Vector3f along(static_cast<float>(edge.upper.x - edge.lower.x),
+                              static_cast<float>(edge.upper.y - edge.lower.y),
+                              static_cast<float>(edge.upper.z - edge.lower.z));
+  const bool lower_is_behind = SeenDistance(map.voxels, edge.lower, options).value() < 0;
+  return lower_is_behind ? along : Eigen::Vector3f(-along);
 }
 
 SegmentLabel LabelAtEnds(const VertexEdge& edge, const SemanticMap& map) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "map/semantic_map.h"
+#include "meshing/marching_cubes.h"
 #include "meshing/mesh.h"
 
 namespace vismap::naive {
@@ -16,6 +17,12 @@ VertexEdge EdgeOf(const MeshVertex& vertex, const SemanticMap& map);
 
 /// The colour there: between those of the two voxels, in 256ths; free blocks have none.
 Rgb8 ColorAt(const VertexEdge& edge, const SemanticMap& map);
+
+/// The normal there: the gradient of the distance at the two voxels, interpolated and normalised;
+/// one-sided differences where a neighbour is not observed. Along the edge toward free space where
+/// the gradient is at most one step per voxel.
+Eigen::Vector3f NormalAt(const VertexEdge& edge, const SemanticMap& map,
+                         const MeshingOptions& options);
 
 /// The label of the nearer end, else of the other one.
 SegmentLabel LabelAtEnds(const VertexEdge& edge, const SemanticMap& map);

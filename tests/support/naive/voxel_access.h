@@ -12,7 +12,7 @@ namespace vismap::naive {
 
 /// One voxel of a block near a surface, in the units that it is stored in.
 struct StoredVoxel {
-  int16_t distance = 0;  ///< in steps of truncation / 32767
+  int16_t distance = 0;  ///< in steps of truncation / kTruncationSteps
   uint16_t weight = 0;   ///< in steps of 1 / kWeightScale; 0 = unseen
   uint8_t observations = 0;
   Rgb8 color;
@@ -74,7 +74,7 @@ inline void MakeSurface(Block& block) {
     const int times = TimesSeenFree(block, offset);
     if (times == 0) continue;
     const auto quarter = static_cast<uint16_t>(static_cast<float>(times) * kWeightScale * 0.25F);
-    WriteVoxel(*voxels, offset, {32767, quarter, static_cast<uint8_t>(times), {}});
+    WriteVoxel(*voxels, offset, {kTruncationSteps, quarter, static_cast<uint8_t>(times), {}});
   }
   block = Block{};
   block.surface = std::move(voxels);
