@@ -4,7 +4,7 @@
 
 namespace vismap {
 
-/// Rows of an image that a thread takes at a time while a surface is computed.
+/// Rows of an image that a thread processes at a time while a surface is computed.
 inline constexpr size_t kSurfaceRowGrain = 8;
 
 /// Inverse depth [1/m] and its standard deviation; both 0 = no return.

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "segmentation/at.h"
+
 namespace vismap {
 namespace {
 
@@ -42,9 +44,7 @@ class FoldGrowth {
 
  private:
   bool IsFold(int v, int u) const { return frame_.image.edge_strength(v, u) > kBesideJump; }
-  FrameSegment& SegmentOf(SegmentIndex index) const {
-    return frame_.segments[static_cast<size_t>(Raw(index))];
-  }
+  FrameSegment& SegmentOf(SegmentIndex index) const { return frame_.segments[At(index)]; }
   bool IsOfObject(SegmentIndex index) const {
     return index != SegmentIndex::kNone && SegmentOf(index).detection == k_;
   }

@@ -2,13 +2,11 @@
 
 #include <utility>
 
+#include "segmentation/at.h"
 #include "segmentation/seen_through.h"
 
 namespace vismap {
 namespace {
-
-size_t At(SegmentIndex index) { return static_cast<size_t>(Raw(index)); }
-size_t At(DetectionIndex index) { return static_cast<size_t>(Raw(index)); }
 
 /// A piece, without those of its runs that belong to a detected segment.
 struct LoosePiece {
@@ -29,9 +27,8 @@ std::vector<LoosePiece> CollectPieces(const SegmentedFrame& frame,
   std::vector<LoosePiece> pieces;
   for (const LooseRun& run : frame.image.loose) {
     if (HasDetection(frame, run)) continue;
-    const auto number = static_cast<size_t>(run.piece);
-    if (number >= pieces.size()) pieces.resize(number + 1);
-    LoosePiece& piece = pieces[number];
+    if (At(run.piece) >= pieces.size()) pieces.resize(At(run.piece) + 1);
+    LoosePiece& piece = pieces[At(run.piece)];
     piece.runs.push_back(run);
     piece.pixels += run.end - run.begin;
     piece.inside.resize(ownership.detection_count());

@@ -15,9 +15,8 @@ std::vector<DetectionIndex> RankDetections(const DetectionSet& set, double min_s
     if (set.detections[k].score >= min_score) ranking.push_back(static_cast<DetectionIndex>(k));
   }
   std::stable_sort(ranking.begin(), ranking.end(), [&](DetectionIndex i, DetectionIndex j) {
-    const auto a = static_cast<size_t>(Raw(i)), b = static_cast<size_t>(Raw(j));
-    const float score_a = set.detections[a].score, score_b = set.detections[b].score;
-    return score_a != score_b ? score_a > score_b : area[a] < area[b];
+    const float score_a = set.detections[At(i)].score, score_b = set.detections[At(j)].score;
+    return score_a != score_b ? score_a > score_b : area[At(i)] < area[At(j)];
   });
   return ranking;
 }

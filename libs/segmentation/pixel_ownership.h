@@ -4,6 +4,7 @@
 #include <map>
 #include <vector>
 
+#include "segmentation/at.h"
 #include "segmentation/segmentation_options.h"
 #include "segmentation/segmented_frame.h"
 
@@ -34,9 +35,7 @@ class PixelOwnership {
   const std::vector<DetectionIndex>& ranking() const { return ranking_; }
   /// How many detections the frame has, used or not.
   size_t detection_count() const { return set_->detections.size(); }
-  const Detection& detection(DetectionIndex k) const {
-    return set_->detections[static_cast<size_t>(Raw(k))];
-  }
+  const Detection& detection(DetectionIndex k) const { return set_->detections[At(k)]; }
   /// The mask of a detection, united with those of its duplicates.
   const Mask& MaskOf(DetectionIndex k) const {
     const auto joined = joined_masks_.find(k);

@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kRowGrain = 4;
+constexpr size_t kWindowRowGrain = 4;
 
 /// Calls visit(row, column) for the window of side `side` around (v, u), cut at the image border.
 template <typename Visit>
@@ -26,7 +26,7 @@ void ForWindow(int width, int height, int v, int u, int side, const Visit& visit
 template <typename Value>
 Image<uint8_t> ForEachPixel(int width, int height, const Value& value) {
   Image<uint8_t> out(width, height);
-  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
+  ParallelFor(static_cast<size_t>(height), kWindowRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < width; ++u) out(v, u) = value(v, u) ? 1 : 0;
   });
@@ -98,7 +98,7 @@ RegionImage AssignEdgePixels(const SurfaceMap& surface, const RegionImage& regio
   RegionImage out = regions;
   const int width = regions.width(), height = regions.height();
   const auto reach = static_cast<float>(options.give_back_distance_m);
-  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
+  ParallelFor(static_cast<size_t>(height), kWindowRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < width; ++u) {
       if (regions(v, u) || surface.radius(v, u) == 0) continue;  // not an edge, or without depth

@@ -9,13 +9,10 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "segmentation/at.h"
 
 namespace vismap {
 namespace {
-
-constexpr size_t kRowGrain = 16;
-
-size_t At(int32_t i) { return static_cast<size_t>(i); }
 
 /// Sums over the pixels of a run: of inverse depth w, of the ray's x, of their products, and of the
 /// normals. The ray's y is the same for all of them.
@@ -291,7 +288,7 @@ SegmentImage PaintSegments(const RegionGraph& graph, const std::vector<int32_t>&
       index[At(host)] = static_cast<SegmentIndex>(image.segment_count++);
     }
   }
-  ParallelFor(At(height), kRowGrain, [&](size_t row) {
+  ParallelFor(At(height), kRunRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     SegmentIndex* pixels = image.index.row(v);
     std::fill_n(pixels, width, SegmentIndex::kNone);

@@ -7,13 +7,10 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "segmentation/at.h"
 
 namespace vismap {
 namespace {
-
-constexpr size_t kRowGrain = 16;
-
-size_t At(int32_t i) { return static_cast<size_t>(i); }
 
 /// Disjoint sets of numbers (union-find); the smallest number of a set represents it.
 class DisjointSets {
@@ -68,7 +65,7 @@ int32_t ConnectRuns(const Image<uint8_t>& links, int min_pixels, int32_t first, 
 
 /// Writes the runs that have a number into the image.
 void Paint(const RunTable& table, bool clear, RegionImage* regions) {
-  ParallelFor(At(table.height()), kRowGrain, [&](size_t row) {
+  ParallelFor(At(table.height()), kRunRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     int32_t* pixels = regions->row(v);
     if (clear) std::fill_n(pixels, regions->width(), 0);
@@ -140,7 +137,7 @@ Image<uint8_t> LinkImage(const Image<uint8_t>& joined) {
   const int width = joined.width(), height = joined.height();
   Image<uint8_t> links = Image<uint8_t>::Unset(width, height);
   const std::vector<uint8_t> none(At(width));
-  ParallelFor(At(height), kRowGrain, [&](size_t row) {
+  ParallelFor(At(height), kRunRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     LinkPixels(joined.row(v), v > 0 ? joined.row(v - 1) : none.data(), width, links.row(v));
   });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -10,6 +11,9 @@
 #include "segmentation/pixel_kernels.h"
 
 namespace vismap {
+
+/// Rows of an image that a thread processes at a time, where they are painted by runs.
+inline constexpr size_t kRunRowGrain = 16;
 
 /// Working image of SegmentDepth: the number of the region that each pixel belongs to; 0 = none.
 using RegionImage = Image<int32_t>;

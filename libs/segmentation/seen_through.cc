@@ -5,16 +5,10 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "segmentation/at.h"
 #include "segmentation/segment_counts.h"
 
 namespace vismap {
-namespace {
-
-size_t At(SegmentIndex index) { return static_cast<size_t>(Raw(index)); }
-size_t At(DetectionIndex index) { return static_cast<size_t>(Raw(index)); }
-
-}  // namespace
-
 std::vector<double> MeanDepths(const SegmentedFrame& frame) {
   const RunTable table = SegmentRuns(frame.image.index);
   const std::vector<Run>& runs = table.runs();

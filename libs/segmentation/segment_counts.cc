@@ -3,21 +3,16 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "segmentation/at.h"
 
 namespace vismap {
-namespace {
-
-size_t At(SegmentIndex index) { return static_cast<size_t>(Raw(index)); }
-
-}  // namespace
-
 RunTable SegmentRuns(const Image<SegmentIndex>& index) {
   return {index.width(), index.height(),
           [&index](int v, RunFlags flags) { MarkSegments(index.row(v), index.width(), flags); }};
 }
 
 std::vector<int32_t> CountPixels(const SegmentImage& image) {
-  std::vector<int32_t> pixels(static_cast<size_t>(image.segment_count));
+  std::vector<int32_t> pixels(At(image.segment_count));
   const RunTable table = SegmentRuns(image.index);
   for (const Run& run : table.runs()) pixels[At(image.index(run.v, run.begin))] += run.length();
   return pixels;

@@ -16,7 +16,7 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kRowGrain = 8;
+constexpr size_t kFoldRowGrain = 8;
 
 /// Measures the concave fold between two pixels, given by their offsets in the image.
 class FoldTest {
@@ -60,7 +60,7 @@ class FoldTest {
 Image<uint32_t> PackedNormals(const VectorImage& normals) {
   const int width = normals.z.width(), height = normals.z.height();
   Image<uint32_t> packed = Image<uint32_t>::Unset(width, height);
-  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
+  ParallelFor(static_cast<size_t>(height), kFoldRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     PackNormals(normals.x.row(v), normals.y.row(v), normals.z.row(v), width, packed.row(v));
   });
@@ -102,7 +102,7 @@ Image<uint8_t> EdgeStrength(const SurfaceMap& surface, const Image<uint8_t>& lin
   Image<uint8_t> strength = Image<uint8_t>::Unset(width, height);
   const std::vector<uint8_t> no_depth(static_cast<size_t>(width));
   const FoldTest fold(surface, options);
-  ParallelFor(static_cast<size_t>(height), kRowGrain, [&](size_t row) {
+  ParallelFor(static_cast<size_t>(height), kFoldRowGrain, [&](size_t row) {
     const int v = static_cast<int>(row);
     const auto depth_row = [&](int y) {
       return y >= 0 && y < height ? surface.radius.row(y) : no_depth.data();
