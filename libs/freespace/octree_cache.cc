@@ -137,7 +137,7 @@ Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, double resol
   }
   const NodeWriter tree = AssembleOctree(parts, box.value_or(OccupancyBox{}), unknown);
   OctreeBytes octree;
-  octree.resolution_m = resolution;
+  octree.resolution = resolution;
   octree.nodes = tree.nodes();
   octree.unknown = unknown;
   if (box) octree.bounds_W = MetersOf(*box, resolution);

@@ -22,8 +22,8 @@ class Descent {
         pyramid_(pyramid),
         options_(options),
         wanted_(wanted),
-        range_(options.free_space ? std::max(options.max_range_m, options.free_space_range_m)
-                                  : options.max_range_m) {}
+        range_(options.free_space ? std::max(options.max_range, options.free_space_range)
+                                  : options.max_range) {}
 
   double range() const { return range_; }
 
@@ -77,7 +77,7 @@ class Descent {
     }
     const Eigen::Vector3d half = extent_ * reach;
     const double z_near = p.z() - half.z(), z_far = p.z() + half.z();
-    if (z_far < options_.min_range_m || z_near > range_ + options_.truncation)
+    if (z_far < options_.min_range || z_near > range_ + options_.truncation)
       return BlockVisibility::kNothing;  // out of range
     // Cubes around the camera cannot be projected.
     if (z_near < 0.02)
@@ -102,7 +102,7 @@ class Descent {
     const bool before_surface = z_far < static_cast<double>(depth.nearest) - options_.truncation;
     // Free space that the map does not record.
     if (before_surface && !options_.free_space) return BlockVisibility::kNothing;
-    const bool in_range = z_near > options_.min_range_m && z_far < options_.free_space_range_m;
+    const bool in_range = z_near > options_.min_range && z_far < options_.free_space_range;
     if (!before_surface) return BlockVisibility::kMixed;
     return inside && depth.complete && in_range ? BlockVisibility::kWhollyFree
                                                 : BlockVisibility::kPartlyFree;

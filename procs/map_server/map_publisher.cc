@@ -6,7 +6,7 @@ namespace vismap {
 
 MapPublisher::MapPublisher(const OutputOptions& options, const PublishPeriods& periods, Bus* bus,
                            Stopwatch watch)
-    : occupancy_(options.occupancy, bus),
+    : occupancy_(options.free_space, bus),
       mesh_(options.meshing, bus),
       objects_(options, bus),
       mesh_pacer_(periods.mesh),

@@ -6,13 +6,6 @@
 #include "wire/mesh_update.h"
 
 namespace vismap {
-<<<<<<< HEAD
-namespace {
-constexpr double kMeshHeartbeat = 1.0;  // [s]
-}  // namespace
-
-=======
->>>>>>> 4612be4 (wip)
 void MeshPublisher::Start(const SemanticMap& map, const std::string& map_id) {
   map_id_ = map_id;
   tracker_.Start(map);
@@ -37,11 +30,7 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
 
 void MeshPublisher::Heartbeat(const SemanticMap& map) {
   if (tracker_.revision() < 0 || has_changes()) return;
-<<<<<<< HEAD
-  if (MonotonicSeconds() - last_published_ < kMeshHeartbeat) return;
-=======
   if (!heartbeat_pacer_.due()) return;
->>>>>>> 4612be4 (wip)
   Send(map, {tracker_.revision(), tracker_.revision(), 0, 1, {}});
 }
 

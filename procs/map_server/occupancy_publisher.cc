@@ -7,12 +7,7 @@
 namespace vismap {
 
 namespace {
-<<<<<<< HEAD
-constexpr size_t kBlocksPerDelta = 8192;     // at most a few hundred kilobytes compressed
-constexpr double kOccupancyHeartbeat = 1.0;  // [s]
-=======
 constexpr size_t kBlocksPerDelta = 8192;  // at most a few hundred kilobytes compressed
->>>>>>> 4612be4 (wip)
 }  // namespace
 
 void OccupancyPublisher::Start(const SemanticMap& map, const std::string& map_id) {
@@ -48,11 +43,7 @@ void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosi
 }
 
 void OccupancyPublisher::Heartbeat() {
-<<<<<<< HEAD
-  if (MonotonicSeconds() - last_published_ < kOccupancyHeartbeat) return;
-=======
   if (!heartbeat_pacer_.due()) return;
->>>>>>> 4612be4 (wip)
   Publish(position_.revision, {cell_size_, false, {}});
 }
 
