@@ -200,7 +200,7 @@ TEST(DepthNoiseModel, PresetsAreValidAndGrowWithRange) {
     EXPECT_GE(model.AxialSigma(4), model.AxialSigma(1));
   }
   EXPECT_NEAR(KinectNoise().AxialSigma(2.4), 0.0012 + 0.0019 * 4, 1e-9);
-  EXPECT_NEAR(KinectNoise().disparity_step * 25, 0.07, 0.005);  // Khoshelham: 7 cm at 5 m
+  EXPECT_NEAR(KinectNoise().disparity_step_per_m * 25, 0.07, 0.005);  // Khoshelham: 7 cm at 5 m
 }
 
 TEST(SurfaceOptions, ValidateNamesEveryProblem) {

@@ -57,7 +57,7 @@ TEST(ExtractSurface, SphereHasTheTrueRadiusAndNormals) {
   ASSERT_GT(mesh.vertices.size(), 1000u);
   for (const MeshVertex& vertex : mesh.vertices) {
     const Vector3d from_center = vertex.position_W.cast<double>() - kSphereCenter;
-    EXPECT_NEAR(from_center.norm(), kSphereRadius, 0.1 * kSphereGrid.voxel_size);
+    EXPECT_NEAR(from_center.norm(), kSphereRadius, 0.1 * kSphereGrid.voxel_size_m);
     EXPECT_NEAR(vertex.normal_W.norm(), 1, 1e-5);
     EXPECT_GT(vertex.normal_W.cast<double>().dot(from_center.normalized()), 0.9995);
     EXPECT_EQ(vertex.color, (Rgb8{10, 200, 30}));
@@ -91,7 +91,7 @@ TEST(ExtractSurface, BoxHasTheTrueVolume) {
   EXPECT_NEAR(EnclosedVolume(mesh), 8 * half.prod(), 0.02 * 8 * half.prod());
   for (const MeshVertex& vertex : mesh.vertices) {
     EXPECT_NEAR(BoxDistance(vertex.position_W.cast<double>(), kSphereCenter, half), 0,
-                0.3 * kSphereGrid.voxel_size);
+                0.3 * kSphereGrid.voxel_size_m);
   }
 }
 
@@ -129,7 +129,7 @@ TEST(ExtractSurface, PlaneThroughBlockBordersHasNoCracksAndNoDoubles) {
     for (const MeshVertex& vertex : mesh.vertices) {
       const auto& p = vertex.position_W;
       EXPECT_TRUE(positions.insert({p.x(), p.y(), p.z()}).second);
-      EXPECT_NEAR(p.z(), height, 0.011 * kSphereGrid.voxel_size);
+      EXPECT_NEAR(p.z(), height, 0.011 * kSphereGrid.voxel_size_m);
       EXPECT_GT(vertex.normal_W.z(), 0.9999F);
     }
     // 50 voxel centres per axis make a grid of 49 x 49 cells, whose rim has 4 x 49 edges.
@@ -145,7 +145,7 @@ TEST(ExtractSurface, VerticesBelongToTheSideTheyLieOn) {
   const Mesh mesh = ExtractSurface(SphereMap());
   for (const MeshVertex& vertex : mesh.vertices) {
     const double side = vertex.position_W.x() - kSphereCenter.x();
-    if (std::abs(side) < kSphereGrid.voxel_size) continue;
+    if (std::abs(side) < kSphereGrid.voxel_size_m) continue;
     EXPECT_EQ(vertex.segment, side < 0 ? SegmentLabel{1} : SegmentLabel{2});
   }
 }

@@ -198,7 +198,7 @@ TEST(MeshBlocks, NormalsEqualTheNaiveOnes) {
   const auto compare = [](const SemanticMap& map, const MeshingOptions& options) {
     size_t vertices = 0;
     for (const BlockMesh& block :
-         MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels), options).blocks) {
+         MeshBlocks(map, map.voxels.SortedIndices(), ShowSegments(map.labels), options)) {
       for (const MeshVertex& vertex : block.mesh.vertices) {
         const naive::VertexEdge edge = naive::EdgeOf(vertex, map);
         EXPECT_EQ(vertex.normal_W, naive::NormalAt(edge, map, options))
