@@ -40,7 +40,7 @@ TEST(SegmentRuns, EqualTheNaiveOnes) {
     const Image<SegmentIndex> index = RandomSegments(width, height, &random);
     const RunTable table = SegmentRuns(index);
     std::vector<LooseRun> runs;
-    for (const Run& run : table.runs())
+    for (const vismap::Run& run : table.runs())
       runs.push_back({run.v, run.begin, run.end, Raw(index(run.v, run.begin))});
     EXPECT_TRUE(runs == NaiveRuns(index)) << width << "x" << height;
   }
