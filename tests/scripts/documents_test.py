@@ -3,6 +3,7 @@
 
 Usage: documents_test.py FOLDER_OF_PROGRAMS   (build/release/bin; options are compared with what --help prints)
 """
+import concurrent.futures
 import functools
 import pathlib
 import re
@@ -132,6 +133,15 @@ def program_of(root, name):
 def subcommands_of(file):
     found = re.search(r"^Subcommands:\n((?:  .*\n)+)", help_of(file), re.MULTILINE)
     return set(re.findall(r"^  ([a-z-]+)", found.group(1), re.MULTILINE)) if found else set()
+
+
+def ask_all_programs():
+    """Fills the cache of help_of, several programs at a time."""
+    programs = list(BIN.glob("vismap-*"))
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        list(pool.map(help_of, programs))
+        commands = [(file, sub) for file in programs for sub in subcommands_of(file)]
+        list(pool.map(lambda command: help_of(*command), commands))
 
 
 def options_of(root, file, words):
@@ -298,6 +308,10 @@ def problems_of(root):
             for number, problem in check(root, path, text):
                 yield f"{path.relative_to(root)}:{number}: {problem}"
     yield from check_references(root)
+
+
+def setUpModule():
+    ask_all_programs()
 
 
 class DocumentsTest(unittest.TestCase):
