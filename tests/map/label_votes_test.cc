@@ -79,7 +79,7 @@ TEST(AddVote, EqualsTheNaiveOne) {
   SurfaceVoxels voxels;
   std::array<NaiveVotes, 4> naive;
   int lost = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 100000; ++i) {
     const int voxel = random.Whole(0, 3);
     // Few labels get most votes, so that counts reach 255; more labels than slots get some.
     const int label = random.Chance(0.9) ? random.Whole(1, 2) : random.Whole(1, 40);

@@ -288,12 +288,12 @@ TEST(MapFile, ForeignAndNewerFilesAreNamed) {
   const auto foreign =
       DecodeMap(std::span(reinterpret_cast<const uint8_t*>(text.data()), text.size()), "a.ply");
   ASSERT_FALSE(foreign);
-  EXPECT_THAT(foreign.error().message, HasSubstr("a.ply: expected a vismap map"));
+  EXPECT_THAT(foreign.error().message, HasSubstr("a.ply: it is not a map file of vismap"));
   std::vector<uint8_t> newer = EncodeMap(RandomMap(1, 3), {});
   newer[8] = 2;
   const auto loaded = DecodeMap(newer, "b.vismap");
   ASSERT_FALSE(loaded);
-  EXPECT_THAT(loaded.error().message, HasSubstr("expected map format 1, found 2; a newer vismap"));
+  EXPECT_THAT(loaded.error().message, HasSubstr("expected map format 1, found 2; a newer version of vismap"));
 }
 
 TEST(MapFile, FileRoundTripAndErrorsOfTheSystem) {
