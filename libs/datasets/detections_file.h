@@ -21,7 +21,7 @@ class DetectionSource {
   virtual Result<DetectionSet> ForFrame(const FrameHeader& header) const = 0;
   /// Whether the detector ran on this frame. If not, the frame counts as one without a detector,
   /// which is different from an empty set of detections.
-  virtual bool LookedAt(const FrameHeader&) const { return true; }
+  virtual bool DetectorRanOn(const FrameHeader&) const { return true; }
   /// Number of detections in all frames; -1 = unknown before every frame has been read.
   virtual int64_t size() const = 0;
 };

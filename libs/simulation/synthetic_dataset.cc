@@ -89,7 +89,7 @@ class SyntheticDetections : public DetectionSource {
         detect_every_(options.detect_every) {}
 
   Result<DetectionSet> ForFrame(const FrameHeader& header) const override {
-    if (!IsOurs(header) || !LookedAt(header)) {
+    if (!IsOurs(header) || !DetectorRanOn(header)) {
       return DetectionSet{header.utime, header.camera_id, header.frame_number, {}};
     }
     const FrameHeader& truth = headers_[static_cast<size_t>(header.frame_number - 1)];
@@ -104,7 +104,7 @@ class SyntheticDetections : public DetectionSource {
                               noise_);
   }
 
-  bool LookedAt(const FrameHeader& header) const override {
+  bool DetectorRanOn(const FrameHeader& header) const override {
     return !IsOurs(header) || (header.frame_number - 1) % detect_every_ == 0;
   }
 

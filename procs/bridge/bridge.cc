@@ -91,20 +91,20 @@ void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
   ForwardCounters& counters = entry->second;
   if (record.data().size() > MaxBytesOf(record.name)) {
     ++counters.rejected;
-    LogWarningSometimes("large " + record.name,
-                        record.name + ": a message of " + std::to_string(record.data().size()) +
-                            " bytes was not passed on, at most " +
-                            std::to_string(MaxBytesOf(record.name)) + " are allowed");
+    LogWarningRateLimited("large " + record.name,
+                          record.name + ": a message of " + std::to_string(record.data().size()) +
+                              " bytes was not passed on, at most " +
+                              std::to_string(MaxBytesOf(record.name)) + " are allowed");
     return;
   }
-  if (GoesRound(direction, record)) return;
+  if (WouldLoop(direction, record)) return;
   switch (direction.to->Add(RouteMessage(record, &options_.policies))) {
     case MessageQueue::Added::kReplacedOlder:
       ++counters.replaced;
       return;
     case MessageQueue::Added::kDropped:
       ++counters.dropped;
-      LogWarningSometimes(
+      LogWarningRateLimited(
           "dropped " + record.name,
           record.name + ": a message to " + direction.to->url() + " was dropped: " +
               (direction.to->connected() ? "it is too slow" : "it has been away for too long"));
@@ -115,7 +115,7 @@ void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
   }
 }
 
-bool Bridge::GoesRound(const Direction& direction, const TcpqRecord& record) {
+bool Bridge::WouldLoop(const Direction& direction, const TcpqRecord& record) {
   const bool both_ways = directions_[0].counters.contains(record.name) &&
                          directions_[1].counters.contains(record.name);
   if (!both_ways) return false;

@@ -62,7 +62,7 @@ class Bridge {
   explicit Bridge(const BridgeOptions& options);
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Forward(Direction& direction, const TcpqRecord& record);
-  bool GoesRound(const Direction& direction, const TcpqRecord& record);
+  bool WouldLoop(const Direction& direction, const TcpqRecord& record);
   void PublishStatus();
   std::string StatusSentence() const;
 

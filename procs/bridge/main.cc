@@ -46,8 +46,8 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   if (local->text == remote->text) {
     return ExitWith(ExitCode::kUsage, "both ends of the bridge are " + local->text);
   }
-  WarnOfBus(*local);
-  WarnOfBus(*remote);
+  WarnAboutBus(*local);
+  WarnAboutBus(*remote);
   BridgeOptions options;
   options.local = *local;
   options.remote = *remote;
@@ -58,10 +58,10 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   options.policies = arguments.policies;
   const Result<std::unique_ptr<Bridge>> bridge = Bridge::Open(options);
   if (!bridge) return ExitWith(ExitCode::kFailed, bridge.error().message);
-  context.service.Say("running: between " + local->text + " and " + remote->text);
-  context.service.Ready();
-  (*bridge)->Run(context.stop, [&] { context.service.Alive(); });
-  context.service.Stopping();
+  context.service.SetStatus("running: between " + local->text + " and " + remote->text);
+  context.service.SetReady();
+  (*bridge)->Run(context.stop, [&] { context.service.KeepAlive(); });
+  context.service.SetStopping();
   const auto total = [](const std::map<std::string, ForwardCounters>& channels) {
     int64_t forwarded = 0, dropped = 0;
     for (const auto& [name, counters] : channels) {

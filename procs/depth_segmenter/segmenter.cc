@@ -59,7 +59,7 @@ Segmenter::Segmenter(const SegmenterOptions& options, ProcessContext* context)
     bus_.Subscribe<detections_t>(
         kDetectionsChannel, [this](const detections_t& message) { return OnDetections(message); });
   }
-  bus_.Every(kPatienceCheck, [this] { SegmentWaiting(); });
+  bus_.Every(kPatienceCheck, [this] { SegmentReadyFrames(); });
 }
 
 void Segmenter::Run() {
@@ -70,24 +70,24 @@ void Segmenter::Run() {
 }
 
 Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
-  if (AnswerAgain(message)) return {};
+  if (RepeatAnswer(message)) return {};
   if (const Result<FrameHeader> header = DecodeHeader(message); !header)
     return tl::unexpected(header.error());
   join_.AddFrame(message, MonotonicSeconds());
-  SegmentWaiting();
+  SegmentReadyFrames();
   return {};
 }
 
 Result<void> Segmenter::OnDetections(const detections_t& message) {
-  if (Looked(message)) {
+  if (DetectorRan(message)) {
     if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
   }
   join_.AddDetections(message);
-  SegmentWaiting();
+  SegmentReadyFrames();
   return {};
 }
 
-bool Segmenter::AnswerAgain(const rgbd_frame_t& message) {
+bool Segmenter::RepeatAnswer(const rgbd_frame_t& message) {
   const auto answer = std::find_if(answers_.begin(), answers_.end(), [&](const Answer& a) {
     return a.depth == message.depth && SameButDepth(a.message.frame, message);
   });
@@ -108,19 +108,19 @@ double Segmenter::Patience() const {
     case WaitForDetections::kRequired:
       return std::numeric_limits<double>::infinity();
     case WaitForDetections::kAuto:
-      return peers_.Alive("detector") ? options_.detection_timeout : 0;
+      return peers_.IsAlive("detector") ? options_.detection_timeout : 0;
     case WaitForDetections::kNone:
       break;
   }
   return 0;
 }
 
-void Segmenter::SegmentWaiting() {
+void Segmenter::SegmentReadyFrames() {
   while (const std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience())) {
     Result<segmented_frame_t> answer = Segment(*joined);
     if (!answer) {
       status_.Count("frames_unusable");
-      LogWarningSometimes("unusable", "RGBD_FRAME: rejected: " + answer.error().message);
+      LogWarningRateLimited("unusable", "RGBD_FRAME: rejected: " + answer.error().message);
       continue;
     }
     status_.Count("frames");
@@ -129,7 +129,7 @@ void Segmenter::SegmentWaiting() {
     answers_.push_back({joined->frame.depth, std::move(*answer)});
     if (answers_.size() > options_.max_cached) answers_.pop_front();
   }
-  ShowState();
+  UpdateStatus();
 }
 
 Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
@@ -139,18 +139,18 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   Result<RgbdFrame> frame = DecodeFrame(*sensor);
   if (!frame) return tl::unexpected(frame.error());
   std::optional<DetectionSet> detections;
-  if (joined.detections && Looked(*joined.detections)) {
+  if (joined.detections && DetectorRan(*joined.detections)) {
     const detections_t& message = *joined.detections;
     if (message.image_width == joined.frame.width && message.image_height == joined.frame.height) {
       detections = *Decode(message);
     } else {
       status_.Count("detections_of_other_size");
-      LogWarningSometimes("size", "DETECTIONS of " + ToText(KeyOf(message)) +
-                                      " are for images of " + std::to_string(message.image_width) +
-                                      "x" + std::to_string(message.image_height) +
-                                      ", the frame has " + std::to_string(joined.frame.width) +
-                                      "x" + std::to_string(joined.frame.height) +
-                                      "; the frame goes on without them");
+      LogWarningRateLimited(
+          "size", "DETECTIONS of " + ToText(KeyOf(message)) + " are for images of " +
+                      std::to_string(message.image_width) + "x" +
+                      std::to_string(message.image_height) + ", the frame has " +
+                      std::to_string(joined.frame.width) + "x" +
+                      std::to_string(joined.frame.height) + "; the frame goes on without them");
     }
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
@@ -161,7 +161,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));
 }
 
-void Segmenter::ShowState() {
+void Segmenter::UpdateStatus() {
   const JoinCounters& counters = join_.counters();
   status_.SetCounter("frames_waiting", static_cast<int64_t>(join_.waiting()));
   status_.SetCounter("frames_dropped", counters.frames_dropped);
@@ -175,9 +175,10 @@ void Segmenter::ShowState() {
     status_.Set(ProcessState::kWaiting,
                 "waiting for DETECTIONS: none for the oldest frame in " +
                     std::to_string(static_cast<int>(waited)) + " s" +
-                    (peers_.Alive("detector") ? "" : ", and no detector is on the bus"));
+                    (peers_.IsAlive("detector") ? "" : ", and no detector is on the bus"));
   } else if (status_.counter("frames") > 0) {
-    const bool alone = options_.detections == WaitForDetections::kAuto && !peers_.Alive("detector");
+    const bool alone =
+        options_.detections == WaitForDetections::kAuto && !peers_.IsAlive("detector");
     status_.Set(ProcessState::kRunning, alone ? "no detector is on the bus: geometry alone" : "");
   }
 }

@@ -35,11 +35,11 @@ class Segmenter {
  private:
   Result<void> OnFrame(const rgbd_frame_t& message);
   Result<void> OnDetections(const detections_t& message);
-  bool AnswerAgain(const rgbd_frame_t& message);
-  void SegmentWaiting();
+  bool RepeatAnswer(const rgbd_frame_t& message);
+  void SegmentReadyFrames();
   Result<segmented_frame_t> Segment(const JoinedFrame& joined);
   double Patience() const;
-  void ShowState();
+  void UpdateStatus();
 
   SegmenterOptions options_;
   Bus& bus_;

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "detector/choose_backend.h"
-#include "detector/detect.h"
-#include "detector/looker.h"
+#include "detector/live_detector.h"
+#include "detector/recorded_detector.h"
 #include "detector/write_detections.h"
 #include "logs/recording.h"
 #include "settings/settings.h"
@@ -113,9 +113,9 @@ Outcome Run(const Arguments& arguments, ProcessContext& context) {
   if (arguments.check) return {};
   if (!arguments.out.empty()) return Write(arguments, context.stop);
   if (arguments.chosen == DetectorBackend::kRecorded)
-    return Detect(*arguments.source, Camera(arguments), context);
-  Looker({Camera(arguments), arguments.config.detector.every_frame}, arguments.network.get(),
-         &context)
+    return RunRecordedDetector(*arguments.source, Camera(arguments), context);
+  LiveDetector({Camera(arguments), arguments.config.detector.every_frame}, arguments.network.get(),
+               &context)
       .Run();
   return {};
 }

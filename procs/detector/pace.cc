@@ -5,10 +5,10 @@
 
 namespace vismap {
 
-std::optional<std::string> Pace::Take(double now) {
+std::optional<std::string> Pace::Summarize(double now) {
   const double seconds = std::max(now - since_, 1e-3);
   const auto looked = static_cast<double>(ms_.size());
-  const double all = looked + static_cast<double>(passed_over_);
+  const double all = looked + static_cast<double>(skipped_);
   double median = 0;
   if (!ms_.empty()) {
     const auto middle = ms_.begin() + static_cast<std::ptrdiff_t>(ms_.size() / 2);
@@ -17,7 +17,7 @@ std::optional<std::string> Pace::Take(double now) {
   }
   since_ = now;
   ms_.clear();
-  passed_over_ = 0;
+  skipped_ = 0;
   if (all == 0) return std::nullopt;
   char sentence[128];
   std::snprintf(sentence, sizeof sentence,

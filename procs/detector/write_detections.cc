@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-Result<DetectionSet> LookAt(const Dataset& dataset, size_t i, DnnDetector* network) {
+Result<DetectionSet> RunDetector(const Dataset& dataset, size_t i, DnnDetector* network) {
   const Result<SensorFrame> sensor = dataset.Read(i);
   if (!sensor) return tl::unexpected(sensor.error());
   const Result<RgbdFrame> frame = DecodeFrame(*sensor);
@@ -28,7 +28,7 @@ Outcome WriteDetections(const Dataset& dataset, DnnDetector* network, const std:
   for (size_t i = 0; i < dataset.size(); ++i) {
     progress.Show(static_cast<int64_t>(i));
     if (stop.requested()) return ExitWith(ExitCode::kFailed, "stopped early; nothing was written");
-    Result<DetectionSet> seen = LookAt(dataset, i, network);
+    Result<DetectionSet> seen = RunDetector(dataset, i, network);
     if (!seen) return ExitWith(ExitCode::kUnreadable, seen.error().message);
     frames.push_back(std::move(*seen));
   }

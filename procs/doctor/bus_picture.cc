@@ -25,8 +25,8 @@ int64_t CounterOf(const process_status_t& status, const std::string& name) {
              : status.counter_values[static_cast<size_t>(found - status.counter_names.begin())];
 }
 
-void BusPicture::Note(const std::string& channel, std::span<const uint8_t> data, double now,
-                      int64_t utime) {
+void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
+                            int64_t utime) {
   if (!HasRoom(channels_, channel)) return;
   ChannelPicture& picture = channels_[channel];
   ++picture.messages;
@@ -44,10 +44,10 @@ void BusPicture::Note(const std::string& channel, std::span<const uint8_t> data,
     if (!first) picture.gaps += std::max<int64_t>(0, head->seq - entry->second - 1);
     entry->second = head->seq;
   }
-  if (channel == kStatusChannel.name) NoteStatus(data, now, utime);
+  if (channel == kStatusChannel.name) AddStatus(data, now, utime);
 }
 
-void BusPicture::NoteStatus(std::span<const uint8_t> data, double now, int64_t utime) {
+void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t utime) {
   const Result<process_status_t> status = Unpack<process_status_t>(data, kStatusChannel.max_bytes);
   if (!status || !HasRoom(processes_, status->source)) return;
   const auto [entry, first] = processes_.try_emplace(status->source);

@@ -33,7 +33,8 @@ struct ChannelPicture {
 class BusPicture {
  public:
   /// `now` [s] of a clock that only goes forward, `utime` of the wall clock [us].
-  void Note(const std::string& channel, std::span<const uint8_t> data, double now, int64_t utime);
+  void AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
+                  int64_t utime);
 
   /// By name of the instance.
   const std::map<std::string, ProcessPicture>& processes() const { return processes_; }
@@ -43,7 +44,7 @@ class BusPicture {
   bool Has(const std::string& process) const;
 
  private:
-  void NoteStatus(std::span<const uint8_t> data, double now, int64_t utime);
+  void AddStatus(std::span<const uint8_t> data, double now, int64_t utime);
 
   std::map<std::string, ProcessPicture> processes_;
   std::map<std::string, ChannelPicture> channels_;

@@ -22,7 +22,7 @@ struct Arguments {
 
 void Listen(Transport* transport, double seconds, const StopSignal& stop, BusPicture* picture) {
   const Transport::Sink sink = [&](const std::string& channel, std::span<const uint8_t> data) {
-    picture->Note(channel, data, MonotonicSeconds(), WallUtime());
+    picture->AddMessage(channel, data, MonotonicSeconds(), WallUtime());
   };
   const double end = MonotonicSeconds() + seconds;
   while (!stop.requested() && transport->connected() && MonotonicSeconds() < end) {

@@ -15,12 +15,12 @@ struct HubClient {
             size_t queue_bytes);
 
   /// Learns who this is from a message that it publishes: a process says so on STATUS.
-  void NoteName(const TcpqRecord& record);
+  void LearnName(const TcpqRecord& record);
   /// Messages to a client that is alive were too much for it; this one stops sending until there is
   /// room, or that one is gone.
   void WaitFor(const std::shared_ptr<HubClient>& slow);
   /// Whether it still has to wait for somebody.
-  bool IsHeldBack();
+  bool MustWait();
 
   std::string name;  ///< for people: address, and name on the bus where it has told it
   QueuedConnection connection;

@@ -116,7 +116,7 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
   std::vector<std::shared_ptr<Client>> polled(clients_.begin(), clients_.end());
   for (const std::shared_ptr<Client>& client : polled) {
     const int events =
-        (client->IsHeldBack() ? 0 : POLLIN) | (client->connection.wants_to_send() ? POLLOUT : 0);
+        (client->MustWait() ? 0 : POLLIN) | (client->connection.wants_to_send() ? POLLOUT : 0);
     waiting.push_back({client->connection.fd(), static_cast<short>(events), 0});
   }
   if (poll(waiting.data(), waiting.size(), timeout_ms) > 0) {
@@ -126,7 +126,7 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
     for (const std::shared_ptr<Client>& client : polled) client->connection.Flush();
     if (waiting[1].revents != 0) Accept();
   }
-  LetGoOfHung();
+  DisconnectStalled();
   RemoveDead();
 }
 
@@ -139,8 +139,8 @@ void Hub::Accept() {
   const std::string name = AddressText(address);
   if (client_count() >= options_.max_clients) {
     ++counters_.clients_cut_off;
-    LogWarningSometimes("full", name + " was refused: there are " + std::to_string(client_count()) +
-                                    " clients already");
+    LogWarningRateLimited("full", name + " was refused: there are " +
+                                      std::to_string(client_count()) + " clients already");
     return;
   }
   TuneTcp(socket.fd());
@@ -155,28 +155,28 @@ void Hub::Accept() {
 void Hub::Read(Client& client) {
   if (client.dead) return;
   const Result<void> read = client.connection.Read(
-      kReadPerTurn, [&](TcpqRecord record) { Take(client, std::move(record)); });
+      kReadPerTurn, [&](TcpqRecord record) { HandleRecord(client, std::move(record)); });
   if (read || client.dead) return;
   if (read.error().message.empty()) {
     client.dead = true;
     LogDebug(client.name + " left");
   } else {
-    CutOff(client, read.error().message);
+    Disconnect(client, read.error().message);
   }
 }
 
-void Hub::CutOff(Client& client, const std::string& why) {
+void Hub::Disconnect(Client& client, const std::string& why) {
   client.dead = true;
   ++counters_.clients_cut_off;
-  LogWarningSometimes("cut off", client.name + " " + why + "; cut off");
+  LogWarningRateLimited("cut off", client.name + " " + why + "; cut off");
 }
 
-void Hub::Take(Client& client, TcpqRecord record) {
+void Hub::HandleRecord(Client& client, TcpqRecord record) {
   switch (record.kind) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
-      client.NoteName(record);
+      client.LearnName(record);
       if (faults_.Drops(record.name)) {
         ++counters_.dropped_on_purpose;
         return;
@@ -184,7 +184,7 @@ void Hub::Take(Client& client, TcpqRecord record) {
       return Route(record, &client);
     case TcpqRecord::Kind::kSubscribe:
       if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
-        CutOff(client, "cannot subscribe: " + added.error().message);
+        Disconnect(client, "cannot subscribe: " + added.error().message);
       }
       return;
     case TcpqRecord::Kind::kUnsubscribe:
@@ -200,7 +200,7 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
     Count(*client, message, client->connection.Add(message, sender_waits));
     if (!sender_waits || message.policy != QueuePolicy::kLossless) continue;
     if (!client->connection.queue().full()) continue;
-    if (!sender->IsHeldBack()) ++counters_.held_back;
+    if (!sender->MustWait()) ++counters_.held_back;
     sender->WaitFor(client);
   }
 }
@@ -218,22 +218,22 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
       ++counters_.dropped;
       counters_.dropped_by_channel.Add(message.channel);
       counters_.dropped_by_client.Add(client.name);
-      LogWarningSometimes("slow " + client.name,
-                          client.name + " is too slow: a message of " + message.channel +
-                              " to it was dropped, its queue of " +
-                              std::to_string(options_.queue_bytes) + " bytes is full");
+      LogWarningRateLimited("slow " + client.name,
+                            client.name + " is too slow: a message of " + message.channel +
+                                " to it was dropped, its queue of " +
+                                std::to_string(options_.queue_bytes) + " bytes is full");
   }
 }
 
-void Hub::LetGoOfHung() {
+void Hub::DisconnectStalled() {
   for (const std::shared_ptr<Client>& client : clients_) {
-    if (!client->IsHeldBack()) continue;
+    if (!client->MustWait()) continue;
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
       const std::shared_ptr<Client> slow = entry.lock();
       if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience) continue;
       if (!slow->dead) {
-        CutOff(*slow, "has taken nothing for " + Seconds(options_.patience) + ", and " +
-                          client->name + " had to wait for it");
+        Disconnect(*slow, "has taken nothing for " + Seconds(options_.patience) + ", and " +
+                              client->name + " had to wait for it");
       }
     }
   }

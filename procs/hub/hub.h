@@ -82,11 +82,11 @@ class Hub {
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Accept();
   void Read(Client& client);
-  void Take(Client& client, TcpqRecord record);
+  void HandleRecord(Client& client, TcpqRecord record);
   void Route(const TcpqRecord& record, Client* sender);
   void Count(const Client& client, const RoutedMessage& message, MessageQueue::Added added);
-  void CutOff(Client& client, const std::string& why);
-  void LetGoOfHung();
+  void Disconnect(Client& client, const std::string& why);
+  void DisconnectStalled();
   void RemoveDead();
   void PublishStatus();
   std::string StatusSentence() const;

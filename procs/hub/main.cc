@@ -85,10 +85,11 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
     LogWarning("for a test: loses " + Percent(faults.drop_fraction) +
                " of the messages on purpose");
   }
-  context.service.Say("running: tcpq://" + listen->host + ":" + std::to_string((*hub)->port()));
-  context.service.Ready();
-  (*hub)->Run(context.stop, [&] { context.service.Alive(); });
-  context.service.Stopping();
+  context.service.SetStatus("running: tcpq://" + listen->host + ":" +
+                            std::to_string((*hub)->port()));
+  context.service.SetReady();
+  (*hub)->Run(context.stop, [&] { context.service.KeepAlive(); });
+  context.service.SetStopping();
   const HubCounters& counters = (*hub)->counters();
   LogInfo("passed on " + std::to_string(counters.received) + " messages, dropped " +
           std::to_string(counters.dropped) +

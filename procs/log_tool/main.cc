@@ -80,7 +80,7 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
   return sequence;
 }
 
-Outcome Tell(const Result<ConvertResult>& result, const std::string& out) {
+Outcome PrintResult(const Result<ConvertResult>& result, const std::string& out) {
   if (!result) return Unreadable(result.error());
   for (const std::string& lost : result->lost) LogWarning("lost: " + lost);
   std::printf("%lld frames: %s\n", static_cast<long long>(result->frames), out.c_str());
@@ -92,7 +92,7 @@ Outcome ToDataset(const Arguments& arguments) {
   if (!input) return Unreadable(input.error());
   std::optional<CameraId> camera;
   if (arguments.camera) camera = CameraId{*arguments.camera};
-  return Tell(
+  return PrintResult(
       WriteFolder(*input->recording.dataset, input->detections.get(), camera, arguments.out),
       arguments.out);
 }
@@ -100,8 +100,8 @@ Outcome ToDataset(const Arguments& arguments) {
 Outcome FromDataset(const Arguments& arguments) {
   const Result<Sequence> input = OpenInput(arguments);
   if (!input) return Unreadable(input.error());
-  return Tell(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out),
-              arguments.out);
+  return PrintResult(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out),
+                     arguments.out);
 }
 
 CommandLine Add(CommandLine& line, Arguments* arguments, const char* name, const char* help,

@@ -73,7 +73,7 @@ struct Losses {
 Result<void> AddDetections(const FrameHeader& header, int64_t number,
                            const DetectionSource& detections, SceneNnWriter* writer,
                            Losses* losses) {
-  if (!detections.LookedAt(header)) {
+  if (!detections.DetectorRanOn(header)) {
     ++losses->not_looked_at;
     return {};
   }

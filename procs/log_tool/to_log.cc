@@ -29,7 +29,7 @@ Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* de
     if (!frame) return tl::unexpected(frame.error());
     const FrameHeader& header = frame->header;
     Add(Encode(*frame), kRgbdFrameChannel, result.frames++, &*writer);
-    if (detections == nullptr || !detections->LookedAt(header)) continue;
+    if (detections == nullptr || !detections->DetectorRanOn(header)) continue;
     const Result<DetectionSet> set = detections->ForFrame(header);
     if (!set) return tl::unexpected(set.error());
     Add(Encode(*set, header.camera.width, header.camera.height), kDetectionsChannel,

@@ -17,8 +17,8 @@ namespace {
 constexpr uint64_t kLargestStep = 1'000'000'000;
 using Sequences = std::map<std::pair<std::string, std::string>, int64_t>;
 
-void NoteSequence(const LogEvent& event, const MessageHead& head, Sequences* sequences,
-                  ChannelReport* report) {
+void TrackSequence(const LogEvent& event, const MessageHead& head, Sequences* sequences,
+                   ChannelReport* report) {
   const auto [entry, first] = sequences->try_emplace({event.channel, head.source}, head.seq);
   const int64_t last = std::exchange(entry->second, head.seq);
   if (first) return;
@@ -31,13 +31,13 @@ void NoteSequence(const LogEvent& event, const MessageHead& head, Sequences* seq
   }
 }
 
-void NoteProblem(const LogEvent& event, const std::string& what, ChannelReport* report) {
+void RecordProblem(const LogEvent& event, const std::string& what, ChannelReport* report) {
   if (report->first_problem.empty())
     report->first_problem = "at byte " + std::to_string(event.offset) + ": " + what;
 }
 
-void NoteMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences* sequences,
-                 ChannelReport* report) {
+void AddMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences* sequences,
+                ChannelReport* report) {
   if (report->messages++ == 0) report->first_time = event.timestamp;
   report->last_time = event.timestamp;
   report->bytes += event.data_size;
@@ -45,11 +45,12 @@ void NoteMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequence
   if (type == nullptr) return;
   const std::optional<MessageHead> head = PeekHead(bytes);
   const Result<void> checked = type->check(bytes, type->channel);
-  if (head && head->fingerprint == type->fingerprint) NoteSequence(event, *head, sequences, report);
+  if (head && head->fingerprint == type->fingerprint)
+    TrackSequence(event, *head, sequences, report);
   if (checked) return;
   const bool other_type = head && head->fingerprint != type->fingerprint;
   ++(other_type ? report->other_type : report->undecodable);
-  NoteProblem(event, checked.error().message, report);
+  RecordProblem(event, checked.error().message, report);
 }
 
 // What became of the frames.
@@ -90,7 +91,7 @@ Result<LogReport> VerifyLog(LogReader& reader) {
     const Result<std::vector<uint8_t>> bytes = reader.ReadData(event);
     if (!bytes) return tl::unexpected(bytes.error());
     ++report.events;
-    NoteMessage(event, *bytes, &sequences, &report.channels[event.channel]);
+    AddMessage(event, *bytes, &sequences, &report.channels[event.channel]);
     return {};
   };
   const Result<void> read =

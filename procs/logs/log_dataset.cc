@@ -13,7 +13,7 @@ namespace {
 FrameKey KeyOfHeader(const FrameHeader& header) { return {header.camera_id, header.utime}; }
 
 // The frames of the newest map, as far as they are in the log.
-void TakeCommitted(const RecordedRun& run, FrameSelection* selection) {
+void SelectCommitted(const RecordedRun& run, FrameSelection* selection) {
   MapHistory history = HistoryOfNewestMap(run.commits);
   selection->remarks = std::move(history.remarks);
   std::set<size_t> taken;
@@ -44,7 +44,8 @@ void TakeCommitted(const RecordedRun& run, FrameSelection* selection) {
   }
 }
 
-std::vector<RecordedFrame> Thin(std::vector<RecordedFrame> frames, const DatasetOptions& options) {
+std::vector<RecordedFrame> LimitFrames(std::vector<RecordedFrame> frames,
+                                       const DatasetOptions& options) {
   std::vector<RecordedFrame> chosen;
   for (size_t i = 0; i < frames.size(); i += static_cast<size_t>(options.stride)) {
     if (options.max_frames > 0 && chosen.size() == static_cast<size_t>(options.max_frames)) break;
@@ -60,10 +61,10 @@ FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptio
   if (all || run.commits.empty()) {
     selection.frames = run.frames;
   } else {
-    TakeCommitted(run, &selection);
+    SelectCommitted(run, &selection);
   }
   for (const std::string& reason : run.unusable_frames) selection.skipped.push_back({-1, reason});
-  selection.frames = Thin(std::move(selection.frames), options);
+  selection.frames = LimitFrames(std::move(selection.frames), options);
   return selection;
 }
 
@@ -107,7 +108,7 @@ LogDetections::LogDetections(LogReader reader, const RecordedRun& run, bool all)
   }
 }
 
-bool LogDetections::LookedAt(const FrameHeader& header) const {
+bool LogDetections::DetectorRanOn(const FrameHeader& header) const {
   return messages_.contains(KeyOfHeader(header));
 }
 

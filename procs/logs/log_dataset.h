@@ -51,7 +51,7 @@ class LogDetections : public DetectionSource {
   LogDetections(LogReader reader, const RecordedRun& run, bool all);
 
   Result<DetectionSet> ForFrame(const FrameHeader& header) const override;
-  bool LookedAt(const FrameHeader& header) const override;
+  bool DetectorRanOn(const FrameHeader& header) const override;
   int64_t size() const override { return -1; }
 
  private:

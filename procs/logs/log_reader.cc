@@ -136,25 +136,25 @@ Result<std::optional<LogItem>> LogReader::Next() {
   if (next_ >= size_) return std::optional<LogItem>();
   Result<Head> head = HeadAt(next_);
   if (!head) return tl::unexpected(head.error());
-  if (head->state == Head::State::kWhole) return TakeEvent(std::move(head->event));
-  return TakeDamage(next_ + 1, head->state == Head::State::kPastEnd);
+  if (head->state == Head::State::kWhole) return AcceptEvent(std::move(head->event));
+  return SkipDamage(next_ + 1, head->state == Head::State::kPastEnd);
 }
 
 // Where an event ends, the next one begins. If not, one of the two is damaged: this one when
 // another event lies within what it claims as its data.
-Result<std::optional<LogItem>> LogReader::TakeEvent(LogEvent event) {
+Result<std::optional<LogItem>> LogReader::AcceptEvent(LogEvent event) {
   const Result<bool> fits = MayBeginAt(event.end());
   if (!fits) return tl::unexpected(fits.error());
   if (!*fits) {
     const Result<std::optional<uint64_t>> within = FindEvent(event.data_offset);
     if (!within) return tl::unexpected(within.error());
-    if (*within && **within < event.end()) return TakeDamage(**within, false);
+    if (*within && **within < event.end()) return SkipDamage(**within, false);
   }
   next_ = event.end();
   return LogItem(std::move(event));
 }
 
-Result<std::optional<LogItem>> LogReader::TakeDamage(uint64_t search_from, bool may_be_truncated) {
+Result<std::optional<LogItem>> LogReader::SkipDamage(uint64_t search_from, bool may_be_truncated) {
   const Result<std::optional<uint64_t>> found = FindEvent(search_from);
   if (!found) return tl::unexpected(found.error());
   const uint64_t end = found->value_or(size_);

@@ -75,8 +75,8 @@ class LogReader {
   Result<Head> HeadAt(uint64_t offset) const;
   Result<bool> MayBeginAt(uint64_t offset) const;
   Result<std::optional<uint64_t>> FindEvent(uint64_t from) const;
-  Result<std::optional<LogItem>> TakeEvent(LogEvent event);
-  Result<std::optional<LogItem>> TakeDamage(uint64_t search_from, bool may_be_truncated);
+  Result<std::optional<LogItem>> AcceptEvent(LogEvent event);
+  Result<std::optional<LogItem>> SkipDamage(uint64_t search_from, bool may_be_truncated);
 
   std::string path_;
   int fd_ = -1;

@@ -26,7 +26,7 @@ RecordedMaps Sort(const std::vector<frame_commit_t>& commits) {
 
 // Puts the frames of the map that this one went on from before those that are there: the newest
 // earlier map that reached the revision before the first one here. False when there is none.
-bool GoBack(const RecordedMaps& maps, size_t* map, ByRevision* frames) {
+bool PrependSavedMap(const RecordedMaps& maps, size_t* map, ByRevision* frames) {
   const int64_t before = frames->begin()->first - 1;
   while ((*map)-- > 0) {
     const ByRevision& earlier = maps.integrated.at(maps.order[*map]);
@@ -60,7 +60,7 @@ MapHistory HistoryOfNewestMap(const std::vector<frame_commit_t>& commits) {
   size_t map = maps.order.size() - 1;
   history.map_id = maps.order.back();
   ByRevision frames = maps.integrated.at(history.map_id);
-  while (frames.begin()->first > 1 && GoBack(maps, &map, &frames)) {
+  while (frames.begin()->first > 1 && PrependSavedMap(maps, &map, &frames)) {
     history.remarks.push_back("map " + history.map_id + " goes on from a saved one, taken to be " +
                               maps.order[map]);
   }

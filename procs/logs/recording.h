@@ -31,7 +31,7 @@ Result<Recording> OpenRecording(const std::string& path, const std::string& form
 
 /// Detections by name, as OpenDetections takes it, or those in a log, found by camera and utime.
 /// With commits, frames that were integrated without detections have none, also when they came
-/// later: LookedAt is false for them, and for frames without a DETECTIONS message.
+/// later: DetectorRanOn is false for them, and for frames without a DETECTIONS message.
 Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(const std::string& path);
 
 }  // namespace vismap

@@ -141,12 +141,12 @@ frame_commit_t MapServer::TakeFrame(const SegmentedFrame& frame, std::string inp
 
 void MapServer::NoteIntegrated(const FrameKey& frame) {
   if (const std::optional<std::string> remark = clocks_.Note(frame))
-    LogWarningSometimes("clock", *remark);
+    LogWarningRateLimited("clock", *remark);
   status_->SetCounter("frames_out_of_order", clocks_.out_of_order());
   status_->SetCounter("clock_jumps", clocks_.jumps());
   if (!journal_.Add(frame)) {
     status_->Count("journal_errors");
-    LogWarningSometimes("journal", "cannot write the journal: is the disk full?");
+    LogWarningRateLimited("journal", "cannot write the journal: is the disk full?");
   }
   if (lacking_.erase(frame) > 0) ShowLacking();
 }
@@ -184,7 +184,7 @@ void MapServer::PublishNowAndThen() {
 
 void MapServer::SaveNowAndThen() {
   const Result<std::string> saved = Save("");
-  if (!saved) LogWarningSometimes("save", saved.error().message);
+  if (!saved) LogWarningRateLimited("save", saved.error().message);
 }
 
 void MapServer::PublishMesh() {
@@ -239,7 +239,7 @@ Result<std::string> MapServer::Save(const std::string& path) {
   if (!saved) return tl::unexpected(saved.error());
   if (target == config_.map_server.save_on_exit) {
     saved_revision_ = map().revision;
-    if (!journal_.Restart()) LogWarningSometimes("journal", "cannot empty the journal");
+    if (!journal_.Restart()) LogWarningRateLimited("journal", "cannot empty the journal");
   }
   return "saved " + std::to_string(saved->bytes) + " bytes to " + saved->path.string() +
          ", map hash " + saved->map_hash;

@@ -19,7 +19,7 @@ namespace {
 tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& arguments,
                                                   ProcessContext& context) {
   if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "statistics");
+    const auto reply = RequestFromServer(arguments, context, "statistics");
     if (!reply) return tl::unexpected(reply.error());
     return PayloadText(*reply);
   }
@@ -54,9 +54,9 @@ Image<Rgb8> Render(const MapToolArguments& arguments, const LoadedMap& loaded) {
   return RenderMesh(products.mesh, view, coloring);
 }
 
-Outcome TellServer(const MapToolArguments& arguments, ProcessContext& context,
-                   const std::string& verb, const std::string& path) {
-  const auto reply = AskServer(arguments, context, verb, path);
+Outcome SendCommand(const MapToolArguments& arguments, ProcessContext& context,
+                    const std::string& verb, const std::string& path) {
+  const auto reply = RequestFromServer(arguments, context, verb, path);
   if (!reply) return tl::unexpected(reply.error());
   std::printf("%s\n", reply->message.c_str());
   return {};
@@ -121,19 +121,19 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context) {
   const std::string path =
       arguments.out.empty() ? "" : std::filesystem::absolute(arguments.out).string();
-  return TellServer(arguments, context, "save", path);
+  return SendCommand(arguments, context, "save", path);
 }
 
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context) {
-  return TellServer(arguments, context, "load", std::filesystem::absolute(arguments.map).string());
+  return SendCommand(arguments, context, "load", std::filesystem::absolute(arguments.map).string());
 }
 
 Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
-  const auto statistics = AskServer(arguments, context, "statistics");
+  const auto statistics = RequestFromServer(arguments, context, "statistics");
   if (!statistics) return tl::unexpected(statistics.error());
-  const auto mesh = AskServer(arguments, context, "mesh", "", "digest");
+  const auto mesh = RequestFromServer(arguments, context, "mesh", "", "digest");
   if (!mesh) return tl::unexpected(mesh.error());
-  const auto exporter = AskServer(arguments, context, "octomap-digest");
+  const auto exporter = RequestFromServer(arguments, context, "octomap-digest");
   if (!exporter) return tl::unexpected(exporter.error());
   const auto facts = nlohmann::json::parse(PayloadText(*statistics));
   const nlohmann::ordered_json digests = {{"map_id", statistics->map_id},
@@ -153,7 +153,7 @@ Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
 }
 
 Outcome RunReset(const MapToolArguments& arguments, ProcessContext& context) {
-  return TellServer(arguments, context, "reset", "");
+  return SendCommand(arguments, context, "reset", "");
 }
 
 }  // namespace vismap

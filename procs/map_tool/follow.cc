@@ -18,27 +18,27 @@ namespace {
 class Viewer {
  public:
   explicit Viewer(Bus* bus) : catch_up_(bus, "mesh") {
-    bus->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
-                                 [this](const mesh_delta_t& message) { return Take(message); });
+    bus->Subscribe<mesh_delta_t>(
+        kMeshDeltaChannel, [this](const mesh_delta_t& message) { return OnMeshDelta(message); });
     bus->Subscribe<object_list_t>(
         kObjectsChannel, [this](const object_list_t& message) { objects_ = message.n_objects; },
         Delivery::kLatest);
     bus->Every(0.25, [this] {
-      if (!mesh_.in_sync()) catch_up_.Ask(mesh_.position());
+      if (!mesh_.in_sync()) catch_up_.Request(mesh_.position());
     });
-    catch_up_.Ask(mesh_.position());
+    catch_up_.Request(mesh_.position());
   }
 
   const MeshFollower& mesh() const { return mesh_; }
 
  private:
-  Result<void> Take(const mesh_delta_t& message) {
-    switch (mesh_.Take(message)) {
+  Result<void> OnMeshDelta(const mesh_delta_t& message) {
+    switch (mesh_.Apply(message)) {
       case FollowOutcome::kApplied:
         Print();
         break;
       case FollowOutcome::kNeedsSnapshot:
-        catch_up_.Ask(mesh_.position());
+        catch_up_.Request(mesh_.position());
         break;
       case FollowOutcome::kBroken:
         return Fail("update to revision " + std::to_string(message.revision) +

@@ -12,12 +12,14 @@ namespace vismap {
 inline constexpr const char* kLive = "live";
 
 /// The answer of a running server to a request, or why the program ends.
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, map_request_t request);
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, const std::string& verb,
-                                                 const std::string& path = "",
-                                                 const std::string& argument = "");
+tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
+                                                         ProcessContext& context,
+                                                         map_request_t request);
+tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
+                                                         ProcessContext& context,
+                                                         const std::string& verb,
+                                                         const std::string& path = "",
+                                                         const std::string& argument = "");
 
 /// The payload of an answer as text.
 std::string PayloadText(const map_reply_t& reply);

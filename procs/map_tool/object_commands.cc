@@ -51,7 +51,7 @@ tl::expected<std::string, ExitFailure> ObjectsTextOf(const MapToolArguments& arg
                                                      const ObjectQuery& query,
                                                      ProcessContext& context) {
   if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "objects", "", ToText(query));
+    const auto reply = RequestFromServer(arguments, context, "objects", "", ToText(query));
     if (!reply) return tl::unexpected(reply.error());
     return PayloadText(*reply);
   }

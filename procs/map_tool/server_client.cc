@@ -7,10 +7,10 @@
 namespace vismap {
 
 namespace {
-constexpr double kAskAgain = 3.0;  // [s]
+constexpr double kRepeatPeriod = 3.0;  // [s]
 }  // namespace
 
-Result<map_reply_t> Ask(Bus& bus, map_request_t request, double timeout) {
+Result<map_reply_t> SendRequest(Bus& bus, map_request_t request, double timeout) {
   request.utime = WallUtime();
   request.request_id = request.utime;
   std::optional<map_reply_t> answer;
@@ -18,11 +18,11 @@ Result<map_reply_t> Ask(Bus& bus, map_request_t request, double timeout) {
     if (reply.requester == bus.source() && reply.request_id == request.request_id) answer = reply;
   });
   const double give_up = MonotonicSeconds() + timeout;
-  double ask_again = 0;
+  double next_attempt = 0;
   while (!answer && !bus.stop_requested() && MonotonicSeconds() < give_up) {
-    if (MonotonicSeconds() >= ask_again) {
+    if (MonotonicSeconds() >= next_attempt) {
       bus.Publish(kMapRequestChannel, request);
-      ask_again = MonotonicSeconds() + kAskAgain;
+      next_attempt = MonotonicSeconds() + kRepeatPeriod;
     }
     bus.Spin(0.1);
   }

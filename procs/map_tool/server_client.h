@@ -12,6 +12,6 @@ namespace vismap {
 /// Sends the request on the bus and waits for its answer; sends it again now and then, which a
 /// server carries out only once. Fails when nobody answers within `timeout` [s], naming what should
 /// run, and when the answer is a refusal.
-Result<map_reply_t> Ask(Bus& bus, map_request_t request, double timeout);
+Result<map_reply_t> SendRequest(Bus& bus, map_request_t request, double timeout);
 
 }  // namespace vismap

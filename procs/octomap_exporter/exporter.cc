@@ -16,7 +16,7 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
   bus_->Subscribe<map_request_t>(kMapRequestChannel,
                                  [this](const map_request_t& request) { OnRequest(request); });
   bus_->Every(0.2, [this] { OnTimer(); });
-  catch_up_.Ask(follower_.position());
+  catch_up_.Request(follower_.position());
 }
 
 Result<void> Exporter::OnDelta(const map_delta_t& message) {
@@ -29,7 +29,7 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
   if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
     status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
-    catch_up_.Ask(follower_.position());
+    catch_up_.Request(follower_.position());
   }
   if (outcome == FollowOutcome::kBroken) {
     return Fail("update to revision " + std::to_string(message.revision) + " of map '" +
@@ -41,19 +41,19 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
 bool Exporter::has_news() const { return follower_.in_sync() && follower_.position() != exported_; }
 
 void Exporter::OnTimer() {
-  if (!follower_.in_sync()) catch_up_.Ask(follower_.position());
+  if (!follower_.in_sync()) catch_up_.Request(follower_.position());
   if (config_.octomap_exporter.period <= 0 || !has_news() || MonotonicSeconds() < export_due_)
     return;
   const double start = MonotonicSeconds();
   const Result<std::string> exported = Export();
-  if (!exported) LogWarningSometimes("export", exported.error().message);
+  if (!exported) LogWarningRateLimited("export", exported.error().message);
   const double end = MonotonicSeconds();
   export_due_ = end + std::max(config_.octomap_exporter.period, 4 * (end - start));
 }
 
 Result<void> Exporter::BringUpToDate() {
   const OccupancyMap& map = *follower_.occupancy();
-  const OccupancyChanges changes = follower_.TakeChanges();
+  const OccupancyChanges changes = follower_.ConsumeChanges();
   if (octree_ && !changes.everywhere) {
     octree_->Update(map, changes.blocks);
     return {};

@@ -142,8 +142,8 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   const std::unique_ptr<Dataset>& dataset = recording->dataset;
   for (const SkippedFrame& skipped : dataset->skipped()) {
-    LogWarningSometimes("skipped", "frame " + std::to_string(skipped.frame_number) +
-                                       " left out: " + skipped.reason);
+    LogWarningRateLimited("skipped", "frame " + std::to_string(skipped.frame_number) +
+                                         " left out: " + skipped.reason);
   }
   const auto network = FindNetwork(arguments);
   if (!network) return ExitWith(ExitCode::kUnreadable, network.error().message);

@@ -25,7 +25,7 @@ Result<ReadyFrame> ReadFrame(const OfflineInput& input, size_t i) {
   }
   ReadyFrame ready{std::move(*frame), std::nullopt};
   if (input.network != nullptr || input.detections == nullptr ||
-      !input.detections->LookedAt(sensor->header))
+      !input.detections->DetectorRanOn(sensor->header))
     return ready;
   Result<DetectionSet> detections = input.detections->ForFrame(sensor->header);
   if (!detections) return tl::unexpected(detections.error());

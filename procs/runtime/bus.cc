@@ -29,7 +29,7 @@ Result<std::unique_ptr<Bus>> Bus::Open(const BusOptions& options) {
   const Result<LcmUrl> url = ParseLcmUrl(options.url);
   if (!url) return tl::unexpected(url.error());
   std::unique_ptr<Bus> bus(new Bus(options, *url));
-  WarnOfBus(*url);
+  WarnAboutBus(*url);
   if (const Result<void> joined = bus->JoinWithin(options.connect_timeout); !joined) {
     return tl::unexpected(joined.error());
   }
@@ -90,7 +90,7 @@ void Bus::AddRoute(std::unique_ptr<Route> route) {
   routes_.push_back(std::move(route));
 }
 
-void Bus::Take(const std::string& channel, std::span<const uint8_t> bytes) {
+void Bus::Dispatch(const std::string& channel, std::span<const uint8_t> bytes) {
   try {
     for (size_t i = 0; i < routes_.size(); ++i) {  // a handler may add routes
       Route& route = *routes_[i];
@@ -107,7 +107,7 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
     ++counters.received;
     counters.received_bytes += static_cast<int64_t>(bytes.size());
     // LCM can claim 4 GB for a packet that it misread: nothing of such a size is looked at.
-    if (bytes.size() <= route.channel.max_bytes) NoteSequence(route, bytes);
+    if (bytes.size() <= route.channel.max_bytes) TrackSequence(route, bytes);
   }
   if (route.delivery == Delivery::kEvery || bytes.size() > route.channel.max_bytes)
     return Deliver(route, bytes);
@@ -116,7 +116,7 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
   route.has_newest = true;
 }
 
-void Bus::NoteSequence(Route& route, std::span<const uint8_t> bytes) {
+void Bus::TrackSequence(Route& route, std::span<const uint8_t> bytes) {
   const std::optional<MessageHead> head = PeekHead(bytes);
   if (!head || head->fingerprint != route.fingerprint || head->seq < 0) return;
   if (route.last_seq.size() >= kMaxTrackedSources && !route.last_seq.contains(head->source)) return;
@@ -126,10 +126,10 @@ void Bus::NoteSequence(Route& route, std::span<const uint8_t> bytes) {
   const int64_t lost = head->seq - entry->second - 1;
   if (!first && lost > 0 && lost <= kLargestGap) {
     counters_[route.channel.name].lost += lost;
-    LogWarningSometimes(std::string("lost ") + route.channel.name,
-                        std::string(route.channel.name) + ": " + std::to_string(lost) +
-                            " messages of " + head->source + " are missing before number " +
-                            std::to_string(head->seq));
+    LogWarningRateLimited(std::string("lost ") + route.channel.name,
+                          std::string(route.channel.name) + ": " + std::to_string(lost) +
+                              " messages of " + head->source + " are missing before number " +
+                              std::to_string(head->seq));
   }
   entry->second = head->seq;
 }
@@ -138,18 +138,18 @@ void Bus::Deliver(Route& route, std::span<const uint8_t> bytes) {
   const Result<void> handled = route.handle(bytes);
   if (handled) return;
   ++counters_[route.channel.name].rejected;
-  LogWarningSometimes(std::string("rejected ") + route.channel.name,
-                      std::string(route.channel.name) + ": rejected: " + handled.error().message);
+  LogWarningRateLimited(std::string("rejected ") + route.channel.name,
+                        std::string(route.channel.name) + ": rejected: " + handled.error().message);
 }
 
 bool Bus::Send(const Channel& channel, const std::vector<uint8_t>& bytes) {
   ChannelCounters& counters = counters_[channel.name];
   const bool fits = bytes.size() <= channel.max_bytes;
   if (!fits) {
-    LogWarningSometimes(std::string("too large ") + channel.name,
-                        std::string(channel.name) + ": a message of " +
-                            std::to_string(bytes.size()) + " bytes was not sent, at most " +
-                            std::to_string(channel.max_bytes) + " are allowed");
+    LogWarningRateLimited(std::string("too large ") + channel.name,
+                          std::string(channel.name) + ": a message of " +
+                              std::to_string(bytes.size()) + " bytes was not sent, at most " +
+                              std::to_string(channel.max_bytes) + " are allowed");
   }
   if (!fits || !connected() || !transport_->Publish(channel.name, bytes)) {
     ++counters.unsent;
@@ -181,7 +181,7 @@ double Bus::RunTimers() {
 bool Bus::HandleWaiting() {
   const double end = MonotonicSeconds() + kRound;
   const Transport::Sink sink = [this](const std::string& channel, std::span<const uint8_t> bytes) {
-    Take(channel, bytes);
+    Dispatch(channel, bytes);
   };
   bool any = false;
   // What was read before the connection ended is handled, too.

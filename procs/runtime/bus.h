@@ -115,10 +115,10 @@ class Bus {
   Result<void> JoinWithin(double timeout);
   void Rejoin();
   void AddRoute(std::unique_ptr<Route> route);
-  void Take(const std::string& channel, std::span<const uint8_t> bytes);
+  void Dispatch(const std::string& channel, std::span<const uint8_t> bytes);
   void Receive(Route& route, std::span<const uint8_t> bytes);
   void Deliver(Route& route, std::span<const uint8_t> bytes);
-  void NoteSequence(Route& route, std::span<const uint8_t> bytes);
+  void TrackSequence(Route& route, std::span<const uint8_t> bytes);
   bool Send(const Channel& channel, const std::vector<uint8_t>& bytes);
   bool HandleWaiting();
   void DeliverNewest();

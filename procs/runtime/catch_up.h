@@ -14,12 +14,12 @@ class CatchUp {
   CatchUp(Bus* bus, std::string verb) : bus_(bus), verb_(std::move(verb)) {}
 
   /// Asks for all after `position`, unless it did so in the last two seconds.
-  void Ask(const FollowerPosition& position);
+  void Request(const FollowerPosition& position);
 
  private:
   Bus* bus_;
   std::string verb_;
-  double due_ = 0;  // MonotonicSeconds
+  double next_request_ = 0;  // MonotonicSeconds
 };
 
 }  // namespace vismap

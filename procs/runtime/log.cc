@@ -47,7 +47,7 @@ void LogInfo(std::string_view sentence) { Logger().info("{}", sentence); }
 void LogWarning(std::string_view sentence) { Logger().warn("{}", sentence); }
 void LogError(std::string_view sentence) { Logger().error("{}", sentence); }
 
-void LogWarningSometimes(const std::string& key, std::string_view sentence) {
+void LogWarningRateLimited(const std::string& key, std::string_view sentence) {
   struct Past {
     std::chrono::steady_clock::time_point last;
     int held_back = 0;

@@ -18,6 +18,6 @@ void LogError(std::string_view sentence);
 
 /// Like LogWarning, but lines with the same key come at most every 5 s; the next one then says how
 /// many were kept back.
-void LogWarningSometimes(const std::string& key, std::string_view sentence);
+void LogWarningRateLimited(const std::string& key, std::string_view sentence);
 
 }  // namespace vismap

@@ -77,7 +77,7 @@ int Report(const Outcome& outcome) {
 
 Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop,
                  ServiceManager* service) {
-  service->Say("starting: joining the bus at " + options.lcm_url);
+  service->SetStatus("starting: joining the bus at " + options.lcm_url);
   const Result<std::unique_ptr<Bus>> bus = OpenBus(options, options.name, stop);
   if (!bus) {
     if (stop->requested()) return {};

@@ -29,11 +29,11 @@ class Peers {
   explicit Peers(Bus* bus);
 
   /// Some instance of this program has spoken lately and is not stopping.
-  bool Alive(const std::string& process) const;
+  bool IsAlive(const std::string& process) const;
   /// Some instance of this program is alive and past kStarting.
-  bool Ready(const std::string& process) const;
+  bool IsReady(const std::string& process) const;
   /// Those of `processes` that are not ready.
-  std::vector<std::string> Missing(const std::vector<std::string>& processes) const;
+  std::vector<std::string> NotReady(const std::vector<std::string>& processes) const;
   /// By name of the instance.
   const std::map<std::string, Peer>& all() const { return peers_; }
 

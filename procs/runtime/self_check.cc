@@ -64,7 +64,7 @@ std::string HubCommand(const LcmUrl& url) {
   return "vismap-hub --listen " + url.hub.host + ":" + std::to_string(url.hub.port);
 }
 
-void WarnOfBus(const LcmUrl& url) {
+void WarnAboutBus(const LcmUrl& url) {
   if (url.provider == "tcpq") return;
   for (const CheckResult& check : CheckBus(url, 0)) {
     if (!check.ok) LogWarning(check.what + ": " + check.found);

@@ -19,7 +19,7 @@ struct CheckResult {
 std::vector<CheckResult> CheckBus(const LcmUrl& url, double timeout);
 
 /// Says in the log what of that is wrong for a bus without a hub; a hub is waited for instead.
-void WarnOfBus(const LcmUrl& url);
+void WarnAboutBus(const LcmUrl& url);
 
 /// "vismap-hub --listen A.B.C.D:PORT" of a tcpq URL.
 std::string HubCommand(const LcmUrl& url);

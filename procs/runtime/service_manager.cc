@@ -21,26 +21,26 @@ ServiceManager::ServiceManager() {
   }
 }
 
-void ServiceManager::Ready() {
+void ServiceManager::SetReady() {
   if (ready_) return;
   ready_ = true;
   Send("READY=1");
 }
 
-void ServiceManager::Say(const std::string& sentence) {
+void ServiceManager::SetStatus(const std::string& sentence) {
   // A line end would begin another assignment, and sentences may quote what came over the bus.
   std::string line = sentence;
   std::replace(line.begin(), line.end(), '\n', ' ');
   Send("STATUS=" + line);
 }
 
-void ServiceManager::Alive() {
+void ServiceManager::KeepAlive() {
   const double now = MonotonicSeconds();
   if (alive_period_ <= 0 || now < next_alive_) return;
   next_alive_ = now + alive_period_;
   Send("WATCHDOG=1");
 }
 
-void ServiceManager::Stopping() { Send("STOPPING=1"); }
+void ServiceManager::SetStopping() { Send("STOPPING=1"); }
 
 }  // namespace vismap

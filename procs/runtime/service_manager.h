@@ -11,15 +11,15 @@ class ServiceManager {
   ServiceManager();
 
   /// Able to take work: units that are ordered after this one start. Sent once.
-  void Ready();
+  void SetReady();
   /// One sentence for `systemctl status`.
-  void Say(const std::string& sentence);
+  void SetStatus(const std::string& sentence);
   /// The loop of the process goes round; to be called at least every alive_period(). Sends no more
   /// than one message in that time. When none comes for two periods, the manager restarts the
   /// process.
-  void Alive();
+  void KeepAlive();
   /// Ending on request: no longer watched by the watchdog's time, but by that for stopping.
-  void Stopping();
+  void SetStopping();
 
   /// Half the watchdog's time [s]; 0 = there is no watchdog.
   double alive_period() const { return alive_period_; }

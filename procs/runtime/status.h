@@ -43,7 +43,7 @@ class Status {
   void Publish();
 
  private:
-  void TellService();
+  void UpdateServiceManager();
 
   Bus* bus_;
   ServiceManager* service_;

@@ -6,7 +6,7 @@
 
 namespace vismap {
 
-bool LockstepWindow::MayGo(const FrameKey& key) const {
+bool LockstepWindow::MaySend(const FrameKey& key) const {
   return HasRoom() && std::all_of(open_.begin(), open_.end(), [&](const Open& open) {
            return open.key.camera_id == key.camera_id;
          });
@@ -37,7 +37,7 @@ std::optional<size_t> LockstepWindow::NextResend(double now) {
   return std::nullopt;
 }
 
-bool LockstepWindow::IsOpen(const FrameKey& key) const {
+bool LockstepWindow::IsInFlight(const FrameKey& key) const {
   return std::any_of(open_.begin(), open_.end(), [&](const Open& open) { return open.key == key; });
 }
 

@@ -21,7 +21,7 @@ class LockstepWindow {
   /// Whether this new frame may be sent: there is room, and no frame of another camera is open. The
   /// map server keeps the order of one camera's frames by after_utime; across cameras only this
   /// does.
-  bool MayGo(const FrameKey& key) const;
+  bool MaySend(const FrameKey& key) const;
 
   /// A new frame `index` is sent now. The window must have room.
   void Sent(size_t index, const FrameKey& key, double now);
@@ -37,7 +37,7 @@ class LockstepWindow {
 
   /// Whether commits have been missing for so long that frames are due again.
   bool Stalled(double now) const { return !open_.empty() && now - last_progress_ >= resend_after_; }
-  bool IsOpen(const FrameKey& key) const;
+  bool IsInFlight(const FrameKey& key) const;
 
   bool empty() const { return open_.empty(); }
   size_t open() const { return open_.size(); }

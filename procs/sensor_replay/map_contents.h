@@ -22,11 +22,11 @@ class MapContents {
   bool ServerRestarted();
 
   /// Sends the question, unless the last one is younger than a second.
-  void Ask();
-  bool asked() const { return asked_; }
+  void Request();
+  bool requested() const { return requested_; }
 
   /// True once for each answer to Ask; `Holds` then speaks of the map at that time.
-  bool TakeAnswer();
+  bool ConsumeAnswer();
   bool Holds(const FrameKey& frame) const { return frames_.contains(frame); }
   size_t size() const { return frames_.size(); }
 
@@ -37,8 +37,8 @@ class MapContents {
   Bus* bus_;
   const Peers* peers_;
   std::map<std::string, int64_t> start_utimes_;  // of the map servers, by name
-  bool asked_ = false, answered_ = false;
-  double asked_at_ = 0;  // MonotonicSeconds
+  bool requested_ = false, answered_ = false;
+  double request_time_ = 0;  // MonotonicSeconds
   int64_t request_id_ = 0;
   std::set<FrameKey> frames_;
 };

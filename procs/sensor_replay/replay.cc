@@ -104,7 +104,7 @@ class Player {
   bool WaitForPeers() {
     status_.Set(ProcessState::kReady);
     return bus_.Run([this] {
-      const std::vector<std::string> missing = peers_.Missing(options_.wait_for);
+      const std::vector<std::string> missing = peers_.NotReady(options_.wait_for);
       if (!missing.empty()) {
         if (status_.state() != ProcessState::kWaiting) LogInfo("waiting for " + Join(missing));
         status_.Set(ProcessState::kWaiting, "waiting for " + Join(missing));
@@ -151,19 +151,19 @@ class Player {
     status_.Count("frames_committed");
     if (commit.status == frame_commit_t::STATUS_SKIPPED) {
       status_.Count("frames_not_integrated");
-      LogWarningSometimes(
+      LogWarningRateLimited(
           "skipped", "the map server left out " + ToText(KeyOf(commit)) + ": " + commit.reason);
     }
   }
 
   // A restarted map server may lack frames that were committed: goes back to the first of them.
-  void GoBackIfLacking(LockstepWindow* window, size_t* next) {
-    if (contents_.ServerRestarted() || window->Stalled(MonotonicSeconds()) || contents_.asked())
-      contents_.Ask();
-    if (!contents_.TakeAnswer()) return;
+  void RewindIfFramesAreMissing(LockstepWindow* window, size_t* next) {
+    if (contents_.ServerRestarted() || window->Stalled(MonotonicSeconds()) || contents_.requested())
+      contents_.Request();
+    if (!contents_.ConsumeAnswer()) return;
     size_t first = 0;
     while (first < *next &&
-           (contents_.Holds(frames_.key(first)) || window->IsOpen(frames_.key(first))))
+           (contents_.Holds(frames_.key(first)) || window->IsInFlight(frames_.key(first))))
       ++first;
     if (first == *next) return;
     LogInfo("the map server has " + std::to_string(contents_.size()) +
@@ -177,8 +177,8 @@ class Player {
 
   // One round: fills the window with new frames, repeats what is overdue, then waits for commits.
   Outcome Step(LockstepWindow* window, size_t* next) {
-    GoBackIfLacking(window, next);
-    while (frames_.Has(*next) && window->MayGo(frames_.key(*next)) && bus_.connected()) {
+    RewindIfFramesAreMissing(window, next);
+    while (frames_.Has(*next) && window->MaySend(frames_.key(*next)) && bus_.connected()) {
       window->Sent(*next, frames_.key(*next), MonotonicSeconds());
       if (const Outcome sent = SendInOrder(*next); !sent) return sent;
       ++*next;

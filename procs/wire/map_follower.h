@@ -21,7 +21,7 @@ struct OccupancyChanges {
 /// consistent state.
 class MapFollower {
  public:
-  FollowOutcome Take(MapUpdate update);
+  FollowOutcome Apply(MapUpdate update);
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }
@@ -31,10 +31,10 @@ class MapFollower {
   int64_t gaps() const { return sequence_.gaps(); }  ///< how often updates were missing
 
   /// What became different since the last call; at first, and after a snapshot, everywhere.
-  OccupancyChanges TakeChanges();
+  OccupancyChanges ConsumeChanges();
 
  private:
-  void NoteChanges(const OccupancyDelta& delta);
+  void RecordChanges(const OccupancyDelta& delta);
 
   UpdateSequence<MapUpdate> sequence_;
   std::optional<OccupancyMap> occupancy_;

@@ -35,7 +35,7 @@ std::string MeshDigest::Hex() const {
   return digest.Hex();
 }
 
-FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
+FollowOutcome MeshFollower::Apply(const mesh_delta_t& message) {
   if (!Check(message)) return FollowOutcome::kBroken;
   Part received;
   size_t bytes = 0;
@@ -54,16 +54,16 @@ FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
     to += size;
   }
   const FollowOutcome outcome =
-      sequence_.Take({message.map_id, message.revision, message.base_revision,
-                      static_cast<bool>(message.full), message.part, message.parts},
-                     std::move(received));
+      sequence_.AddPart({message.map_id, message.revision, message.base_revision,
+                         static_cast<bool>(message.full), message.part, message.parts},
+                        std::move(received));
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (message.full) {
     blocks_.clear();
     triangles_ = 0;
     digest_.Clear();
   }
-  for (const Part& part : sequence_.TakeReady()) {
+  for (const Part& part : sequence_.ReleaseParts()) {
     std::span<const uint8_t> left = part.bytes;
     for (const Part::Block& block : part.blocks) {
       Set(block, left.first(block.size));

@@ -35,7 +35,7 @@ class MeshDigest {
 class MeshFollower {
  public:
   /// kBroken when the message contradicts itself; the copy is then as before.
-  FollowOutcome Take(const mesh_delta_t& message);
+  FollowOutcome Apply(const mesh_delta_t& message);
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }

@@ -47,9 +47,9 @@ struct UpdateHead {
 template <typename Update>
 class UpdateSequence {
  public:
-  /// Takes one part. With kApplied, TakeReady() returns all parts of the update, ascending, and
+  /// Takes one part. With kApplied, ReleaseParts() returns all parts of the update, ascending, and
   /// the position is that after it.
-  FollowOutcome Take(const UpdateHead& head, Update update) {
+  FollowOutcome AddPart(const UpdateHead& head, Update update) {
     ready_.clear();
     const bool same_map = head.map_id == position_.map_id;
     if (same_map && in_sync_ && head.revision <= position_.revision) return FollowOutcome::kIgnored;
@@ -58,7 +58,7 @@ class UpdateSequence {
     if (!staged_ || *staged_ != whole) {
       const bool fits = head.full || (same_map && position_.revision >= 0 &&
                                       head.base_revision == position_.revision);
-      if (!fits) return Missed();
+      if (!fits) return OnMissingUpdate();
       staged_ = whole;
       parts_.clear();
     }
@@ -72,11 +72,11 @@ class UpdateSequence {
     return FollowOutcome::kApplied;
   }
 
-  std::vector<Update> TakeReady() { return std::exchange(ready_, {}); }
+  std::vector<Update> ReleaseParts() { return std::exchange(ready_, {}); }
 
   /// The copy cannot be trusted any more: only a full update helps.
-  void Distrust() {
-    Missed();
+  void RequireSnapshot() {
+    OnMissingUpdate();
     position_.revision = -1;
   }
 
@@ -86,7 +86,7 @@ class UpdateSequence {
 
  private:
   // What is staged stays: its other parts may come yet.
-  FollowOutcome Missed() {
+  FollowOutcome OnMissingUpdate() {
     if (in_sync_) ++gaps_;
     in_sync_ = false;
     return FollowOutcome::kNeedsSnapshot;

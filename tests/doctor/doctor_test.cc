@@ -61,7 +61,7 @@ struct Scene {
     }
   }
   void Heard(const std::string& channel, const std::vector<uint8_t>& bytes, int second) {
-    picture.Note(channel, bytes, second, kUtime + second * 1'000'000);
+    picture.AddMessage(channel, bytes, second, kUtime + second * 1'000'000);
   }
   void FullPipeline() {
     for (const char* name : {"hub", "map-server", "depth-segmenter", "detector"}) {

@@ -180,7 +180,7 @@ FuzzTarget MeshDeltaTarget() {
     update.mesh.blocks.push_back(block);
   }
   return Target(kMeshDeltaChannel, Encode(update), [](const mesh_delta_t& message) {
-    MeshFollower().Take(message);
+    MeshFollower().Apply(message);
     return Taken(Decode(message));
   });
 }

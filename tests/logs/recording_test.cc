@@ -143,21 +143,21 @@ TEST(OpenRecordedDetections, NoDetectorLookedIsNotNothingFound) {
   detections_t nothing = Encode(DetectionSet{2000, CameraId{3}, 17, {}}, 64, 48);
   builder.Frame(1000).Detections(1000).Frame(2000).Add(kDetectionsChannel, nothing);
   builder.Frame(3000).Frame(4000).Add(kDetectionsChannel,
-                                      EncodeNotLooked(SmallSensorFrame(4000).header));
+                                      EncodeDetectorDidNotRun(SmallSensorFrame(4000).header));
   const auto source = OpenRecordedDetections(builder.Finish());
   ASSERT_TRUE(source) << source.error().message;
   const auto header = [](int64_t utime) { return SmallSensorFrame(utime).header; };
-  EXPECT_TRUE((*source)->LookedAt(header(1000)));
+  EXPECT_TRUE((*source)->DetectorRanOn(header(1000)));
   const Result<DetectionSet> set = (*source)->ForFrame(header(1000));
   ASSERT_TRUE(set) << set.error().message;
   ASSERT_EQ(set->detections.size(), 2u);
   EXPECT_EQ(set->detections[0].class_id, ClassId{62});
   EXPECT_EQ(set->detections[0].mask, SmallDetections().detections[0].mask);
-  EXPECT_TRUE((*source)->LookedAt(header(2000)));
+  EXPECT_TRUE((*source)->DetectorRanOn(header(2000)));
   EXPECT_THAT((*source)->ForFrame(header(2000))->detections, IsEmpty());
-  EXPECT_FALSE((*source)->LookedAt(header(3000)));
-  EXPECT_FALSE((*source)->LookedAt(header(4000)));
-  EXPECT_FALSE((*source)->LookedAt(SmallSensorFrame(1000, 4).header));
+  EXPECT_FALSE((*source)->DetectorRanOn(header(3000)));
+  EXPECT_FALSE((*source)->DetectorRanOn(header(4000)));
+  EXPECT_FALSE((*source)->DetectorRanOn(SmallSensorFrame(1000, 4).header));
 }
 
 TEST(OpenRecordedDetections, LateOnesAreNotUsedWhereTheMapDidWithout) {
@@ -168,10 +168,10 @@ TEST(OpenRecordedDetections, LateOnesAreNotUsedWhereTheMapDidWithout) {
   builder.Frame(2000).Detections(2000).Commit(2000, 2);
   const std::string path = builder.Finish();
   const auto source = OpenRecordedDetections(path);
-  EXPECT_FALSE((*source)->LookedAt(SmallSensorFrame(1000).header));
-  EXPECT_TRUE((*source)->LookedAt(SmallSensorFrame(2000).header));
+  EXPECT_FALSE((*source)->DetectorRanOn(SmallSensorFrame(1000).header));
+  EXPECT_TRUE((*source)->DetectorRanOn(SmallSensorFrame(2000).header));
   const auto all = OpenRecordedDetections(path + "?frames=all");
-  EXPECT_TRUE((*all)->LookedAt(SmallSensorFrame(1000).header));
+  EXPECT_TRUE((*all)->DetectorRanOn(SmallSensorFrame(1000).header));
 }
 
 TEST(OpenRecordedDetections, MasksOfAnotherSizeAreAnError) {

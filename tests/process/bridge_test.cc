@@ -189,7 +189,7 @@ TEST(Bridge, FromAPrivateMulticastBusToAHub) {
   ChildProcess bridge("bridge",
                       {"--lcm-url", url, "--remote-url", there.url(), "--send", "MAP_DELTA"},
                       there.folder());
-  ASSERT_TRUE(there.SpinUntil([&] { return there.peers().Alive("bridge"); }));
+  ASSERT_TRUE(there.SpinUntil([&] { return there.peers().IsAlive("bridge"); }));
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE((*udpm)->Publish(kMapDeltaChannel, Delta(i, 100 * 1024)));
     ASSERT_TRUE(there.SpinUntil([&] { return received == i + 1; }));

@@ -45,13 +45,13 @@ class Answers {
     processes->bus().Subscribe<detections_t>(kDetectionsChannel,
                                              [this](const detections_t& message) {
                                                ++count_[KeyOf(message)];
-                                               looked_[KeyOf(message)] = Looked(message);
+                                               looked_[KeyOf(message)] = DetectorRan(message);
                                                found_ += message.n_detections;
                                              });
   }
   size_t frames() const { return count_.size(); }
   int found() const { return found_; }
-  bool WasLookedAt(const FrameKey& key) const { return looked_.contains(key) && looked_.at(key); }
+  bool DetectorRanOn(const FrameKey& key) const { return looked_.contains(key) && looked_.at(key); }
   int looked_at() const {
     return static_cast<int>(std::count_if(looked_.begin(), looked_.end(),
                                           [](const auto& entry) { return entry.second; }));
@@ -118,7 +118,7 @@ TEST(DnnDetector, OfABacklogItLooksAtTheNewestAndAnswersEveryOther) {
   EXPECT_TRUE(processes.SpinUntil([&] { return answers.frames() == kBacklog; }))
       << "only " << answers.frames();
   EXPECT_TRUE(answers.EachOnce());
-  EXPECT_TRUE(answers.WasLookedAt({CameraId{frame.camera_id}, kBacklog - 1})) << "the newest";
+  EXPECT_TRUE(answers.DetectorRanOn({CameraId{frame.camera_id}, kBacklog - 1})) << "the newest";
   EXPECT_LT(answers.looked_at(), kBacklog / 2);
   detector->Signal(SIGTERM);
   EXPECT_EQ(detector->WaitForExit(), 0);
@@ -139,8 +139,8 @@ TEST(DnnDetector, AFrameThatComesAgainIsAnsweredAgainWithTheSame) {
     processes.bus().Publish(kRgbdFrameChannel, Encode(*(*room)->Read(0)));
     ASSERT_TRUE(processes.SpinUntil([&] { return answers.size() == times; }));
   }
-  EXPECT_TRUE(Looked(answers[0]));
-  EXPECT_TRUE(Looked(answers[1]));
+  EXPECT_TRUE(DetectorRan(answers[0]));
+  EXPECT_TRUE(DetectorRan(answers[1]));
   EXPECT_EQ(answers[0].n_detections, answers[1].n_detections);
 }
 

@@ -155,7 +155,7 @@ bool ProcessBus::SpinUntil(const std::function<bool()>& condition) {
 }
 
 bool ProcessBus::WaitForReady(const std::vector<std::string>& processes) {
-  return SpinUntil([&] { return peers_->Missing(processes).empty(); });
+  return SpinUntil([&] { return peers_->NotReady(processes).empty(); });
 }
 
 }  // namespace vismap

@@ -99,7 +99,9 @@ class ChangedDetections : public DetectionSource {
     if (set) change_(header, &*set);
     return set;
   }
-  bool LookedAt(const FrameHeader& header) const override { return own_->LookedAt(header); }
+  bool DetectorRanOn(const FrameHeader& header) const override {
+    return own_->DetectorRanOn(header);
+  }
   int64_t size() const override { return -1; }
 
  private:

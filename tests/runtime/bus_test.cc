@@ -226,19 +226,19 @@ TEST(Status, TellsStateCountersAndTimings) {
 TEST(Peers, ReadyMeansHeardOfAndPastStarting) {
   auto bus = MemoryBus();
   Peers peers(bus.get());
-  EXPECT_FALSE(peers.Alive("map-server"));
-  EXPECT_EQ(peers.Missing({"map-server", "detector"}).size(), 2U);
+  EXPECT_FALSE(peers.IsAlive("map-server"));
+  EXPECT_EQ(peers.NotReady({"map-server", "detector"}).size(), 2U);
   Status status(bus.get(), "map-server");
   status.Publish();
   Drain(bus.get());
-  EXPECT_TRUE(peers.Alive("map-server"));
-  EXPECT_FALSE(peers.Ready("map-server")) << "still starting";
+  EXPECT_TRUE(peers.IsAlive("map-server"));
+  EXPECT_FALSE(peers.IsReady("map-server")) << "still starting";
   status.Set(ProcessState::kReady);
   Drain(bus.get());
-  EXPECT_TRUE(peers.Ready("map-server"));
+  EXPECT_TRUE(peers.IsReady("map-server"));
   status.Set(ProcessState::kStopping);
   Drain(bus.get());
-  EXPECT_FALSE(peers.Alive("map-server"));
+  EXPECT_FALSE(peers.IsAlive("map-server"));
 }
 
 }  // namespace

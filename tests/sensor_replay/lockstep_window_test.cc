@@ -60,9 +60,9 @@ TEST(LockstepWindow, IsStalledOnlyWithFramesOpenAndNoCommitForTheWholePatience) 
   EXPECT_TRUE(window.Stalled(101));
   EXPECT_TRUE(window.Commit(Key(1, 0), 101));
   EXPECT_FALSE(window.Stalled(101.5));
-  EXPECT_TRUE(window.IsOpen(Key(2, 0)));
+  EXPECT_TRUE(window.IsInFlight(Key(2, 0)));
   window.Clear();
-  EXPECT_FALSE(window.IsOpen(Key(2, 0)));
+  EXPECT_FALSE(window.IsInFlight(Key(2, 0)));
   EXPECT_FALSE(window.Stalled(200));
   EXPECT_TRUE(window.HasRoom());
 }
@@ -78,15 +78,15 @@ TEST(LockstepWindow, EndsEmpty) {
 TEST(LockstepWindow, AnotherCameraWaitsUntilAllAreCommitted) {
   LockstepWindow window(3, 1.0);
   const FrameKey first{CameraId{1}, 100}, second{CameraId{1}, 200}, other{CameraId{2}, 150};
-  EXPECT_TRUE(window.MayGo(first));
+  EXPECT_TRUE(window.MaySend(first));
   window.Sent(0, first, 0);
-  EXPECT_TRUE(window.MayGo(second));
-  EXPECT_FALSE(window.MayGo(other));
+  EXPECT_TRUE(window.MaySend(second));
+  EXPECT_FALSE(window.MaySend(other));
   window.Sent(1, second, 0);
   window.Commit(first, 0);
-  EXPECT_FALSE(window.MayGo(other));
+  EXPECT_FALSE(window.MaySend(other));
   window.Commit(second, 0);
-  EXPECT_TRUE(window.MayGo(other));
+  EXPECT_TRUE(window.MaySend(other));
 }
 
 }  // namespace

@@ -210,8 +210,8 @@ TEST(DetectEvery, TheDetectorDoesNotLookAtTheFramesBetween) {
   const Sequence sequence = Open("&frames=9&detect_every=4"), all = Open("&frames=9");
   for (size_t i = 0; i < 9; ++i) {
     const FrameHeader header = sequence.Header(i);
-    EXPECT_TRUE(all.detections->LookedAt(header));
-    EXPECT_EQ(sequence.detections->LookedAt(header), i % 4 == 0);
+    EXPECT_TRUE(all.detections->DetectorRanOn(header));
+    EXPECT_EQ(sequence.detections->DetectorRanOn(header), i % 4 == 0);
     if (i % 4 == 0) {
       EXPECT_TRUE(SameDetections(sequence.DetectionsOf(i), all.DetectionsOf(i)));
     } else {

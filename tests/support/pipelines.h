@@ -52,7 +52,7 @@ class InputSequence {
   size_t size() const { return dataset_->size(); }
   InputFrame Read(size_t i) const {
     InputFrame input{Unwrap(DecodeFrame(Unwrap(dataset_->Read(i)))), std::nullopt};
-    if (detections_ && detections_->LookedAt(input.frame.header))
+    if (detections_ && detections_->DetectorRanOn(input.frame.header))
       input.detections = Unwrap(detections_->ForFrame(input.frame.header));
     return input;
   }

@@ -163,12 +163,12 @@ TEST(DetectionsMessage, NothingFoundIsAMessageToo) {
 
 TEST(DetectionsMessage, ThatNoDetectorLooksIsAMessageToo) {
   const FrameHeader header = SmallSensorFrame().header;
-  const Result<detections_t> message = Through(EncodeNotLooked(header));
+  const Result<detections_t> message = Through(EncodeDetectorDidNotRun(header));
   ASSERT_TRUE(message) << message.error().message;
-  EXPECT_FALSE(Looked(*message));
+  EXPECT_FALSE(DetectorRan(*message));
   EXPECT_EQ(message->utime, header.utime);
   EXPECT_EQ(message->camera_id, Raw(header.camera_id));
-  EXPECT_TRUE(Looked(Encode(DetectionSet{}, 64, 48)));
+  EXPECT_TRUE(DetectorRan(Encode(DetectionSet{}, 64, 48)));
 }
 
 TEST(DetectionsMessage, RefusesNonsense) {

@@ -69,24 +69,24 @@ TEST(MapUpdate, DamagedPayloadIsAnError) {
 
 TEST(MapFollower, FollowsStepByStep) {
   MapFollower follower;
-  EXPECT_EQ(follower.Take(SnapshotAt(2)), Outcome::kApplied);
-  EXPECT_EQ(follower.Take(UpdateTo(3)), Outcome::kApplied);
-  EXPECT_EQ(follower.Take(UpdateTo(3)), Outcome::kIgnored);
+  EXPECT_EQ(follower.Apply(SnapshotAt(2)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(UpdateTo(3)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(UpdateTo(3)), Outcome::kIgnored);
   EXPECT_EQ(follower.position().revision, 3);
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(3));
 }
 
 TEST(MapFollower, KeepsItsStateAndAsksWhenAnUpdateIsMissing) {
   MapFollower follower;
-  EXPECT_EQ(follower.Take(UpdateTo(1)), Outcome::kNeedsSnapshot);
-  follower.Take(SnapshotAt(2));
-  EXPECT_EQ(follower.Take(UpdateTo(4)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(UpdateTo(1)), Outcome::kNeedsSnapshot);
+  follower.Apply(SnapshotAt(2));
+  EXPECT_EQ(follower.Apply(UpdateTo(4)), Outcome::kNeedsSnapshot);
   EXPECT_FALSE(follower.in_sync());
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(2));
-  EXPECT_EQ(follower.Take(UpdateTo(5)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(UpdateTo(5)), Outcome::kNeedsSnapshot);
   EXPECT_EQ(follower.gaps(), 1);
-  EXPECT_EQ(follower.Take(SnapshotAt(5)), Outcome::kApplied);
-  EXPECT_EQ(follower.Take(UpdateTo(6)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(SnapshotAt(5)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(UpdateTo(6)), Outcome::kApplied);
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(6));
 }
 
@@ -94,52 +94,53 @@ TEST(MapFollower, AppliesAnUpdateInPartsOnlyWhenAllAreThere) {
   MapFollower follower;
   const std::vector<MapUpdate> parts = SplitUpdate(SnapshotAt(7), 3);
   ASSERT_EQ(parts.size(), 3u);
-  EXPECT_EQ(follower.Take(parts[0]), Outcome::kWaiting);
-  EXPECT_EQ(follower.Take(parts[2]), Outcome::kWaiting);  // the middle is missing
+  EXPECT_EQ(follower.Apply(parts[0]), Outcome::kWaiting);
+  EXPECT_EQ(follower.Apply(parts[2]), Outcome::kWaiting);  // the middle is missing
   EXPECT_FALSE(follower.occupancy());
-  EXPECT_EQ(follower.Take(UpdateTo(8)), Outcome::kNeedsSnapshot);
-  EXPECT_EQ(follower.Take(parts[1]), Outcome::kApplied) << "the last part is the first to complete";
+  EXPECT_EQ(follower.Apply(UpdateTo(8)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(parts[1]), Outcome::kApplied)
+      << "the last part is the first to complete";
   EXPECT_TRUE(follower.in_sync());
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(7));
 }
 
 TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
   MapFollower follower;
-  follower.Take(SnapshotAt(2));
+  follower.Apply(SnapshotAt(2));
   MapUpdate other = UpdateTo(3);
   other.map_id = "another";
-  EXPECT_EQ(follower.Take(other), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(other), Outcome::kNeedsSnapshot);
   MapUpdate snapshot = SnapshotAt(1);
   snapshot.map_id = "another";
-  EXPECT_EQ(follower.Take(snapshot), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(snapshot), Outcome::kApplied);
   EXPECT_EQ(follower.position().map_id, "another");
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(1));
 }
 
 TEST(MapFollower, SaysWhichBlocksChangedAndEverywhereAfterASnapshot) {
   MapFollower follower;
-  EXPECT_TRUE(follower.TakeChanges().everywhere);
-  EXPECT_TRUE(follower.TakeChanges().everywhere) << "there is no map yet";
-  follower.Take(SnapshotAt(2));
-  const OccupancyChanges first = follower.TakeChanges();
+  EXPECT_TRUE(follower.ConsumeChanges().everywhere);
+  EXPECT_TRUE(follower.ConsumeChanges().everywhere) << "there is no map yet";
+  follower.Apply(SnapshotAt(2));
+  const OccupancyChanges first = follower.ConsumeChanges();
   EXPECT_TRUE(first.everywhere);
   EXPECT_TRUE(first.blocks.empty());
-  EXPECT_TRUE(follower.TakeChanges().blocks.empty());
+  EXPECT_TRUE(follower.ConsumeChanges().blocks.empty());
 
   std::set<BlockIndex> changed;
   for (int64_t revision = 3; revision < 9; ++revision) {
-    follower.Take(UpdateTo(revision));
+    follower.Apply(UpdateTo(revision));
     for (const auto& entry : UpdateTo(revision).delta.blocks) changed.insert(entry.first);
   }
-  const OccupancyChanges after = follower.TakeChanges();
+  const OccupancyChanges after = follower.ConsumeChanges();
   EXPECT_FALSE(after.everywhere);
   EXPECT_EQ(after.blocks, std::vector<BlockIndex>(changed.begin(), changed.end()));
   EXPECT_FALSE(after.blocks.empty());
-  follower.Take(UpdateTo(20));
-  EXPECT_TRUE(follower.TakeChanges().blocks.empty()) << "it was not applied";
-  follower.Take(SnapshotAt(20));
-  follower.Take(UpdateTo(21));
-  EXPECT_TRUE(follower.TakeChanges().everywhere);
+  follower.Apply(UpdateTo(20));
+  EXPECT_TRUE(follower.ConsumeChanges().blocks.empty()) << "it was not applied";
+  follower.Apply(SnapshotAt(20));
+  follower.Apply(UpdateTo(21));
+  EXPECT_TRUE(follower.ConsumeChanges().everywhere);
 }
 
 TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {

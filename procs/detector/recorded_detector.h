@@ -10,7 +10,7 @@ namespace vismap {
 /// Answers every RGBD_FRAME with one DETECTIONS, also when the source has none for it or says that
 /// no detector looked at it, until stop is requested. `camera` = answer this camera only; none =
 /// all.
-Outcome Detect(const DetectionSource& source, std::optional<CameraId> camera,
-               ProcessContext& context);
+Outcome RunRecordedDetector(const DetectionSource& source, std::optional<CameraId> camera,
+                            ProcessContext& context);
 
 }  // namespace vismap

@@ -14,7 +14,7 @@
 
 namespace vismap {
 
-struct LookerOptions {
+struct LiveDetectorOptions {
   std::optional<CameraId> camera;  ///< answer this camera only; none = all
   bool every_frame = false;        ///< look at every frame instead of the newest only
   size_t max_cached = 32;          ///< answers kept for frames that are sent again
@@ -26,22 +26,22 @@ struct LookerOptions {
 /// takes the next frame when it is done with one, and the bus keeps what waits. A frame that cannot
 /// be looked at (no colour, a broken JPEG) is answered "not looked at", too, so that nobody waits
 /// for it.
-class Looker {
+class LiveDetector {
  public:
   /// Subscribes. Detector and context must outlive it.
-  Looker(const LookerOptions& options, DnnDetector* detector, ProcessContext* context);
+  LiveDetector(const LiveDetectorOptions& options, DnnDetector* detector, ProcessContext* context);
 
   /// Works until stop is requested; then finishes the frame it is looking at.
   void Run();
 
  private:
-  using Sets = Result<DetectionSet>;
+  using DetectionResult = Result<DetectionSet>;
   /// A frame that the network is looking at.
   struct Work {
     rgbd_frame_t frame;
     FrameHeader header;
     double start;
-    std::future<Sets> result;
+    std::future<DetectionResult> result;
   };
   /// What was answered, and to which image.
   struct Answer {
@@ -51,14 +51,15 @@ class Looker {
   };
 
   Result<void> OnFrame(const rgbd_frame_t& message);
-  void Offer(const rgbd_frame_t& message);
-  void Start(const rgbd_frame_t& message);
-  void FinishIfDone(double patience);
-  void Say(const rgbd_frame_t& frame, const FrameHeader& header, const Sets& seen);
-  bool AnswerAgain(const rgbd_frame_t& message);
-  void TellPace();
+  void Enqueue(const rgbd_frame_t& message);
+  void StartDetection(const rgbd_frame_t& message);
+  void PublishIfReady(double patience);
+  void PublishResult(const rgbd_frame_t& frame, const FrameHeader& header,
+                     const DetectionResult& seen);
+  bool RepeatAnswer(const rgbd_frame_t& message);
+  void LogPace();
 
-  LookerOptions options_;
+  LiveDetectorOptions options_;
   DnnDetector& detector_;
   Bus& bus_;
   Status& status_;

@@ -1,4 +1,4 @@
-#include "detector/looker.h"
+#include "detector/live_detector.h"
 
 #include <algorithm>
 #include <chrono>
@@ -18,8 +18,8 @@ constexpr double kWhileWorking = 0.002;  // how often it is seen whether the net
 constexpr double kWhileIdle = 0.1;       // [s]
 
 /// Decodes the colour of a frame and looks at it.
-Result<DetectionSet> LookAt(const rgbd_frame_t& message, const FrameHeader& header,
-                            DnnDetector* detector) {
+Result<DetectionSet> RunDetector(const rgbd_frame_t& message, const FrameHeader& header,
+                                 DnnDetector* detector) {
   if (message.color_encoding != rgbd_frame_t::COLOR_JPEG) return Fail("the frame has no colour");
   const Result<Image<Rgb8>> color =
       DecodeJpeg(message.color, header.camera.width, header.camera.height);
@@ -29,7 +29,8 @@ Result<DetectionSet> LookAt(const rgbd_frame_t& message, const FrameHeader& head
 
 }  // namespace
 
-Looker::Looker(const LookerOptions& options, DnnDetector* detector, ProcessContext* context)
+LiveDetector::LiveDetector(const LiveDetectorOptions& options, DnnDetector* detector,
+                           ProcessContext* context)
     : options_(options),
       detector_(*detector),
       bus_(*context->bus),
@@ -37,44 +38,44 @@ Looker::Looker(const LookerOptions& options, DnnDetector* detector, ProcessConte
       pace_(MonotonicSeconds()) {
   bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                [this](const rgbd_frame_t& message) { return OnFrame(message); });
-  bus_.Every(kPacePeriod, [this] { TellPace(); });
+  bus_.Every(kPacePeriod, [this] { LogPace(); });
 }
 
-void Looker::Run() {
+void LiveDetector::Run() {
   status_.Set(ProcessState::kReady);
   while (!bus_.stop_requested()) {
     bus_.Spin(work_ ? kWhileWorking : kWhileIdle);
-    FinishIfDone(0);
+    PublishIfReady(0);
     // Spin has taken everything that had arrived, so this is the newest frame.
     if (work_) continue;
-    if (const std::optional<rgbd_frame_t> next = waiting_.Next()) Start(*next);
+    if (const std::optional<rgbd_frame_t> next = waiting_.Next()) StartDetection(*next);
   }
-  FinishIfDone(60);
-  TellPace();
+  PublishIfReady(60);
+  LogPace();
   LogInfo("looked at " + std::to_string(status_.counter("frames")) + " frames, passed over " +
-          std::to_string(status_.counter("frames_passed_over")) + ", found " +
+          std::to_string(status_.counter("frames_skipped")) + ", found " +
           std::to_string(status_.counter("detections")) + " detections");
 }
 
-Result<void> Looker::OnFrame(const rgbd_frame_t& message) {
+Result<void> LiveDetector::OnFrame(const rgbd_frame_t& message) {
   if (options_.camera && message.camera_id != Raw(*options_.camera)) return {};
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return tl::unexpected(header.error());
   status_.Set(ProcessState::kRunning);
-  if (AnswerAgain(message)) return {};
+  if (RepeatAnswer(message)) return {};
   if (!options_.every_frame) {
-    Offer(message);
+    Enqueue(message);
     return {};
   }
   const double start = MonotonicSeconds();
-  const Sets seen = LookAt(message, *header, &detector_);
-  pace_.Looked((MonotonicSeconds() - start) * 1e3);
+  const DetectionResult seen = RunDetector(message, *header, &detector_);
+  pace_.AddProcessed((MonotonicSeconds() - start) * 1e3);
   status_.AddTiming("detection", (MonotonicSeconds() - start) * 1e3);
-  Say(message, *header, seen);
+  PublishResult(message, *header, seen);
   return {};
 }
 
-void Looker::Offer(const rgbd_frame_t& message) {
+void LiveDetector::Enqueue(const rgbd_frame_t& message) {
   const FrameKey key = KeyOf(message);
   if (waiting_.Waits(key) || (work_ && KeyOf(work_->frame) == key)) {
     status_.Count("frames_repeated");  // its one answer is still to come
@@ -82,39 +83,40 @@ void Looker::Offer(const rgbd_frame_t& message) {
   }
   const std::optional<rgbd_frame_t> older = waiting_.Add(message);
   if (!older) return;
-  pace_.PassedOver();
-  status_.Count("frames_passed_over");
+  pace_.AddSkipped();
+  status_.Count("frames_skipped");
   if (const auto header = DecodeHeader(*older))
-    bus_.Publish(kDetectionsChannel, EncodeNotLooked(*header));
+    bus_.Publish(kDetectionsChannel, EncodeDetectorDidNotRun(*header));
 }
 
-void Looker::Start(const rgbd_frame_t& message) {
+void LiveDetector::StartDetection(const rgbd_frame_t& message) {
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return;  // was seen to be good when it arrived
   work_.emplace(Work{message, *header, MonotonicSeconds(), {}});
   work_->result = std::async(std::launch::async, [work = &*work_, detector = &detector_] {
-    return LookAt(work->frame, work->header, detector);
+    return RunDetector(work->frame, work->header, detector);
   });
 }
 
-void Looker::FinishIfDone(double patience) {
+void LiveDetector::PublishIfReady(double patience) {
   if (!work_ ||
       work_->result.wait_for(std::chrono::duration<double>(patience)) != std::future_status::ready)
     return;
-  const Sets seen = work_->result.get();
+  const DetectionResult seen = work_->result.get();
   const double ms = (MonotonicSeconds() - work_->start) * 1e3;
-  pace_.Looked(ms);
+  pace_.AddProcessed(ms);
   status_.AddTiming("detection", ms);
-  Say(work_->frame, work_->header, seen);
+  PublishResult(work_->frame, work_->header, seen);
   work_.reset();
 }
 
-void Looker::Say(const rgbd_frame_t& frame, const FrameHeader& header, const Sets& seen) {
+void LiveDetector::PublishResult(const rgbd_frame_t& frame, const FrameHeader& header,
+                                 const DetectionResult& seen) {
   if (!seen) {
     status_.Count("frames_unusable");
-    LogWarningSometimes("unusable", "RGBD_FRAME of " + ToText(KeyOf(frame)) +
-                                        " goes on without detections: " + seen.error().message);
-    bus_.Publish(kDetectionsChannel, EncodeNotLooked(header));
+    LogWarningRateLimited("unusable", "RGBD_FRAME of " + ToText(KeyOf(frame)) +
+                                          " goes on without detections: " + seen.error().message);
+    bus_.Publish(kDetectionsChannel, EncodeDetectorDidNotRun(header));
     return;
   }
   detections_t message = Encode(*seen, header.camera.width, header.camera.height);
@@ -125,7 +127,7 @@ void Looker::Say(const rgbd_frame_t& frame, const FrameHeader& header, const Set
   if (answers_.size() > options_.max_cached) answers_.pop_front();
 }
 
-bool Looker::AnswerAgain(const rgbd_frame_t& message) {
+bool LiveDetector::RepeatAnswer(const rgbd_frame_t& message) {
   const FrameKey key = KeyOf(message);
   const auto known = std::find_if(answers_.begin(), answers_.end(), [&](const Answer& answer) {
     return answer.key == key && answer.color == Checksum64(message.color);
@@ -136,8 +138,8 @@ bool Looker::AnswerAgain(const rgbd_frame_t& message) {
   return true;
 }
 
-void Looker::TellPace() {
-  if (const std::optional<std::string> sentence = pace_.Take(MonotonicSeconds()))
+void LiveDetector::LogPace() {
+  if (const std::optional<std::string> sentence = pace_.Summarize(MonotonicSeconds()))
     LogInfo(*sentence);
 }
 

@@ -1,4 +1,4 @@
-#include "detector/detect.h"
+#include "detector/recorded_detector.h"
 
 #include <vismap/rgbd_frame_t.hpp>
 
@@ -14,9 +14,9 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return tl::unexpected(header.error());
   context->status->Set(ProcessState::kRunning);
-  if (!source.LookedAt(*header)) {
-    context->bus->Publish(kDetectionsChannel, EncodeNotLooked(*header));
-    context->status->Count("frames_not_looked_at");
+  if (!source.DetectorRanOn(*header)) {
+    context->bus->Publish(kDetectionsChannel, EncodeDetectorDidNotRun(*header));
+    context->status->Count("frames_skipped");
     return {};
   }
   const Result<DetectionSet> set = source.ForFrame(*header);
@@ -30,8 +30,8 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
 
 }  // namespace
 
-Outcome Detect(const DetectionSource& source, std::optional<CameraId> camera,
-               ProcessContext& context) {
+Outcome RunRecordedDetector(const DetectionSource& source, std::optional<CameraId> camera,
+                            ProcessContext& context) {
   context.bus->Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                        [&](const rgbd_frame_t& message) -> Result<void> {
                                          if (camera && message.camera_id != Raw(*camera)) return {};
