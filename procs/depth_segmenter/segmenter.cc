@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/format.h"
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
 #include "segmentation/segment_frame.h"
@@ -16,11 +17,11 @@
 namespace vismap {
 namespace {
 
-constexpr double kPatienceCheck = 0.05;   // how often frames that wait are looked at [s]
-constexpr double kWaitWorthSaying = 0.5;  // [s]
+constexpr double kPatienceCheck = 0.05;  // time between two checks of the waiting frames [s]
+constexpr double kReportedWait = 0.5;    // a longer wait is shown in the status [s]
 
-/// Whether two messages show the same colours and space from the same place, whoever sent them and
-/// when. Depth is not looked at.
+/// Whether two messages are the same frame: same key, image size, depth unit, pose and colour.
+/// Depth, source and sequence number are not compared.
 bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
   return KeyOf(a) == KeyOf(b) && a.width == b.width && a.height == b.height &&
          a.depth_unit_m == b.depth_unit_m &&
@@ -28,7 +29,8 @@ bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
          a.color == b.color;
 }
 
-/// The message of a frame without the depth that segmentation has left out.
+/// The message of a frame with depth 0 at the pixels that segmentation has left out (NaN in
+/// `kept`).
 rgbd_frame_t WithoutLeftOut(const rgbd_frame_t& message, SensorFrame sensor,
                             const Image<float>& kept) {
   bool changed = false;
@@ -65,8 +67,8 @@ Segmenter::Segmenter(const SegmenterOptions& options, ProcessContext* context)
 void Segmenter::Run() {
   status_.Set(ProcessState::kReady);
   bus_.Run();
-  LogInfo("segmented " + std::to_string(status_.counter("frames")) + " frames, " +
-          std::to_string(join_.counters().frames_without) + " of them without detections");
+  LogInfo("segmented " + FormatCount(status_.counter("frames"), "frame") + ", " +
+          FormatCount(join_.counters().frames_without) + " of them without detections");
 }
 
 Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
@@ -92,7 +94,8 @@ bool Segmenter::RepeatAnswer(const rgbd_frame_t& message) {
     return a.depth == message.depth && SameButDepth(a.message.frame, message);
   });
   if (answer == answers_.end()) return false;
-  // What must be committed before it may have changed.
+  // Copy the new message, because its after_utime may have changed, but keep the depth of the
+  // result.
   rgbd_frame_t& frame = answer->message.frame;
   std::vector<uint8_t> depth = std::move(frame.depth);
   frame = message;
@@ -120,7 +123,7 @@ void Segmenter::SegmentReadyFrames() {
     Result<segmented_frame_t> answer = Segment(*joined);
     if (!answer) {
       status_.Count("frames_unusable");
-      LogWarningRateLimited("unusable", "RGBD_FRAME: rejected: " + answer.error().message);
+      LogWarningRateLimited("unusable", "an RGBD_FRAME was rejected: " + answer.error().message);
       continue;
     }
     status_.Count("frames");
@@ -146,11 +149,11 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
     } else {
       status_.Count("detections_of_other_size");
       LogWarningRateLimited(
-          "size", "DETECTIONS of " + ToText(KeyOf(message)) + " are for images of " +
-                      std::to_string(message.image_width) + "x" +
-                      std::to_string(message.image_height) + ", the frame has " +
-                      std::to_string(joined.frame.width) + "x" +
-                      std::to_string(joined.frame.height) + "; the frame goes on without them");
+          "size",
+          "DETECTIONS of " + ToText(KeyOf(message)) + " are for images of " +
+              std::to_string(message.image_width) + "x" + std::to_string(message.image_height) +
+              ", but the frame has " + std::to_string(joined.frame.width) + "x" +
+              std::to_string(joined.frame.height) + "; the frame is segmented without them");
     }
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
@@ -171,15 +174,17 @@ void Segmenter::UpdateStatus() {
   status_.SetCounter("detections_late", counters.detections_late);
   status_.SetCounter("detections_repeated", counters.detections_repeated);
   const double waited = join_.Waited(MonotonicSeconds());
-  if (waited > kWaitWorthSaying) {
+  if (waited > kReportedWait) {
     status_.Set(ProcessState::kWaiting,
-                "waiting for DETECTIONS: none for the oldest frame in " +
-                    std::to_string(static_cast<int>(waited)) + " s" +
+                "waiting for DETECTIONS: the oldest frame has waited for " +
+                    FormatDuration(waited) +
                     (peers_.IsAlive("detector") ? "" : ", and no detector is on the bus"));
   } else if (status_.counter("frames") > 0) {
     const bool alone =
         options_.detections == WaitForDetections::kAuto && !peers_.IsAlive("detector");
-    status_.Set(ProcessState::kRunning, alone ? "no detector is on the bus: geometry alone" : "");
+    status_.Set(
+        ProcessState::kRunning,
+        alone ? "no detector is on the bus, so frames are segmented by geometry alone" : "");
   }
 }
 

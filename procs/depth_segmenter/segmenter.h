@@ -16,20 +16,21 @@ namespace vismap {
 
 struct SegmenterOptions {
   WaitForDetections detections = WaitForDetections::kAuto;
-  double detection_timeout = 2.0;  ///< kAuto: patience with a detector that is alive [s]
-  size_t max_waiting = 64;  ///< frames that wait for detections; beyond, the oldest is given up
-  size_t max_cached = 32;   ///< results kept for frames that are sent again
+  double detection_timeout = 2.0;  ///< kAuto: how long a frame waits while a detector is alive [s]
+  size_t max_waiting =
+      64;  ///< largest number of frames that wait for detections; more drop the oldest
+  size_t max_cached = 32;  ///< number of results kept for frames that are sent again
   SegmentationStageOptions stage;
 };
 
-/// Turns RGBD_FRAME and DETECTIONS into SEGMENTED_FRAME: one for every frame, in the order of the
-/// frames. A frame that is sent again gets the same answer again.
+/// Segments frames: computes one SEGMENTED_FRAME from every RGBD_FRAME and its DETECTIONS, in the
+/// order of the frames. For a frame that is sent again it publishes the same result again.
 class Segmenter {
  public:
-  /// Subscribes. The context must outlive it.
+  /// Subscribes to RGBD_FRAME and DETECTIONS. `context` must outlive the object.
   Segmenter(const SegmenterOptions& options, ProcessContext* context);
 
-  /// Works until stop is requested.
+  /// Runs until stop is requested.
   void Run();
 
  private:
@@ -46,12 +47,13 @@ class Segmenter {
   Status& status_;
   Peers peers_;
   FrameDetectionJoin join_;
-  /// What a frame was answered with.
+  /// A published result.
   struct Answer {
-    std::vector<uint8_t> depth;  ///< as the frame came; the answer's may lack what was left out
+    std::vector<uint8_t>
+        depth;  ///< encoded depth of the RGBD_FRAME; in `message` left-out pixels are removed
     segmented_frame_t message;
   };
-  std::deque<Answer> answers_;  // the newest few
+  std::deque<Answer> answers_;  // the newest ones, at most max_cached
 };
 
 }  // namespace vismap

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/digest.h"
+#include "base/format.h"
 #include "codecs/color_codec.h"
 #include "runtime/clock.h"
 #include "wire/detections.h"
@@ -13,11 +14,12 @@
 namespace vismap {
 namespace {
 
-constexpr double kPacePeriod = 10;       // between two log lines [s]
-constexpr double kWhileWorking = 0.002;  // how often it is seen whether the network is done [s]
-constexpr double kWhileIdle = 0.1;       // [s]
+constexpr double kPacePeriod = 10;  // time between two log lines on the pace [s]
+constexpr double kWhileWorking =
+    0.002;                          // time between two checks whether the network has finished [s]
+constexpr double kWhileIdle = 0.1;  // the same while it does not run [s]
 
-/// Decodes the colour of a frame and looks at it.
+/// Decodes the colour of a frame and runs the network on it.
 Result<DetectionSet> RunDetector(const rgbd_frame_t& message, const FrameHeader& header,
                                  DnnDetector* detector) {
   if (message.color_encoding != rgbd_frame_t::COLOR_JPEG) return Fail("the frame has no colour");
@@ -46,15 +48,15 @@ void LiveDetector::Run() {
   while (!bus_.stop_requested()) {
     bus_.Spin(work_ ? kWhileWorking : kWhileIdle);
     PublishIfReady(0);
-    // Spin has taken everything that had arrived, so this is the newest frame.
+    // Spin has handled all messages that had arrived, so this is the newest frame.
     if (work_) continue;
     if (const std::optional<rgbd_frame_t> next = waiting_.Next()) StartDetection(*next);
   }
   PublishIfReady(60);
   LogPace();
-  LogInfo("looked at " + std::to_string(status_.counter("frames")) + " frames, passed over " +
-          std::to_string(status_.counter("frames_skipped")) + ", found " +
-          std::to_string(status_.counter("detections")) + " detections");
+  LogInfo("found " + FormatCount(status_.counter("detections"), "detection") + " in " +
+          FormatCount(status_.counter("frames"), "frame") + "; skipped " +
+          FormatCount(status_.counter("frames_skipped"), "frame"));
 }
 
 Result<void> LiveDetector::OnFrame(const rgbd_frame_t& message) {
@@ -68,17 +70,17 @@ Result<void> LiveDetector::OnFrame(const rgbd_frame_t& message) {
     return {};
   }
   const double start = MonotonicSeconds();
-  const DetectionResult seen = RunDetector(message, *header, &detector_);
+  const DetectionResult result = RunDetector(message, *header, &detector_);
   pace_.AddProcessed((MonotonicSeconds() - start) * 1e3);
   status_.AddTiming("detection", (MonotonicSeconds() - start) * 1e3);
-  PublishResult(message, *header, seen);
+  PublishResult(message, *header, result);
   return {};
 }
 
 void LiveDetector::Enqueue(const rgbd_frame_t& message) {
   const FrameKey key = KeyOf(message);
   if (waiting_.Waits(key) || (work_ && KeyOf(work_->frame) == key)) {
-    status_.Count("frames_repeated");  // its one answer is still to come
+    status_.Count("frames_repeated");  // its result will be published later
     return;
   }
   const std::optional<rgbd_frame_t> older = waiting_.Add(message);
@@ -91,38 +93,38 @@ void LiveDetector::Enqueue(const rgbd_frame_t& message) {
 
 void LiveDetector::StartDetection(const rgbd_frame_t& message) {
   const Result<FrameHeader> header = DecodeHeader(message);
-  if (!header) return;  // was seen to be good when it arrived
+  if (!header) return;  // cannot happen, OnFrame has decoded it
   work_.emplace(Work{message, *header, MonotonicSeconds(), {}});
   work_->result = std::async(std::launch::async, [work = &*work_, detector = &detector_] {
     return RunDetector(work->frame, work->header, detector);
   });
 }
 
-void LiveDetector::PublishIfReady(double patience) {
+void LiveDetector::PublishIfReady(double timeout) {
   if (!work_ ||
-      work_->result.wait_for(std::chrono::duration<double>(patience)) != std::future_status::ready)
+      work_->result.wait_for(std::chrono::duration<double>(timeout)) != std::future_status::ready)
     return;
-  const DetectionResult seen = work_->result.get();
+  const DetectionResult result = work_->result.get();
   const double ms = (MonotonicSeconds() - work_->start) * 1e3;
   pace_.AddProcessed(ms);
   status_.AddTiming("detection", ms);
-  PublishResult(work_->frame, work_->header, seen);
+  PublishResult(work_->frame, work_->header, result);
   work_.reset();
 }
 
 void LiveDetector::PublishResult(const rgbd_frame_t& frame, const FrameHeader& header,
-                                 const DetectionResult& seen) {
-  if (!seen) {
+                                 const DetectionResult& result) {
+  if (!result) {
     status_.Count("frames_unusable");
     LogWarningRateLimited("unusable", "RGBD_FRAME of " + ToText(KeyOf(frame)) +
-                                          " goes on without detections: " + seen.error().message);
+                                          " gets no detections: " + result.error().message);
     bus_.Publish(kDetectionsChannel, EncodeDetectorDidNotRun(header));
     return;
   }
-  detections_t message = Encode(*seen, header.camera.width, header.camera.height);
+  detections_t message = Encode(*result, header.camera.width, header.camera.height);
   bus_.Publish(kDetectionsChannel, message);
   status_.Count("frames");
-  status_.Count("detections", static_cast<int64_t>(seen->detections.size()));
+  status_.Count("detections", static_cast<int64_t>(result->detections.size()));
   answers_.push_back({KeyOf(frame), Checksum64(frame.color), std::move(message)});
   if (answers_.size() > options_.max_cached) answers_.pop_front();
 }

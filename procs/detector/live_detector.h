@@ -15,47 +15,47 @@
 namespace vismap {
 
 struct LiveDetectorOptions {
-  std::optional<CameraId> camera;  ///< answer this camera only; none = all
-  bool every_frame = false;        ///< look at every frame instead of the newest only
-  size_t max_cached = 32;          ///< answers kept for frames that are sent again
+  std::optional<CameraId> camera;  ///< process frames of this camera only; nullopt = all
+  bool every_frame = false;        ///< run on every frame, not only on the newest
+  size_t max_cached = 32;          ///< number of results kept for frames that are sent again
 };
 
-/// Answers every RGBD_FRAME with one DETECTIONS by a network. Unless every_frame, the network works
-/// beside the bus: frames that arrive meanwhile wait, of each camera the newest only, and a frame
-/// that a newer one replaces is answered at once with "not looked at". With every_frame the process
-/// takes the next frame when it is done with one, and the bus keeps what waits. A frame that cannot
-/// be looked at (no colour, a broken JPEG) is answered "not looked at", too, so that nobody waits
-/// for it.
+/// Runs a network on the frames on the bus and publishes exactly one DETECTIONS message for every
+/// RGBD_FRAME. By default it runs on the newest frame: while the network works in another thread,
+/// the newest frame of each camera waits, and a frame that is replaced by a newer one is skipped,
+/// for which EncodeDetectorDidNotRun is published immediately. With every_frame it runs on every
+/// frame, one after the other, and the hub queues the waiting ones. A frame without colour or with
+/// a damaged JPEG is skipped, too, so that no process waits for its detections.
 class LiveDetector {
  public:
-  /// Subscribes. Detector and context must outlive it.
+  /// Subscribes to RGBD_FRAME. `detector` and `context` must outlive the object.
   LiveDetector(const LiveDetectorOptions& options, DnnDetector* detector, ProcessContext* context);
 
-  /// Works until stop is requested; then finishes the frame it is looking at.
+  /// Runs until stop is requested, then finishes the current frame.
   void Run();
 
  private:
   using DetectionResult = Result<DetectionSet>;
-  /// A frame that the network is looking at.
+  /// The frame on which the network is running.
   struct Work {
     rgbd_frame_t frame;
     FrameHeader header;
-    double start;
+    double start;  // MonotonicSeconds
     std::future<DetectionResult> result;
   };
-  /// What was answered, and to which image.
+  /// A published result, and the colour image from which it was computed.
   struct Answer {
     FrameKey key;
-    uint64_t color;
+    uint64_t color;  // checksum of the JPEG
     detections_t message;
   };
 
   Result<void> OnFrame(const rgbd_frame_t& message);
   void Enqueue(const rgbd_frame_t& message);
   void StartDetection(const rgbd_frame_t& message);
-  void PublishIfReady(double patience);
+  void PublishIfReady(double timeout);
   void PublishResult(const rgbd_frame_t& frame, const FrameHeader& header,
-                     const DetectionResult& seen);
+                     const DetectionResult& result);
   bool RepeatAnswer(const rgbd_frame_t& message);
   void LogPace();
 
@@ -65,7 +65,7 @@ class LiveDetector {
   Status& status_;
   NewestFrames waiting_;
   std::optional<Work> work_;
-  std::deque<Answer> answers_;  // the newest few
+  std::deque<Answer> answers_;  // the newest ones, at most max_cached
   Pace pace_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <vismap/rgbd_frame_t.hpp>
 
+#include "base/format.h"
 #include "wire/detections.h"
 #include "wire/rgbd_frame.h"
 
@@ -39,8 +40,8 @@ Outcome RunRecordedDetector(const DetectionSource& source, std::optional<CameraI
                                        });
   context.status->Set(ProcessState::kReady);
   context.bus->Run();
-  LogInfo("answered " + std::to_string(context.status->counter("frames")) + " frames with " +
-          std::to_string(context.status->counter("detections")) + " detections");
+  LogInfo("published " + FormatCount(context.status->counter("detections"), "detection") + " for " +
+          FormatCount(context.status->counter("frames"), "frame"));
   return {};
 }
 

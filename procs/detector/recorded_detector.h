@@ -7,9 +7,9 @@
 
 namespace vismap {
 
-/// Answers every RGBD_FRAME with one DETECTIONS, also when the source has none for it or says that
-/// no detector looked at it, until stop is requested. `camera` = answer this camera only; none =
-/// all.
+/// Publishes one DETECTIONS message for every RGBD_FRAME, from recorded detections, until stop is
+/// requested. A frame on which no detector ran gets the message of EncodeDetectorDidNotRun.
+/// `camera` restricts it to the frames of one camera; nullopt = all cameras.
 Outcome RunRecordedDetector(const DetectionSource& source, std::optional<CameraId> camera,
                             ProcessContext& context);
 

@@ -9,7 +9,8 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxNames = 1000;  // of channels, sources, processes: anybody may invent them
+constexpr size_t kMaxNames = 1000;  // of channels, sources and processes; bounds the memory, since
+                                    // any program may choose new names
 
 template <typename Map>
 bool HasRoom(const Map& map, const std::string& name) {
@@ -56,7 +57,8 @@ void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t ut
   if (first) {
     picture.first = *status;
   } else if (status->start_utime > picture.last.start_utime) {
-    // Counters begin anew; whoever spoke under the name before has ended, if it stays silent.
+    // The process was restarted, and its counters start at 0 again. If the old one still runs, its
+    // next STATUS shows it.
     ++picture.restarts;
     picture.first = *status;
   } else if (status->start_utime < picture.last.start_utime) {

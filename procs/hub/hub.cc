@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 #include <vector>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/status.h"
@@ -23,7 +23,8 @@ namespace vismap {
 namespace {
 
 constexpr size_t kReadPerTurn =
-    size_t{2} << 20;  // so that one busy client does not starve the others [bytes]
+    size_t{2}
+    << 20;  // limit per client and round, so that a busy client does not delay others [bytes]
 
 void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
@@ -33,12 +34,6 @@ std::string AddressText(const sockaddr_in& address) {
   char text[INET_ADDRSTRLEN] = {};
   inet_ntop(AF_INET, &address.sin_addr, text, sizeof(text));
   return std::string(text) + ":" + std::to_string(ntohs(address.sin_port));
-}
-
-std::string Seconds(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g s", seconds);
-  return text;
 }
 
 void AddCounts(process_status_t* message, const NamedCounts& counts, const std::string& what) {
@@ -139,13 +134,13 @@ void Hub::Accept() {
   const std::string name = AddressText(address);
   if (client_count() >= options_.max_clients) {
     ++counters_.clients_cut_off;
-    LogWarningRateLimited("full", name + " was refused: there are " +
-                                      std::to_string(client_count()) + " clients already");
+    LogWarningRateLimited("full", name + " was refused: there are already " +
+                                      std::to_string(client_count()) + " clients");
     return;
   }
   TuneTcp(socket.fd());
   ++counters_.clients_accepted;
-  LogDebug(name + " joined");
+  LogDebug(name + " connected");
   auto client = std::make_shared<Client>(std::move(socket), name, options_.max_message_bytes,
                                          options_.queue_bytes);
   client->connection.Flush();
@@ -159,7 +154,7 @@ void Hub::Read(Client& client) {
   if (read || client.dead) return;
   if (read.error().message.empty()) {
     client.dead = true;
-    LogDebug(client.name + " left");
+    LogDebug(client.name + " disconnected");
   } else {
     Disconnect(client, read.error().message);
   }
@@ -168,7 +163,7 @@ void Hub::Read(Client& client) {
 void Hub::Disconnect(Client& client, const std::string& why) {
   client.dead = true;
   ++counters_.clients_cut_off;
-  LogWarningRateLimited("cut off", client.name + " " + why + "; cut off");
+  LogWarningRateLimited("disconnected", client.name + " " + why + "; it was disconnected");
 }
 
 void Hub::HandleRecord(Client& client, TcpqRecord record) {
@@ -184,7 +179,7 @@ void Hub::HandleRecord(Client& client, TcpqRecord record) {
       return Route(record, &client);
     case TcpqRecord::Kind::kSubscribe:
       if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
-        Disconnect(client, "cannot subscribe: " + added.error().message);
+        Disconnect(client, "sent a subscription that cannot be used: " + added.error().message);
       }
       return;
     case TcpqRecord::Kind::kUnsubscribe:
@@ -218,10 +213,10 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
       ++counters_.dropped;
       counters_.dropped_by_channel.Add(message.channel);
       counters_.dropped_by_client.Add(client.name);
-      LogWarningRateLimited("slow " + client.name,
-                            client.name + " is too slow: a message of " + message.channel +
-                                " to it was dropped, its queue of " +
-                                std::to_string(options_.queue_bytes) + " bytes is full");
+      LogWarningRateLimited("slow " + client.name, client.name + " is too slow: its queue of " +
+                                                       FormatBytes(options_.queue_bytes) +
+                                                       " is full, so a message of " +
+                                                       message.channel + " was dropped");
   }
 }
 
@@ -232,8 +227,8 @@ void Hub::DisconnectStalled() {
       const std::shared_ptr<Client> slow = entry.lock();
       if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience) continue;
       if (!slow->dead) {
-        Disconnect(*slow, "has taken nothing for " + Seconds(options_.patience) + ", and " +
-                              client->name + " had to wait for it");
+        Disconnect(*slow, "has read nothing for " + FormatDuration(options_.patience) + " while " +
+                              client->name + " had to wait");
       }
     }
   }
@@ -278,10 +273,10 @@ std::string Hub::StatusSentence() const {
   for (const std::shared_ptr<Client>& client : clients_) {
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
       const std::shared_ptr<Client> slow = entry.lock();
-      if (slow != nullptr) return slow->name + " is slow, " + client->name + " has to wait for it";
+      if (slow != nullptr) return slow->name + " is slow, so " + client->name + " has to wait";
     }
   }
-  return options_.faults.drop_fraction > 0 ? "loses messages on purpose" : "";
+  return options_.faults.drop_fraction > 0 ? "loses messages intentionally (--drop-fraction)" : "";
 }
 
 }  // namespace vismap

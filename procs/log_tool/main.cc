@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/format.h"
 #include "log_tool/convert.h"
 #include "log_tool/cut.h"
 #include "log_tool/verify.h"
@@ -36,8 +37,9 @@ Outcome Verify(const Arguments& arguments) {
   std::printf("%s", print(arguments.input, *report).c_str());
   const size_t problems = report->Problems().size();
   if (problems == 0) return {};
-  return ExitWith(ExitCode::kFailed,
-                  arguments.input + ": problems found: " + std::to_string(problems));
+  return ExitWith(
+      ExitCode::kFailed,
+      arguments.input + ": " + FormatCount(static_cast<int64_t>(problems), "problem") + " found");
 }
 
 Outcome Cut(const Arguments& arguments) {
@@ -48,15 +50,15 @@ Outcome Cut(const Arguments& arguments) {
   const Result<CutResult> cut = CutLog(*reader, options, arguments.out);
   if (!cut) return Unreadable(cut.error());
   if (cut->damaged_bytes > 0) {
-    LogWarning(arguments.input + ": left out " + std::to_string(cut->damaged_bytes) +
-               " damaged bytes");
+    LogWarning(arguments.input + ": left out a damaged part of " + FormatBytes(cut->damaged_bytes));
   }
-  std::printf("%lld messages kept, %lld left out: %s\n", static_cast<long long>(cut->kept),
-              static_cast<long long>(cut->left_out), arguments.out.c_str());
+  std::printf("wrote %s with %s; left out %s\n", arguments.out.c_str(),
+              FormatCount(cut->kept, "message").c_str(),
+              FormatCount(cut->left_out, "message").c_str());
   return {};
 }
 
-// A sequence and the detections to go with it; none when told so or when it has none.
+// A sequence and its detections; nullptr when it has none or --detections is "none".
 struct Sequence {
   Recording recording;
   std::unique_ptr<DetectionSource> detections;
@@ -82,8 +84,8 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
 
 Outcome PrintResult(const Result<ConvertResult>& result, const std::string& out) {
   if (!result) return Unreadable(result.error());
-  for (const std::string& lost : result->lost) LogWarning("lost: " + lost);
-  std::printf("%lld frames: %s\n", static_cast<long long>(result->frames), out.c_str());
+  for (const std::string& lost : result->lost) LogWarning("not stored in " + out + ": " + lost);
+  std::printf("wrote %s with %s\n", out.c_str(), FormatCount(result->frames, "frame").c_str());
   return {};
 }
 

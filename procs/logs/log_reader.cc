@@ -33,12 +33,13 @@ bool IsChannelName(std::span<const uint8_t> name) {
 }  // namespace
 
 Result<LogReader> LogReader::Open(const std::filesystem::path& path) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block us
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC |
+                                        O_NONBLOCK);  // O_NONBLOCK: opening a pipe must not block
   if (fd < 0) return Fail(path.string() + ": cannot open the log: " + std::strerror(errno));
   LogReader reader(path.string(), fd, 0);
   struct stat info {};
   if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-    return Fail(path.string() + ": expected a log file, found something else");
+    return Fail(path.string() + ": expected a log, but this is not a regular file");
   reader.size_ = static_cast<uint64_t>(info.st_size);
   return reader;
 }
@@ -61,7 +62,7 @@ LogReader& LogReader::operator=(LogReader&& other) noexcept {
   return *this;
 }
 
-// Fewer bytes only when the file ends before.
+// Returns fewer bytes only when the file ends before.
 Result<std::vector<uint8_t>> LogReader::ReadAt(uint64_t offset, uint64_t bytes) const {
   std::vector<uint8_t> data(std::min(bytes, size_ - std::min(offset, size_)));
   size_t have = 0;
@@ -71,7 +72,7 @@ Result<std::vector<uint8_t>> LogReader::ReadAt(uint64_t offset, uint64_t bytes) 
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) {
       return Fail(path_ + ": cannot read at byte " + std::to_string(offset + have) + ": " +
-                  (got < 0 ? std::strerror(errno) : "the file has become shorter"));
+                  (got < 0 ? std::strerror(errno) : "the file was truncated meanwhile"));
     }
     have += static_cast<size_t>(got);
   }
@@ -105,16 +106,17 @@ Result<LogReader::Head> LogReader::HeadAt(uint64_t offset) const {
   return head;
 }
 
-// Whether an event, or the beginning of one that is cut off, or the end of the file is there.
+// Whether an event, the beginning of a truncated event, or the end of the file is at this offset.
 Result<bool> LogReader::MayBeginAt(uint64_t offset) const {
   const Result<std::vector<uint8_t>> bytes = ReadAt(offset, kSync.size());
   if (!bytes) return tl::unexpected(bytes.error());
   return std::equal(bytes->begin(), bytes->end(), kSync.begin());
 }
 
-// The first whole event from here on.
+// Returns the offset of the first complete event at or after `from`.
 Result<std::optional<uint64_t>> LogReader::FindEvent(uint64_t from) const {
-  // Mostly it is near; a hostile file must not make us read a lot for every event.
+  // The next event is usually near, so start with a small step: otherwise a malicious file could
+  // make every event cost a long read.
   for (uint64_t step = kFirstSearch; from < size_; step = std::min(2 * step, kLargestSearch)) {
     const Result<std::vector<uint8_t>> bytes = ReadAt(from, step);
     if (!bytes) return tl::unexpected(bytes.error());
@@ -127,7 +129,7 @@ Result<std::optional<uint64_t>> LogReader::FindEvent(uint64_t from) const {
       ++at;
     }
     if (bytes->size() < step) break;
-    from += step - (kSync.size() - 1);  // a sync word may lie across the border
+    from += step - (kSync.size() - 1);  // a sync word may span two steps
   }
   return std::nullopt;
 }
@@ -140,8 +142,8 @@ Result<std::optional<LogItem>> LogReader::Next() {
   return SkipDamage(next_ + 1, head->state == Head::State::kPastEnd);
 }
 
-// Where an event ends, the next one begins. If not, one of the two is damaged: this one when
-// another event lies within what it claims as its data.
+// The next event should begin where this one ends. If it does not, one of the two is damaged. It is
+// this one if another complete event lies within its data.
 Result<std::optional<LogItem>> LogReader::AcceptEvent(LogEvent event) {
   const Result<bool> fits = MayBeginAt(event.end());
   if (!fits) return tl::unexpected(fits.error());

@@ -24,8 +24,9 @@ RecordedMaps Sort(const std::vector<frame_commit_t>& commits) {
   return maps;
 }
 
-// Puts the frames of the map that this one went on from before those that are there: the newest
-// earlier map that reached the revision before the first one here. False when there is none.
+// Finds the saved map that this map continued: the newest earlier map that reached the revision
+// before the first one in `frames`. Adds its frames to `frames` and sets `map` to it. Returns false
+// when there is none.
 bool PrependSavedMap(const RecordedMaps& maps, size_t* map, ByRevision* frames) {
   const int64_t before = frames->begin()->first - 1;
   while ((*map)-- > 0) {
@@ -43,9 +44,9 @@ void CheckComplete(const ByRevision& frames, std::vector<std::string>* remarks) 
   int64_t expected = 1;
   for (const auto& [revision, commit] : frames) {
     if (revision != expected) {
-      remarks->push_back("the log has no MAP_COMMIT of revisions " + std::to_string(expected) +
+      remarks->push_back("the log has no MAP_COMMIT of the revisions " + std::to_string(expected) +
                          " to " + std::to_string(revision - 1) + " of map " + commit.map_id +
-                         ": the frames in the log do not make the recorded map");
+                         ", so the map will differ from the recorded one");
     }
     expected = revision + 1;
   }
@@ -61,7 +62,7 @@ MapHistory HistoryOfNewestMap(const std::vector<frame_commit_t>& commits) {
   history.map_id = maps.order.back();
   ByRevision frames = maps.integrated.at(history.map_id);
   while (frames.begin()->first > 1 && PrependSavedMap(maps, &map, &frames)) {
-    history.remarks.push_back("map " + history.map_id + " goes on from a saved one, taken to be " +
+    history.remarks.push_back("map " + history.map_id + " continues a saved map, probably " +
                               maps.order[map]);
   }
   CheckComplete(frames, &history.remarks);

@@ -37,16 +37,17 @@ void AddCommit(const LogReader& reader, const LogEvent& event, RecordedRun* run)
 Result<RecordedRun> ReadRun(LogReader& reader) {
   RecordedRun run;
   int64_t events = 0;
-  const auto take = [&](const LogEvent& event) -> Result<void> {
+  const auto on_event = [&](const LogEvent& event) -> Result<void> {
     ++events;
     if (event.channel == kRgbdFrameChannel.name) return AddFrame(reader, event, &run);
     if (event.channel == kDetectionsChannel.name) AddDetections(reader, event, &run);
     if (event.channel == kMapCommitChannel.name) AddCommit(reader, event, &run);
     return {};
   };
-  const Result<void> read = ForEachEvent(reader, take, [&](const LogDamage&) { ++run.damaged; });
+  const Result<void> read =
+      ForEachEvent(reader, on_event, [&](const LogDamage&) { ++run.damaged; });
   if (!read) return tl::unexpected(read.error());
-  if (events == 0) return Fail(reader.path() + ": not one LCM event in this file");
+  if (events == 0) return Fail(reader.path() + ": the file has no LCM event");
   return run;
 }
 

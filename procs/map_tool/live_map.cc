@@ -9,7 +9,7 @@ namespace vismap {
 tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
                                                          ProcessContext& context,
                                                          map_request_t request) {
-  // The process number keeps two callers apart, so that each gets its own answer.
+  // The pid in the name makes it unique, so that each caller gets its own answer.
   const auto bus = OpenBus(context.options, context.options.name + "-" + std::to_string(getpid()),
                            &context.stop);
   if (!bus) return ExitWith(ExitCode::kFailed, bus.error().message);

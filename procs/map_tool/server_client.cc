@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 
 namespace vismap {
@@ -27,11 +28,12 @@ Result<map_reply_t> SendRequest(Bus& bus, map_request_t request, double timeout)
     bus.Spin(0.1);
   }
   if (!answer) {
-    return Fail("no answer to '" + request.verb + "' within " +
-                std::to_string(static_cast<int>(timeout)) + " s at " + bus.url() +
-                ": is vismap-map-server running on this bus?");
+    return Fail("no answer to the request '" + request.verb + "' within " +
+                FormatDuration(timeout) + " on " + bus.url() +
+                "; check with vismap-doctor that vismap-map-server is running on this bus");
   }
-  if (!answer->ok) return Fail("the server refused '" + request.verb + "': " + answer->message);
+  if (!answer->ok)
+    return Fail("the server rejected the request '" + request.verb + "': " + answer->message);
   return *answer;
 }
 

@@ -26,8 +26,8 @@ Peers::Peers(Bus* bus) {
     if (status.types_fingerprint != TypesFingerprint()) {
       LogWarningRateLimited("fingerprint " + status.source,
                             status.source + " on " + status.host +
-                                " has other message types (version " + status.version +
-                                "); it cannot understand all that is said here");
+                                " uses other message types (version " + status.version +
+                                ") than this process; they cannot exchange all messages");
     }
   });
 }

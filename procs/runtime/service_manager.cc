@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-// What cannot be sent is not an error of ours: the manager's own time limits deal with it.
+// Errors are ignored: the time limits of the service manager detect a process that does not report.
 void Send(const std::string& message) { sd_notify(0, message.c_str()); }
 
 }  // namespace
@@ -28,7 +28,7 @@ void ServiceManager::SetReady() {
 }
 
 void ServiceManager::SetStatus(const std::string& sentence) {
-  // A line end would begin another assignment, and sentences may quote what came over the bus.
+  // A line break would start another assignment, and the sentence may contain text from the bus.
   std::string line = sentence;
   std::replace(line.begin(), line.end(), '\n', ' ');
   Send("STATUS=" + line);

@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxTimings = 10000;  // per stage between two status messages
+constexpr size_t kMaxTimings = 10000;  // per stage and STATUS
 
 double Median(std::vector<double>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
@@ -63,7 +63,7 @@ void Status::Set(ProcessState state, const std::string& message) {
   state_ = state;
   message_ = message;
   UpdateServiceManager();
-  if (changed) Publish();  // a mere change of words waits for the next second
+  if (changed) Publish();  // a change of the message alone is published with the next STATUS
 }
 
 void Status::UpdateServiceManager() {

@@ -50,7 +50,9 @@ Result<void> MapContents::OnReply(const std::string& requester, int64_t request_
   for (const auto& frame : json) {
     if (!frame.is_array() || frame.size() != 2 || !frame[0].is_number_integer() ||
         !frame[1].is_number_integer()) {
-      return Fail("answer to 'frames': expected [camera_id, utime], found " + frame.dump());
+      return Fail(
+          "the answer to the request 'frames' must consist of [camera_id, utime], but has " +
+          frame.dump());
     }
     frames.insert({CameraId{frame[0].get<int32_t>()}, frame[1].get<int64_t>()});
   }

@@ -41,10 +41,11 @@ void MapFollower::RecordChanges(const OccupancyDelta& delta) {
   if (changes_.everywhere) return;
   for (const auto& entry : delta.blocks) changes_.blocks.push_back(entry.first);
   if (changes_.blocks.size() <= changes_limit_) return;
-  // A camera that stands still changes the same blocks again and again.
+  // A camera that does not move changes the same blocks in every update.
   SortUnique(&changes_.blocks);
   changes_limit_ = std::max<size_t>(65536, 2 * changes_.blocks.size());
-  // More places than the map has blocks: they came and went.
+  // More changed blocks than the map has: many of them were created and deleted. The list would
+  // only grow.
   if (changes_.blocks.size() > occupancy_->size() + 65536) changes_ = {true, {}};
 }
 
