@@ -5,7 +5,7 @@
 namespace vismap {
 namespace {
 
-TEST(Pace, SaysWhatCameSinceItWasAsked) {
+TEST(Pace, SummarizesTheFramesSinceTheLastCall) {
   Pace pace(100);
   EXPECT_FALSE(pace.Summarize(110)) << "there were no frames";
   for (int i = 0; i < 48; ++i) pace.AddProcessed(147);

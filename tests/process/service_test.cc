@@ -1,4 +1,4 @@
-// What systemd hears of our processes when it starts them with Type=notify.
+// The messages that systemd receives from our processes when it starts them with Type=notify.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -17,7 +17,7 @@ using testing::StartsWith;
 
 constexpr int kWatchdogUs = 200'000;
 
-TEST(Service, HubIsReadyWhenItListensAndAliveUntilItStops) {
+TEST(Service, HubReportsReadyAliveAndStopping) {
   const TempFolder folder;
   FakeServiceManager manager(kWatchdogUs);
   ChildProcess hub("hub", {"--listen", "127.0.0.1:0"}, folder.path());
@@ -25,7 +25,7 @@ TEST(Service, HubIsReadyWhenItListensAndAliveUntilItStops) {
   EXPECT_THAT(hub.StandardOutput(), HasSubstr("tcpq://127.0.0.1:"));
   EXPECT_THAT(manager.Heard(), Contains(StartsWith("STATUS=running: tcpq://127.0.0.1:")));
   EXPECT_TRUE(manager.WaitFor("WATCHDOG=1", 3));
-  hub.Signal(SIGSTOP);  // as if it hung
+  hub.Signal(SIGSTOP);  // simulates a process that hangs
   ASSERT_EQ(waitpid(hub.pid(), nullptr, WUNTRACED), hub.pid());
   manager.Heard();
   manager.Forget();
@@ -35,10 +35,10 @@ TEST(Service, HubIsReadyWhenItListensAndAliveUntilItStops) {
   hub.Signal(SIGTERM);
   EXPECT_TRUE(manager.WaitFor("STOPPING=1"));
   EXPECT_EQ(hub.WaitForExit(), 0);
-  EXPECT_EQ(manager.Count("READY=1"), 0) << "is said once";
+  EXPECT_EQ(manager.Count("READY=1"), 0) << "it is sent only once";
 }
 
-TEST(Service, ProcessTellsWhatItsStatusSays) {
+TEST(Service, ProcessReportsItsStatus) {
   ProcessBus processes;
   FakeServiceManager manager(kWatchdogUs);
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "none"});
@@ -53,7 +53,7 @@ TEST(Service, ProcessTellsWhatItsStatusSays) {
   EXPECT_EQ(manager.Count("READY=1"), 1);
 }
 
-TEST(Service, WithoutAHubAProcessIsNeverReady) {
+TEST(Service, ProcessWithoutAHubIsNeverReady) {
   const TempFolder folder;
   FakeServiceManager manager(kWatchdogUs);
   ChildProcess segmenter("depth-segmenter",

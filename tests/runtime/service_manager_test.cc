@@ -10,7 +10,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(ServiceManager, WithoutOneNothingHappens) {
+TEST(ServiceManager, DoesNothingWithoutAServiceManager) {
   ServiceManager service;
   EXPECT_EQ(service.alive_period(), 0);
   service.SetReady();
@@ -19,14 +19,14 @@ TEST(ServiceManager, WithoutOneNothingHappens) {
   service.SetStopping();
 }
 
-TEST(ServiceManager, SentencesCannotCarryOtherAssignments) {
+TEST(ServiceManager, SentencesCannotContainOtherAssignments) {
   FakeServiceManager manager(1'000'000);
   ServiceManager service;
   service.SetStatus("frame of 'x\nMAINPID=1\nREADY=1' refused");
   EXPECT_THAT(manager.Heard(), ElementsAre("STATUS=frame of 'x MAINPID=1 READY=1' refused"));
 }
 
-TEST(ServiceManager, AliveIsSaidOncePerHalfTheTimeHoweverOftenItIsCalled) {
+TEST(ServiceManager, KeepAliveSendsAtMostOneMessagePerPeriod) {
   FakeServiceManager manager(int64_t{3600} * 1000 * 1000);
   ServiceManager service;
   EXPECT_EQ(service.alive_period(), 1800);

@@ -16,7 +16,7 @@
 
 namespace vismap {
 
-/// A log made message by message, as the processes would send them: 10 ms apart.
+/// Writes a log message by message, 10 ms apart, as processes would send them.
 class LogBuilder {
  public:
   explicit LogBuilder(const std::string& name = "run.lcmlog")
@@ -40,8 +40,8 @@ class LogBuilder {
                Encode(SmallDetections(utime, camera), kSmallCamera.width, kSmallCamera.height),
                "detector");
   }
-  /// A commit of the frame, integrated with detections, which the map of this id then has as its
-  /// `revision`th.
+  /// Adds a commit that says: the frame was integrated, with detections, and the map then has this
+  /// revision.
   frame_commit_t Committed(int64_t utime, int64_t revision, int camera = 3) const {
     frame_commit_t commit{};
     commit.utime = utime;
@@ -65,7 +65,7 @@ class LogBuilder {
     commit.digest = "";
     return Add(kMapCommitChannel, commit, "map-server");
   }
-  /// Writes the log; its path.
+  /// Writes the log and returns its path.
   std::string Finish() {
     const Result<void> finished = writer_.Finish();
     if (!finished) throw std::runtime_error(finished.error().message);

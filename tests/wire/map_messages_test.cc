@@ -36,7 +36,7 @@ std::string DigestAt(int64_t revision) {
   return map.Digest();
 }
 
-TEST(MapUpdate, SurvivesTheMessage) {
+TEST(MapUpdate, DecodeInvertsEncode) {
   const MapUpdate update = SnapshotAt(5);
   const Result<MapUpdate> decoded = Decode(Encode(update));
   ASSERT_TRUE(decoded) << decoded.error().message;
@@ -67,7 +67,7 @@ TEST(MapUpdate, DamagedPayloadIsAnError) {
   EXPECT_FALSE(Decode(bad));
 }
 
-TEST(MapFollower, FollowsStepByStep) {
+TEST(MapFollower, AppliesConsecutiveUpdates) {
   MapFollower follower;
   EXPECT_EQ(follower.Apply(SnapshotAt(2)), Outcome::kApplied);
   EXPECT_EQ(follower.Apply(UpdateTo(3)), Outcome::kApplied);
@@ -76,7 +76,7 @@ TEST(MapFollower, FollowsStepByStep) {
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(3));
 }
 
-TEST(MapFollower, KeepsItsStateAndAsksWhenAnUpdateIsMissing) {
+TEST(MapFollower, KeepsItsStateAndNeedsASnapshotWhenAnUpdateIsMissing) {
   MapFollower follower;
   EXPECT_EQ(follower.Apply(UpdateTo(1)), Outcome::kNeedsSnapshot);
   follower.Apply(SnapshotAt(2));
@@ -90,7 +90,7 @@ TEST(MapFollower, KeepsItsStateAndAsksWhenAnUpdateIsMissing) {
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(6));
 }
 
-TEST(MapFollower, AppliesAnUpdateInPartsOnlyWhenAllAreThere) {
+TEST(MapFollower, AppliesAnUpdateWhenAllItsPartsHaveArrived) {
   MapFollower follower;
   const std::vector<MapUpdate> parts = SplitUpdate(SnapshotAt(7), 3);
   ASSERT_EQ(parts.size(), 3u);
@@ -104,7 +104,7 @@ TEST(MapFollower, AppliesAnUpdateInPartsOnlyWhenAllAreThere) {
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(7));
 }
 
-TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
+TEST(MapFollower, NewMapNeedsItsOwnSnapshot) {
   MapFollower follower;
   follower.Apply(SnapshotAt(2));
   MapUpdate other = UpdateTo(3);
@@ -117,7 +117,7 @@ TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(1));
 }
 
-TEST(MapFollower, SaysWhichBlocksChangedAndEverywhereAfterASnapshot) {
+TEST(MapFollower, ReportsChangedBlocksAndEverythingAfterASnapshot) {
   MapFollower follower;
   EXPECT_TRUE(follower.ConsumeChanges().everywhere);
   EXPECT_TRUE(follower.ConsumeChanges().everywhere) << "there is no map yet";
@@ -143,7 +143,7 @@ TEST(MapFollower, SaysWhichBlocksChangedAndEverywhereAfterASnapshot) {
   EXPECT_TRUE(follower.ConsumeChanges().everywhere);
 }
 
-TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {
+TEST(MeshUpdate, PositionsAreExactToAHundredthOfAVoxelAndIdsExactly) {
   MeshUpdate update{7, "map", 3, false, 0, 1, 0.08, {4, {}}};
   BlockMesh block{{-2, 0, 5}, {}};
   for (int i = 0; i < 3; ++i) {
@@ -179,7 +179,7 @@ TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {
   EXPECT_FALSE(Decode(bad));
 }
 
-TEST(ObjectList, SurvivesTheMessageWithoutStructure) {
+TEST(ObjectList, DecodeInvertsEncodeButLeavesOutStructure) {
   ObjectList list{5, "map", 9, {}};
   ObjectSummary chair;
   chair.instance = InstanceId{3};
@@ -225,7 +225,7 @@ TEST(ObjectList, SurvivesTheMessageWithoutStructure) {
   EXPECT_FALSE(Decode(bad));
 }
 
-TEST(OctreeMessage, CarriesACompleteStreamAndRefusesADamagedOne) {
+TEST(OctreeMessage, RejectsADamagedStream) {
   OccupancyMap map(0.01);
   map.Set({0, 0, 0}, BlockOccupancy(CellState::kFree));
   map.Set({1, 0, 0}, BlockOccupancy(CellState::kOccupied));

@@ -53,7 +53,7 @@ bool Same(const MeshVertex& a, const MeshVertex& b) {
          a.instance == b.instance && a.class_id == b.class_id;
 }
 
-// What a follower should hold.
+// The naive reference: the state that a follower must have.
 struct Expected {
   std::map<BlockIndex, Mesh> blocks;
   MeshDigest digest;
@@ -89,7 +89,7 @@ struct Expected {
   }
 };
 
-TEST(MeshFollower, HoldsWhatTheUpdatesSay) {
+TEST(MeshFollower, EqualsTheUpdatesAppliedNaively) {
   testing_support::RandomNumbers random(12);
   MeshFollower follower;
   Expected expected;
@@ -102,7 +102,7 @@ TEST(MeshFollower, HoldsWhatTheUpdatesSay) {
   EXPECT_GT(expected.blocks.size(), 10u);
 }
 
-TEST(MeshFollower, WhatContradictsItselfChangesNothing) {
+TEST(MeshFollower, InconsistentUpdateChangesNothing) {
   testing_support::RandomNumbers random(13);
   MeshFollower follower;
   Expected expected;
