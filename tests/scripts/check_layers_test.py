@@ -14,7 +14,7 @@ class CheckLayersTest(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.root = pathlib.Path(self.folder.name)
         for path in ("libs/base/result.h", "libs/geometry/image.h", "libs/map/block.h",
-                     "libs/meshing/mesh.h", "procs/wire/channels.h",
+                     "libs/mapping/integrate.h", "libs/meshing/mesh.h", "procs/wire/channels.h",
                      "procs/viewer/page.h", "tests/support/analytic_map.h"):
             self.write(path, "#pragma once\n")
 
@@ -66,10 +66,10 @@ class CheckLayersTest(unittest.TestCase):
         self.expect_fine("tests/process/a_test.cc", '#include "viewer/page.h"\n')
 
     def test_support_headers_do_not_smuggle(self):
-        self.write("tests/support/analytic_map.h", '#include "mapping/semantic_map.h"\n')
+        self.write("tests/support/analytic_map.h", '#include "mapping/integrate.h"\n')
         self.expect_fine("tests/meshing/a_test.cc", '#include "support/analytic_map.h"\n')
         self.expect("tests/geometry/a_test.cc", '#include "support/analytic_map.h"\n',
-                    "by way of", "mapping/semantic_map.h")
+                    "by way of", "mapping/integrate.h")
 
     def test_outside_libraries_have_their_place(self):
         self.expect("libs/mapping/a.cc", "#include <lcm/lcm-cpp.hpp>\n", "LCM")
