@@ -21,10 +21,10 @@ struct JoinedFrame {
 struct JoinCounters {
   int64_t frames_dropped = 0;   ///< oldest frames that were dropped because too many were waiting
   int64_t frames_repeated = 0;  ///< frames that arrived again while they were waiting
-  int64_t detections_dropped =
-      0;  ///< detections without a frame that were dropped to make room for newer ones
-  int64_t detections_late =
-      0;  ///< detections that arrived after their frame was released without them
+  /// Detections without a frame that were dropped to make room for newer ones.
+  int64_t detections_dropped = 0;
+  /// Detections that arrived after their frame was released without them.
+  int64_t detections_late = 0;
   int64_t detections_repeated = 0;  ///< detections that arrived again while they were waiting
   int64_t frames_without = 0;       ///< frames that were released without detections
 };
@@ -63,8 +63,8 @@ class FrameDetectionJoin {
   std::deque<Waiting> frames_;                   // in order of arrival
   std::map<FrameKey, detections_t> detections_;  // of frames that were not released yet
   std::deque<FrameKey> detections_order_;        // keys of detections_, in order of arrival
-  std::deque<FrameKey>
-      released_without_;  // frames released without detections; the newest ones, at most capacity
+  // Frames released without detections; the newest ones, at most capacity.
+  std::deque<FrameKey> released_without_;
   JoinCounters counters_;
 };
 

@@ -93,7 +93,7 @@ bool Segmenter::RepeatAnswer(const rgbd_frame_t& message) {
   const auto answer = std::find_if(answers_.begin(), answers_.end(), [&](const Answer& a) {
     return a.depth == message.depth && SameButDepth(a.message.frame, message);
   });
-  if (answer == answers_.end()) return false;
+  if (answer == answers_.end()) return false;  // a new frame, or its result is no longer stored
   // Copy the new message, because its after_utime may have changed, but keep the depth of the
   // result.
   rgbd_frame_t& frame = answer->message.frame;
@@ -159,6 +159,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   status_.Count("frames_with_detections", detections ? 1 : 0);
   const SegmentedFrame segmented =
       SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, options_.stage);
+  // Without classes to leave out, segmentation keeps the depth image.
   if (!detections || options_.stage.refine.leave_out_classes.empty())
     return Encode(segmented, joined.frame);
   return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));

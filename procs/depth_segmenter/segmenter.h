@@ -17,8 +17,8 @@ namespace vismap {
 struct SegmenterOptions {
   WaitForDetections detections = WaitForDetections::kAuto;
   double detection_timeout = 2.0;  ///< kAuto: how long a frame waits while a detector is alive [s]
-  size_t max_waiting =
-      64;  ///< largest number of frames that wait for detections; more drop the oldest
+  /// Largest number of frames that wait for detections; above it, the oldest is dropped.
+  size_t max_waiting = 64;
   size_t max_cached = 32;  ///< number of results kept for frames that are sent again
   SegmentationStageOptions stage;
 };
@@ -49,8 +49,8 @@ class Segmenter {
   FrameDetectionJoin join_;
   /// A published result.
   struct Answer {
-    std::vector<uint8_t>
-        depth;  ///< encoded depth of the RGBD_FRAME; in `message` left-out pixels are removed
+    /// Encoded depth of the RGBD_FRAME; in `message` left-out pixels are removed.
+    std::vector<uint8_t> depth;
     segmented_frame_t message;
   };
   std::deque<Answer> answers_;  // the newest ones, at most max_cached

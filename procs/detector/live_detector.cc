@@ -15,9 +15,8 @@ namespace vismap {
 namespace {
 
 constexpr double kPacePeriod = 10;  // time between two log lines on the pace [s]
-constexpr double kWhileWorking =
-    0.002;                          // time between two checks whether the network has finished [s]
-constexpr double kWhileIdle = 0.1;  // the same while it does not run [s]
+// Longest wait for messages, while the network runs and while it does not [s].
+constexpr double kWhileWorking = 0.002, kWhileIdle = 0.1;
 
 /// Decodes the colour of a frame and runs the network on it.
 Result<DetectionSet> RunDetector(const rgbd_frame_t& message, const FrameHeader& header,
@@ -84,7 +83,7 @@ void LiveDetector::Enqueue(const rgbd_frame_t& message) {
     return;
   }
   const std::optional<rgbd_frame_t> older = waiting_.Add(message);
-  if (!older) return;
+  if (!older) return;  // no frame is skipped
   pace_.AddSkipped();
   status_.Count("frames_skipped");
   if (const auto header = DecodeHeader(*older))

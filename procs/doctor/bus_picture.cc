@@ -34,7 +34,7 @@ void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t>
   picture.bytes += static_cast<int64_t>(data.size());
   picture.last = now;
   const ChannelType* type = FindChannelType(channel);
-  if (type == nullptr) return;
+  if (type == nullptr) return;  // a channel of another program
   const std::optional<MessageHead> head = PeekHead(data);
   if (!head || head->fingerprint != type->fingerprint || data.size() > type->channel.max_bytes) {
     ++picture.foreign;

@@ -16,8 +16,8 @@ struct ProcessPicture {
   double last_heard = 0;         ///< time of the latest STATUS [s]
   double clock_difference = 0;   ///< its clock minus the clock of this computer [s]
   int restarts = 0;              ///< observed restarts
-  std::set<std::string>
-      places;  ///< "computer, pid N" of the processes that use this name at the same time
+  /// "computer, pid N" of the processes that use this name at the same time.
+  std::set<std::string> places;
 };
 
 /// What was observed of one channel.

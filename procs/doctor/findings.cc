@@ -11,8 +11,8 @@
 namespace vismap {
 namespace {
 
-constexpr double kSilence =
-    3;  // a longer time without STATUS, which is published every second, is a problem [s]
+// A longer time without STATUS, which is published every second, is a problem [s].
+constexpr double kSilence = 3;
 constexpr double kClockTolerance = 1;  // [s]
 
 bool EndsWith(const std::string& name, const std::string& end) {
@@ -63,7 +63,7 @@ class Diagnosis {
         Add(NoneOf(kRgbdFrameChannel),
             "start vismap-sensor-replay or the publisher of your camera");
       }
-      return;
+      return;  // without frames, the later stages have nothing to do
     }
     if (!Flows(kSegmentedFrameChannel)) {
       if (!picture_.Has("depth-segmenter")) {

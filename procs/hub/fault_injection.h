@@ -11,8 +11,8 @@ namespace vismap {
 struct FaultOptions {
   double drop_fraction = 0;  ///< share of the published messages that is lost, in [0, 1]
   int64_t seed = 0;          ///< seed of the random choice
-  std::vector<std::string>
-      channels;  ///< lose messages of these channels only; empty = all channels
+  /// Lose messages of these channels only; empty = all channels.
+  std::vector<std::string> channels;
 };
 
 /// Chooses the messages that a hub loses intentionally. The choice depends on the seed and on the

@@ -191,8 +191,10 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
   const RoutedMessage message = RouteMessage(record, &options_.policies);
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
+    // A client does not wait for itself, and the hub (no sender) never waits.
     const bool sender_waits = sender != nullptr && sender != client.get();
     Count(*client, message, client->connection.Add(message, sender_waits));
+    // Only the sender of a lossless message has to wait for a full queue.
     if (!sender_waits || message.policy != QueuePolicy::kLossless) continue;
     if (!client->connection.queue().full()) continue;
     if (!sender->MustWait()) ++counters_.held_back;

@@ -25,8 +25,8 @@ struct HubOptions {
       kMaxMessageBytes;         ///< a client that sends a larger message is disconnected
   int socket_buffer_bytes = 0;  ///< SO_RCVBUF and SO_SNDBUF of the connections; 0 = system default
   int max_clients = 256;
-  double patience =
-      30;  ///< a client for which others wait is disconnected after so long without progress [s]
+  /// A client that makes others wait is disconnected after so long without progress [s].
+  double patience = 30;
   ChannelPolicies policies;
   FaultOptions faults;  ///< for tests
 };

@@ -13,8 +13,8 @@ namespace vismap {
 /// The part of a log to keep.
 struct CutOptions {
   double from = 0;  ///< begin, relative to the first event of the log [s]
-  std::optional<double>
-      to;  ///< end (exclusive), relative to the first event [s]; nullopt = end of the log
+  /// End (exclusive), relative to the first event [s]; nullopt = end of the log.
+  std::optional<double> to;
   std::set<std::string> channels;  ///< channels to keep; empty = all
 };
 

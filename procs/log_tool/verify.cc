@@ -22,7 +22,7 @@ void TrackSequence(const LogEvent& event, const MessageHead& head, Sequences* se
                    ChannelReport* report) {
   const auto [entry, first] = sequences->try_emplace({event.channel, head.source}, head.seq);
   const int64_t last = std::exchange(entry->second, head.seq);
-  if (first) return;
+  if (first) return;  // nothing to compare with
   // Unsigned, so that it cannot overflow. A larger step is not a loss: no process sends so many
   // messages.
   const uint64_t step = static_cast<uint64_t>(head.seq) - static_cast<uint64_t>(last);
@@ -44,7 +44,7 @@ void AddMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences
   report->last_time = event.timestamp;
   report->bytes += event.data_size;
   const ChannelType* type = FindChannelType(event.channel);
-  if (type == nullptr) return;
+  if (type == nullptr) return;  // a channel of another program
   const std::optional<MessageHead> head = PeekHead(bytes);
   const Result<void> checked = type->check(bytes, type->channel);
   if (head && head->fingerprint == type->fingerprint)
@@ -69,7 +69,7 @@ Result<void> FollowFrames(LogReader& reader, LogReport* report) {
   }
   report->frames_integrated = static_cast<int64_t>(integrated.size());
   report->frames_skipped = static_cast<int64_t>(skipped.size());
-  if (run->commits.empty()) return {};
+  if (run->commits.empty()) return {};  // the map server was not recorded
   for (const auto& entry : run->index) {
     if (!integrated.contains(entry.first) && !skipped.contains(entry.first))
       ++report->frames_without_commit;

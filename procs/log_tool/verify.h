@@ -17,12 +17,12 @@ struct ChannelReport {
   int64_t bytes = 0;
   int64_t first_time = 0, last_time = 0;  ///< of recording [us since 1970]
   int64_t lost = 0;                       ///< missing sequence numbers, over all sources
-  int64_t repeated =
-      0;  ///< sequence numbers that did not increase: a source was restarted or repeated a message
+  /// Sequence numbers that did not increase: a source was restarted or repeated a message.
+  int64_t repeated = 0;
   int64_t other_type = 0;   ///< messages with another fingerprint than the type of the channel
   int64_t undecodable = 0;  ///< messages of the right type with a wrong checksum or wrong lengths
-  std::string
-      first_problem;  ///< first problem of the last two kinds, with its position in the file
+  /// First problem of the last two kinds, with its position in the file.
+  std::string first_problem;
 
   double rate() const;  ///< messages per second
 };

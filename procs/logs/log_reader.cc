@@ -86,13 +86,14 @@ Result<LogReader::Head> LogReader::HeadAt(uint64_t offset) const {
   Head head;
   const size_t sync = std::min(bytes.size(), kSync.size());
   if (!std::equal(kSync.begin(), kSync.begin() + static_cast<std::ptrdiff_t>(sync), bytes.begin()))
-    return head;
-  if (bytes.size() < kHeadBytes) {
+    return head;                    // no event begins here
+  if (bytes.size() < kHeadBytes) {  // the file ends within the head
     head.state = Head::State::kPastEnd;
     return head;
   }
   const uint64_t name_size = BigEndian(bytes.subspan(20, 4));
   const uint64_t data_size = BigEndian(bytes.subspan(24, 4));
+  // Impossible sizes: the sync word is part of other data.
   if (name_size < 1 || name_size > kMaxChannelName || data_size > kMaxMessageBytes) return head;
   const auto name = bytes.subspan(kHeadBytes, std::min(name_size, bytes.size() - kHeadBytes));
   if (!IsChannelName(name)) return head;

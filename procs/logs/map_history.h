@@ -13,8 +13,8 @@ namespace vismap {
 /// How the newest map of a recorded run was built, according to the MAP_COMMITs of its server.
 struct MapHistory {
   std::string map_id;  ///< empty = no frame was integrated
-  std::vector<frame_commit_t>
-      integrated;  ///< by ascending revision, the order in which the map was built
+  /// By ascending revision, the order in which the map was built.
+  std::vector<frame_commit_t> integrated;
   std::map<FrameKey, std::string> skipped;  ///< frames that were not integrated, and the reason
   std::vector<std::string> remarks;         ///< why these frames may not reproduce the recorded map
 };

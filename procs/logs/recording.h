@@ -13,8 +13,8 @@ namespace vismap {
 /// A sequence, and remarks on it for the user.
 struct Recording {
   std::unique_ptr<Dataset> dataset;
-  std::vector<std::string>
-      remarks;  ///< sentences, for example why the map will differ from the recorded one
+  /// Sentences, for example why the map will differ from the recorded one.
+  std::vector<std::string> remarks;
 };
 
 /// Whether this is the path of a log of LCM messages, judged by its name (run.lcmlog,

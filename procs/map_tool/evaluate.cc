@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFarFromTruth =
-    0.15;  // allows for a few cells and for gaps between the points of the ground truth [m]
+// Allows for a few cells and for gaps between the points of the ground truth [m].
+constexpr double kFarFromTruth = 0.15;
 
 struct MapInput {
   EvaluatedMap map;

@@ -5,8 +5,8 @@
 namespace vismap {
 namespace {
 
-constexpr double kSpacing =
-    0.02;  // as dense as the meshes of ScanNet, because its evaluation counts vertices [m]
+// As dense as the meshes of ScanNet, because its evaluation counts vertices [m].
+constexpr double kSpacing = 0.02;
 
 GroundTruth ToGroundTruth(const Scene& scene, const SeenSurface& seen) {
   GroundTruth truth;

@@ -120,6 +120,7 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
 
 void Bus::TrackSequence(Route& route, std::span<const uint8_t> bytes) {
   const std::optional<MessageHead> head = PeekHead(bytes);
+  // Not a message of this type: the handler will reject it.
   if (!head || head->fingerprint != route.fingerprint || head->seq < 0) return;
   if (route.last_seq.size() >= kMaxTrackedSources && !route.last_seq.contains(head->source)) return;
   const auto [entry, first] = route.last_seq.try_emplace(head->source, head->seq);

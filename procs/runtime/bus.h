@@ -21,10 +21,10 @@
 namespace vismap {
 
 struct BusOptions {
-  std::string url =
-      DefaultLcmUrl();  ///< tcpq://A.B.C.D:PORT, udpm://..., or memq:// (within one Bus, for tests)
-  std::string source;   ///< name of this process; it is in every message that it publishes
-  double connect_timeout = 10;       ///< how long Open waits for a hub [s]
+  /// URL of the bus: tcpq://A.B.C.D:PORT, udpm://..., or memq:// (within one Bus, for tests).
+  std::string url = DefaultLcmUrl();
+  std::string source;           ///< name of this process; it is in every message that it publishes
+  double connect_timeout = 10;  ///< how long Open waits for a hub [s]
   const StopSignal* stop = nullptr;  ///< ends waiting and Run; must outlive the bus
 };
 

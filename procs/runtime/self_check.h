@@ -11,8 +11,8 @@ namespace vismap {
 struct CheckResult {
   std::string what;  ///< what was checked, for example "multicast route"
   bool ok = false;
-  std::string
-      found;  ///< what was found; when not ok, it ends with the command that solves the problem
+  /// What was found; when not ok, it ends with the command that solves the problem.
+  std::string found;
 };
 
 /// Checks what can be checked without connecting: for tcpq whether a hub answers within `timeout`

@@ -16,11 +16,11 @@ namespace vismap {
 namespace {
 
 constexpr double kConnectTimeout = 1.0;  // [s]
-constexpr double kSendTimeout =
-    90.0;  // without any progress; longer than the patience of a hub [s]
+// Without any progress; longer than the patience of a hub [s].
+constexpr double kSendTimeout = 90.0;
 constexpr size_t kReadPerTurn = 256 * 1024;  // [bytes]
-constexpr size_t kMaxInboxBytes =
-    256 * kMegabyte;  // largest amount read ahead while sending [bytes]
+// Largest amount read ahead while sending [bytes].
+constexpr size_t kMaxInboxBytes = 256 * kMegabyte;
 
 class TcpqTransport : public Transport {
  public:

@@ -168,7 +168,7 @@ class Player {
     while (first < *next &&
            (contents_.Holds(frames_.key(first)) || window->IsInFlight(frames_.key(first))))
       ++first;
-    if (first == *next) return;
+    if (first == *next) return;  // the map has all sent frames
     LogInfo("the map server lost frames and now has " +
             FormatCount(static_cast<int64_t>(contents_.size())) + "; sending again from frame " +
             std::to_string(first) + " instead of frame " + std::to_string(*next));

@@ -17,8 +17,8 @@ struct ObjectList {
   int64_t utime = 0;  ///< of the newest frame contained [us]
   std::string map_id;
   int64_t revision = 0;
-  std::vector<ObjectSummary>
-      objects;  ///< instances by ascending id, then discovered segments, then removed objects
+  /// Instances by ascending id, then discovered segments, then removed objects.
+  std::vector<ObjectSummary> objects;
 };
 
 /// Leaves out structure (floor, walls): the message lists movable things only.

@@ -17,8 +17,8 @@
 
 namespace vismap {
 
-inline constexpr double kDeadline =
-    30;  // longest wait, far more than needed on an idle machine [s]
+// Longest wait, far more than needed on an idle machine [s].
+inline constexpr double kDeadline = 30;
 
 /// A hub that runs in its own thread, on a free port unless one is given.
 class RunningHub {
