@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/format.h"
 #include "bridge/bridge.h"
 #include "runtime/self_check.h"
 #include "settings/settings.h"
@@ -18,12 +19,15 @@ struct Arguments {
 
 void AddOptions(CommandLine& line, BridgeConfig* config) {
   line.Option("--remote-url", &config->remote_url,
-              "The other bus, for example tcpq://10.0.0.1:7700; the bus on this side is --lcm-url");
+              "URL of the remote bus, for example tcpq://10.0.0.1:7700; the local bus is that of "
+              "--lcm-url");
   line.Option("--send", &config->send,
-              "Channels to pass on from here to there, NAME,NAME; STATUS always goes both ways");
-  line.Option("--receive", &config->receive, "Channels to pass on from there to here, NAME,NAME");
+              "Channels to forward to the remote bus: NAME,NAME; STATUS is always forwarded in "
+              "both directions");
+  line.Option("--receive", &config->receive, "Channels to forward from the remote bus: NAME,NAME");
   line.Option("--queue-mb", &config->queue_mb,
-              "Megabytes that may wait in each direction while a bus is away")
+              "Size of the queue of each direction, in MB, for messages to a bus that is slow or "
+              "not connected")
       .Range(1, 65536);
 }
 
@@ -38,13 +42,15 @@ Result<std::string> CheckOptions(Arguments* arguments) {
 
 Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   const BridgeConfig& config = arguments.config.bridge;
-  if (config.remote_url.empty()) return ExitWith(ExitCode::kUsage, "expected --remote-url");
+  if (config.remote_url.empty())
+    return ExitWith(ExitCode::kUsage, "--remote-url is missing: the URL of the other bus");
   const Result<LcmUrl> local = ParseLcmUrl(context.options.lcm_url);
   if (!local) return ExitWith(ExitCode::kUsage, local.error().message);
   const Result<LcmUrl> remote = ParseLcmUrl(config.remote_url);
   if (!remote) return ExitWith(ExitCode::kUsage, remote.error().message);
   if (local->text == remote->text) {
-    return ExitWith(ExitCode::kUsage, "both ends of the bridge are " + local->text);
+    return ExitWith(ExitCode::kUsage,
+                    "--lcm-url and --remote-url are the same bus, " + local->text);
   }
   WarnAboutBus(*local);
   WarnAboutBus(*remote);
@@ -68,10 +74,9 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
       forwarded += counters.forwarded;
       dropped += counters.dropped;
     }
-    return std::to_string(forwarded) + " (dropped " + std::to_string(dropped) + ")";
+    return FormatCount(forwarded, "message") + " (dropped " + FormatCount(dropped) + ")";
   };
-  LogInfo("sent " + total((*bridge)->sent()) + " messages, received " +
-          total((*bridge)->received()));
+  LogInfo("sent " + total((*bridge)->sent()) + ", received " + total((*bridge)->received()));
   return {};
 }
 
@@ -81,7 +86,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   ProcessSpec spec;
   spec.name = "bridge";
-  spec.summary = "Passes listed channels on between the bus of this computer and another one.";
+  spec.summary = "Forwards the given channels between the bus of this computer and another bus.";
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments.config.bridge); };
   UseConfig(&arguments.config, &spec);

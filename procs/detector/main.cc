@@ -26,34 +26,38 @@ struct Arguments {
 void AddNetworkOptions(CommandLine& line, Arguments* arguments) {
   DetectorConfig& config = arguments->config.detector;
   line.Option("--model", &config.dnn.model,
-              "dnn: ONNX file of a YOLO segmentation network, or Mask R-CNN's frozen graph (.pb)");
-  line.Option("--graph", &config.dnn.graph, "dnn: text of the frozen graph (.pbtxt)");
-  line.Option("--threads", &config.dnn.threads, "dnn: threads of the network; 0 = all processors")
+              "dnn: ONNX file of a YOLO segmentation network, or frozen graph (.pb) of Mask R-CNN");
+  line.Option("--graph", &config.dnn.graph, "dnn: text file (.pbtxt) of the frozen graph");
+  line.Option("--threads", &config.dnn.threads, "dnn: number of threads; 0 = all processors")
       .Range(0, 1024);
-  line.Option("--out", &arguments->out,
-              "dnn: needs no bus; writes what is seen in --dataset as a COCO results file")
+  line.Option(
+          "--out", &arguments->out,
+          "dnn: run on --dataset without a bus, and write the detections to this COCO results file")
       .Needs("--dataset");
   line.Flag("--every-frame", &config.every_frame,
-            "dnn: look at every frame, however long that takes, instead of the newest only");
+            "dnn: run on every frame, even if the detector falls behind; by default it runs on the "
+            "newest frame");
 }
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
   DetectorConfig& config = arguments->config.detector;
-  line.Choice("--backend", &config.backend,
-              {{"auto", DetectorBackend::kAuto},
-               {"recorded", DetectorBackend::kRecorded},
-               {"dnn", DetectorBackend::kDnn}},
-              "recorded: detections from files; dnn: a network; auto: by what is given");
+  line.Choice(
+      "--backend", &config.backend,
+      {{"auto", DetectorBackend::kAuto},
+       {"recorded", DetectorBackend::kRecorded},
+       {"dnn", DetectorBackend::kDnn}},
+      "recorded: detections from files; dnn: a network; auto: depends on the given options");
   line.Option("--detections", &arguments->detections,
               "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
               "synthetic:office");
   line.Option("--dataset", &arguments->dataset,
-              "Sequence whose own detections are taken when --detections is absent");
+              "Sequence whose own detections are used if --detections is not given");
   line.Option("--format", &arguments->format,
-              "Layout of the sequence's folder; found by looking when not given");
+              "Format of the folder; detected automatically if not given");
   line.Flag("--check", &arguments->check,
-            "Only see whether detections or network can be read; needs no bus");
-  line.Option("--camera-id", &config.camera_id, "Answer frames of this camera only; -1 = of all")
+            "Only check that the detections or the network can be read; needs no bus");
+  line.Option("--camera-id", &config.camera_id,
+              "Process frames of this camera only; -1 = all cameras")
       .Range(-1, 1 << 30);
   AddNetworkOptions(line, arguments);
 }
@@ -127,7 +131,7 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "detector";
   spec.summary =
-      "Answers every frame with the objects in it: recorded ones, or those that a network sees.";
+      "Publishes the objects in every frame, from recorded detections or from a network.";
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
   UseConfig(&arguments.config, &spec);
   spec.prepare = [&] {

@@ -101,7 +101,7 @@ Outcome RunExport(const MapToolArguments& arguments, ProcessContext&) {
                                     OutputOptionsOf(arguments.config), arguments.out);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
   PrintObjects(ObjectsText(loaded.metadata, all->products), false);
-  std::printf("The map hash is %s.\nThe results are in %s.\n", loaded.map_hash.c_str(),
+  std::printf("map hash %s\nresults in %s\n", loaded.map_hash.c_str(),
               fs::absolute(arguments.out).c_str());
   return {};
 }

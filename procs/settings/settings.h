@@ -12,30 +12,31 @@
 
 namespace vismap {
 
-// What the processes that take a vismap config file share.
+// Shared by the processes that use a vismap config file.
 
-/// Lets `config` be what --config and the options of the command line say: fills read_config and
-/// check_config of the spec.
+/// Fills read_config and check_config of the spec, so that --config and the command line set
+/// `config`.
 void UseConfig(VismapConfig* config, ProcessSpec* spec);
 
 /// Reads and checks the text of a config file (empty = defaults).
 Result<void> ReadConfig(const std::string& text, const std::string& path, VismapConfig* config);
 
-/// Checks a config that the command line may have changed, and returns it in full.
+/// Checks a config that the command line may have changed, and returns it as text with all keys.
 Result<std::string> CheckConfig(const VismapConfig& config);
 
-/// `--threads N`: limits the parallel loops of the process while the limit lives.
+/// The option --threads N, which limits the parallel loops of a process as long as the limit
+/// exists.
 class ThreadOption {
  public:
   void AddTo(CommandLine& line);
-  /// The limit that the user asked for; none when all processors may be used.
+  /// The limit that the user has set; nullptr when all processors may be used.
   std::unique_ptr<ThreadLimit> Limit() const;
 
  private:
   int threads_ = 0;
 };
 
-/// The parts of a config that a map is made with, and what is made of the map.
+/// The parts of a config for building a map, and for computing the results of a map.
 MapSessionOptions SessionOptionsOf(const VismapConfig& config);
 OutputOptions OutputOptionsOf(const VismapConfig& config);
 

@@ -44,7 +44,7 @@ TEST(Service, ProcessReportsItsStatus) {
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "none"});
   ASSERT_TRUE(manager.WaitFor("READY=1")) << segmenter->StandardError();
   ASSERT_TRUE(processes.WaitForReady({"depth-segmenter"}));
-  EXPECT_EQ(manager.Heard()[0], "STATUS=starting: joining the bus at " + processes.url());
+  EXPECT_EQ(manager.Heard()[0], "STATUS=starting: connecting to the bus at " + processes.url());
   EXPECT_TRUE(manager.WaitFor("STATUS=ready"));
   EXPECT_TRUE(manager.WaitFor("WATCHDOG=1", 3)) << "without any message on the bus";
   segmenter->Signal(SIGTERM);
@@ -60,7 +60,8 @@ TEST(Service, ProcessWithoutAHubIsNeverReady) {
                          {"--lcm-url", "tcpq://127.0.0.1:1", "--connect-timeout", "0.5"},
                          folder.path());
   EXPECT_EQ(segmenter.WaitForExit(), 1);
-  EXPECT_THAT(manager.Heard(), Contains("STATUS=starting: joining the bus at tcpq://127.0.0.1:1"));
+  EXPECT_THAT(manager.Heard(),
+              Contains("STATUS=starting: connecting to the bus at tcpq://127.0.0.1:1"));
   EXPECT_THAT(manager.Heard(), Not(Contains("READY=1")));
 }
 
