@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   ProcessSpec spec;
   spec.name = "depth-segmenter";
-  spec.summary = "Cuts depth images into segments and gives them the classes of detections.";
+  spec.summary = "Segments depth images and assigns the classes of the detections to the segments.";
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
   UseConfig(&arguments.config, &spec);
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };

@@ -22,15 +22,16 @@ struct Arguments {
 void AddInput(CommandLine& line, Arguments* arguments) {
   DatasetOptions& sequence = arguments->sequence;
   line.Option("--dataset", &arguments->dataset,
-              "Folder of the sequence, a log of LCM messages, synthetic:room or synthetic:office")
+              "Folder of a sequence, log of LCM messages, synthetic:room or synthetic:office")
       .Required();
   line.Option("--format", &arguments->format,
-              "Layout of the folder; found by looking when not given");
+              "Format of the folder; detected automatically if not given");
   line.Option("--camera-id", &arguments->camera_id,
-              "Given to every frame; those of a log keep theirs")
+              "Camera id of all frames; frames of a log keep their own")
       .AtLeast(0);
-  line.Option("--stride", &sequence.stride, "Every n-th frame").Positive();
-  line.Option("--max-frames", &sequence.max_frames, "At most so many frames; 0 = all").AtLeast(0);
+  line.Option("--stride", &sequence.stride, "Use every n-th frame only").Positive();
+  line.Option("--max-frames", &sequence.max_frames, "Use at most so many frames; 0 = all")
+      .AtLeast(0);
 }
 
 void AddOptions(CommandLine& line, Arguments* arguments) {

@@ -11,7 +11,7 @@
 
 namespace vismap {
 
-// What the processes that take a vismap config file share.
+// Shared by the processes that use a vismap config file.
 
 /// Lets `config` be what --config and the options of the command line say: fills read_config and
 /// check_config of the spec. `check` = what else must hold, or must be done, after both were read.
@@ -26,7 +26,7 @@ Result<void> ReadConfig(const std::string& text, const std::string& path, Vismap
 class ThreadOption {
  public:
   void AddTo(CommandLine& line);
-  /// The limit that the user asked for; none when all processors may be used.
+  /// The limit that the user has set; nullptr when all processors may be used.
   std::unique_ptr<ThreadLimit> Limit() const;
 
  private:

@@ -15,9 +15,9 @@
 
 namespace vismap {
 
-/// Replaces systemd in tests. During its lifetime, this process and its children find
-/// $NOTIFY_SOCKET and a watchdog of `watchdog_us` microseconds in their environment; their messages
-/// are kept.
+/// Takes the place of systemd. While it exists, this process and its children find $NOTIFY_SOCKET
+/// and a watchdog of `watchdog_us` microseconds in their environment. It stores the messages that
+/// they send.
 class FakeServiceManager {
  public:
   explicit FakeServiceManager(int64_t watchdog_us) {
@@ -39,8 +39,7 @@ class FakeServiceManager {
   FakeServiceManager(const FakeServiceManager&) = delete;
   FakeServiceManager& operator=(const FakeServiceManager&) = delete;
 
-  /// Receives messages, waiting up to `timeout` [s] for the first one, and returns all messages so
-  /// far in order of arrival.
+  /// Waits up to `timeout` [s] for a message; returns all messages so far in order of arrival.
   const std::vector<std::string>& Heard(double timeout = 0) {
     pollfd waiting{socket_, POLLIN, 0};
     for (int wait = static_cast<int>(timeout * 1000); poll(&waiting, 1, wait) > 0; wait = 0) {
@@ -50,13 +49,13 @@ class FakeServiceManager {
     }
     return heard_;
   }
-  /// Number of messages so far that are equal to this one.
+  /// Number of received messages that equal this one.
   int Count(const std::string& message) {
     int count = 0;
     for (const std::string& one : Heard()) count += one == message;
     return count;
   }
-  /// Receives until `message` has come `times` times; false when nothing comes for a minute.
+  /// Waits until `message` was received `times`; returns false after a minute without messages.
   bool WaitFor(const std::string& message, int times = 1) {
     while (Count(message) < times) {
       const size_t before = heard_.size();
