@@ -15,13 +15,13 @@
 
 namespace vismap {
 
-/// The two buses that a bridge joins, and its name.
+/// The two buses that a bridge connects, and its name.
 struct BridgePlace {
   LcmUrl local, remote;
-  std::string name;  ///< on both buses; empty = bridge-COMPUTER
+  std::string name;  ///< on both buses; "" = bridge-COMPUTER
 };
 
-/// Fails when a pattern of channels is no regular expression.
+/// Fails when a pattern of channels is not a valid regular expression.
 Result<void> CheckOptions(const BridgeOptions& options);
 
 /// Totals of one channel in one direction.

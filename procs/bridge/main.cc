@@ -27,7 +27,8 @@ void AddOptions(CommandLine& line, BridgeOptions* config) {
 }
 
 Outcome Serve(const BridgeOptions& options, ProcessContext& context) {
-  if (options.remote_url.empty()) return ExitWith(ExitCode::kUsage, "expected --remote-url");
+  if (options.remote_url.empty())
+    return ExitWith(ExitCode::kUsage, "--remote-url is missing: the URL of the other bus");
   const Result<LcmUrl> local = ParseLcmUrl(context.options.lcm_url);
   if (!local) return ExitWith(ExitCode::kUsage, local.error().message);
   const Result<LcmUrl> remote = ParseLcmUrl(options.remote_url);

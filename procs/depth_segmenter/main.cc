@@ -15,9 +15,10 @@ struct Arguments {
 void AddOptions(CommandLine& line, Arguments* arguments) {
   DepthSegmenterOptions& config = arguments->config.depth_segmenter;
   line.Choice("--detections", &config.detections,
-              "required: every frame waits for its own; auto: while a detector is alive; none");
+              "required: every frame waits for its detections; auto: it waits while a detector is "
+              "alive; none: no detections");
   line.Option("--detection-timeout", &config.detection_timeout_s,
-              "auto: seconds that a frame waits for a detector that is alive")
+              "auto: seconds that a frame waits while a detector is alive")
       .Positive();
   arguments->threads.AddTo(line);
 }

@@ -162,6 +162,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   status_.Count("frames_with_detections", detections ? 1 : 0);
   const SegmentedFrame segmented =
       SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
+  // Without classes to leave out, segmentation keeps the depth image.
   if (!detections || stage_.refine.leave_out_classes.empty())
     return Encode(segmented, joined.frame);
   return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));
@@ -180,7 +181,7 @@ void Segmenter::UpdateStatus() {
   if (waited > kReportedWait) {
     status_.Set(ProcessState::kWaiting,
                 "waiting for DETECTIONS: the oldest frame has waited for " +
-                    FormatDuration(waited) +
+                    FormatDuration(std::ceil(waited)) +
                     (peers_.IsAlive("detector") ? "" : ", and no detector is on the bus"));
   } else if (status_.counter("frames") > 0) {
     const bool alone =

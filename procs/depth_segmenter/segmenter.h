@@ -18,7 +18,7 @@ namespace vismap {
 /// order of the frames. For a frame that is sent again it publishes the same result again.
 class Segmenter {
  public:
-  /// Subscribes to both channels. The context must outlive it.
+  /// Subscribes to RGBD_FRAME and DETECTIONS. `context` must outlive the object.
   Segmenter(const DepthSegmenterOptions& options, const SegmentationStageOptions& stage,
             ProcessContext* context);
 

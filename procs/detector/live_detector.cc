@@ -14,11 +14,10 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxAnswers = 32;  // results kept for frames that are sent again
-
 constexpr double kPacePeriod = 10;  // time between two log lines on the pace [s]
 // Longest wait for messages, while the network runs and while it does not [s].
 constexpr double kWhileWorking = 0.002, kWhileIdle = 0.1;
+constexpr size_t kMaxAnswers = 32;  // results kept for frames that are sent again
 
 /// Decodes the colour of a frame and runs the network on it.
 Result<DetectionSet> RunDetector(const rgbd_frame_t& message, const FrameHeader& header,

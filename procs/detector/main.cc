@@ -41,8 +41,9 @@ void AddNetworkOptions(CommandLine& line, Arguments* arguments) {
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
   DetectorOptions& config = arguments->config.detector;
-  line.Choice("--backend", &config.backend,
-              "recorded: detections from files; dnn: a network; auto: by what is given");
+  line.Choice(
+      "--backend", &config.backend,
+      "recorded: detections from files; dnn: a network; auto: depends on the given options");
   line.Option("--detections", &arguments->detections,
               "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
               "synthetic:office");
@@ -60,13 +61,13 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
 
 Result<std::string> DetectionsPath(const Arguments& arguments) {
   if (!arguments.detections.empty()) return arguments.detections;
-  if (arguments.dataset.empty()) return Fail("expected --detections or --dataset");
+  if (arguments.dataset.empty()) return Fail("--detections or --dataset is missing");
   const auto recording = OpenRecording(arguments.dataset, arguments.format);
   if (!recording) return tl::unexpected(recording.error());
   const std::optional<std::string> path = recording->dataset->default_detections_path();
   if (!path)
     return Fail(arguments.dataset +
-                ": has no detections of its own, and --detections was not given");
+                ": the sequence has no detections, and --detections was not given");
   return *path;
 }
 
@@ -87,11 +88,13 @@ Outcome OpenNetwork(Arguments* arguments) {
 }
 
 Outcome Open(Arguments* arguments) {
-  // With --out the sequence is what the network looks at.
+  // With --out the network runs on the sequence.
   const bool names_recording =
       !arguments->detections.empty() || (!arguments->dataset.empty() && arguments->out.empty());
   if (!arguments->out.empty() && names_recording)
-    return ExitWith(ExitCode::kUsage, "--out is for what a network sees: it takes no --detections");
+    return ExitWith(
+        ExitCode::kUsage,
+        "--out stores the detections of a network and cannot be used with --detections");
   const auto chosen = ChooseBackend(arguments->config.detector, names_recording);
   if (!chosen) return ExitWith(ExitCode::kUsage, chosen.error().message);
   arguments->chosen = *chosen;

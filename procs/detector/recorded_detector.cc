@@ -17,7 +17,7 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
   context->status->Set(ProcessState::kRunning);
   if (!source.DetectorRan(*header)) {
     context->bus->Publish(kDetectionsChannel, EncodeDetectorDidNotRun(*header));
-    context->status->Count("frames_without_detector");
+    context->status->Count("frames_skipped");
     return {};
   }
   const Result<DetectionSet> set = source.ForFrame(*header);

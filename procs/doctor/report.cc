@@ -147,10 +147,12 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
     }
   }
   if (!losses.empty())
-    text += "\nMessages lost, dropped or rejected since the start of each process:\n" + losses;
+    text += "\nMessages lost, replaced, dropped or rejected since the start of each process:\n" +
+            losses;
   if (const int64_t unknown = UnknownClients(picture); unknown > 0) {
     text += "\n" + FormatCount(unknown, "client") +
-            " of the hub without STATUS: these programs do not belong to vismap.\n";
+            " of the hub without STATUS, for example a command of vismap-map or a program that "
+            "does not belong to vismap.\n";
   }
   text += findings.empty() ? "\nThe bus is healthy.\n"
                            : "\n" + FormatCount(std::ssize(findings), "problem") + " found:\n";

@@ -22,9 +22,8 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kReadPerTurn =
-    size_t{2}
-    << 20;  // limit per client and round, so that a busy client does not delay others [bytes]
+// Limit per client and round, so that a busy client does not delay others [bytes].
+constexpr size_t kReadPerTurn = size_t{2} << 20;
 
 void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
@@ -210,7 +209,8 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
     const bool sender_waits = sender != nullptr && sender != client.get();
     Count(*client, message, client->connection.Add(message, sender_waits));
     // Only the sender of a lossless message has to wait for a full queue.
-    if (!sender_waits || message.policy != QueuePolicy::kLossless) continue;
+    if (!sender_waits || message.policy != QueuePolicy::kLossless)
+      continue;  // dropped if it did not fit
     if (!client->connection.queue().full()) continue;
     if (!sender->MustWait()) ++counters_.held_back;
     sender->WaitFor(client);
@@ -230,10 +230,10 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
       ++counters_.dropped;
       counters_.dropped_by_channel.Add(message.channel);
       counters_.dropped_by_client.Add(client.name);
-      LogWarningRateLimited("slow " + client.name,
-                            client.name + " is too slow: a message of " + message.channel +
-                                " to it was dropped, its queue of " + std::to_string(queue_bytes_) +
-                                " bytes is full");
+      LogWarningRateLimited("slow " + client.name, client.name + " is too slow: its queue of " +
+                                                       FormatBytes(queue_bytes_) +
+                                                       " is full, so a message of " +
+                                                       message.channel + " was dropped");
   }
 }
 
@@ -244,8 +244,8 @@ void Hub::DisconnectStalled() {
       const std::shared_ptr<Client> slow = entry.lock();
       if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience_s) continue;
       if (!slow->dead) {
-        Disconnect(*slow, "has taken nothing for " + FormatDuration(options_.patience_s) +
-                              ", and " + client->name + " had to wait for it");
+        Disconnect(*slow, "has read nothing for " + FormatDuration(options_.patience_s) +
+                              " while " + client->name + " had to wait");
       }
     }
   }

@@ -18,7 +18,7 @@
 
 namespace vismap {
 
-/// Fails when the address or a pattern of channels cannot be understood.
+/// Fails when the address or a pattern of channels is not valid.
 Result<void> CheckOptions(const HubOptions& options);
 
 /// Counters by name. The number of names is bounded; further names are counted as "others".
@@ -48,13 +48,13 @@ struct HubCounters {
 /// every LCM program can connect. It has one thread, which no client can block: messages for a slow
 /// client wait in the queue of that client. QueuePolicy decides what happens when this queue is
 /// full. For a lossless channel the hub stops reading from the publishers until the queue has room,
-/// or until the slow client has made no progress for `patience` and is disconnected. A client never
+/// or until the slow client has made no progress for patience_s and is disconnected. A client never
 /// waits for itself. Each client receives messages in the order in which they arrived at the hub.
 class Hub {
  public:
-  /// Listens. `name` = on the bus; empty = hub-COMPUTER-PORT, so that hubs whose buses are bridged
-  /// differ. `faults` = for tests. Fails as CheckOptions does, and with the reason when the address
-  /// is taken or not this computer's.
+  /// Starts to listen. `name` is that on the bus; "" = hub-COMPUTER-PORT, which is unique also on
+  /// bridged buses. `faults` is for tests. Fails as CheckOptions does, and with the reason when the
+  /// address is in use or does not belong to this computer.
   static Result<std::unique_ptr<Hub>> Open(const HubOptions& options, const std::string& name = "",
                                            const FaultOptions& faults = {});
   ~Hub();
@@ -94,7 +94,7 @@ class Hub {
   uint16_t port_ = 0;
   std::list<std::shared_ptr<Client>> clients_;
   FaultInjection faults_;
-  bool loses_messages_;  // on purpose
+  bool loses_messages_;  // intentionally, for a test
   HubCounters counters_;
   int64_t start_utime_ = 0;
   int64_t status_seq_ = 0;

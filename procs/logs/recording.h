@@ -29,8 +29,8 @@ bool IsLog(const std::string& path);
 Result<Recording> OpenRecording(const std::string& path, const std::string& format,
                                 const DatasetOptions& options = {});
 
-/// Opens the detections in a log, or other detections as OpenDetections does. DetectorRan is
-/// false for frames without a DETECTIONS message and, if the log has commits, for frames that were
+/// Opens the detections in a log, or other detections as OpenDetections does. DetectorRan is false
+/// for frames without a DETECTIONS message and, if the log has commits, for frames that were
 /// integrated without detections because these arrived too late.
 Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(const std::string& path);
 

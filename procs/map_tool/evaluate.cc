@@ -110,7 +110,7 @@ Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthS
   Evaluation evaluation = Evaluate(source.truth, input->map, classes);
   if (!input->occupancy) return evaluation;
   if (!source.depth)
-    LogWarning("free space is not compared with depth images: " + source.depth.error().message);
+    LogWarning("the free space is not compared with depth images: " + source.depth.error().message);
   auto free_space = ScoreOccupancy(*input->occupancy, source, arguments.config);
   if (!free_space) return tl::unexpected(free_space.error());
   evaluation.free_space = std::move(*free_space);

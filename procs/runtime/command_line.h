@@ -68,12 +68,12 @@ class CommandLine {
   CommandLineOption Choice(const std::string& name, T* target,
                            std::vector<std::pair<std::string, T>> choices, const std::string& help);
 
-  /// One of the names of an enum (see EnumName), in lower case.
+  /// Adds an option whose value is one of the names of an enum (see EnumName), in lower case.
   template <typename Enum>
   CommandLineOption Choice(const std::string& name, Enum* target, const std::string& help);
 
-  /// A subcommand with options of its own. Exactly one subcommand must be given then; `chosen` is
-  /// called by Parse when it is this one.
+  /// Adds a subcommand with its own options. A program with subcommands needs exactly one of them;
+  /// Parse calls `chosen` if it is this one.
   CommandLine Command(const std::string& name, const std::string& help,
                       std::function<void()> chosen);
 

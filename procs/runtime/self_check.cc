@@ -74,7 +74,7 @@ void WarnAboutBus(const LcmUrl& url) {
 
 std::vector<CheckResult> CheckBus(const LcmUrl& url, double timeout) {
   if (url.provider == "tcpq") {
-    const Result<void> hub = ProbeHub(url.hub, timeout);
+    const Result<Socket> hub = ConnectToHub(url.hub, timeout);
     return {{"hub", hub.has_value(),
              hub ? "it answers at " + url.text
                  : "there is none at " + url.text + " (" + hub.error().message +

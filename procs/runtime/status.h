@@ -56,11 +56,11 @@ class Status {
   std::map<std::string, std::vector<double>> timings_ms_;
 };
 
-/// Adds the durations that it measures to `status`, which must outlive it.
+/// A stopwatch that adds the durations of stages to `status`, which must outlive it.
 Stopwatch StageTimings(Status* status);
 
-/// Adds the time from its making to its end to `status`: `StageTimer timer(status,
-/// "segmentation");`
+/// Measures the time from its construction to its destruction and adds it to `status`: `const
+/// StageTimer timer(status, "segmentation");`
 class StageTimer {
  public:
   StageTimer(Status* status, std::string stage);

@@ -38,21 +38,24 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
   AddInput(line, arguments);
   SensorReplayOptions& config = arguments->config.sensor_replay;
   line.Choice("--mode", &config.lockstep, {{"realtime", false}, {"lockstep", true}},
-              "realtime, or lockstep: at the pace of the map server; a log is played in lockstep "
-              "unless you say otherwise");
-  line.Option("--speed", &config.speed, "Of real time; 0 = as fast as possible").AtLeast(0);
+              "realtime: as recorded; lockstep: wait for the commits of the map server; logs use "
+              "lockstep by default");
+  line.Option("--speed", &config.speed, "Speed relative to real time; 0 = as fast as possible")
+      .AtLeast(0);
   line.Option("--window", &config.window_frames,
-              "Lockstep: frames sent before the oldest is committed")
+              "Lockstep: largest number of sent frames that are not committed yet")
       .Range(1, 1000);
   line.Option("--resend-s", &config.resend_s,
-              "Lockstep: seconds without a commit before frames are repeated")
+              "Lockstep: seconds without a commit after which frames are sent again")
       .Positive();
-  line.Option("--wait-for", &arguments->bounds.wait_for,
-              "Programs that must be ready first: depth-segmenter,map-server");
-  line.Flag("--loop", &arguments->bounds.loop, "Begin again at the end, with utimes that go on");
+  line.Option(
+      "--wait-for", &arguments->bounds.wait_for,
+      "Programs that must be ready before the first frame, for example depth-segmenter,map-server");
+  line.Flag("--loop", &arguments->bounds.loop, "Start again at the end, with increasing utimes");
 }
 
-// A log is played in lockstep, whatever the file says, unless the command line says otherwise.
+// A log is replayed in lockstep unless the command line requests another mode; the config file does
+// not count.
 Result<void> ReadOptions(const std::string& text, const std::string& path, Arguments* arguments) {
   const Result<void> read = ReadConfig(text, path, &arguments->config);
   if (IsLog(arguments->dataset)) arguments->config.sensor_replay.lockstep = true;

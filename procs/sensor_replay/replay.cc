@@ -193,7 +193,7 @@ class Player {
     while (const std::optional<size_t> again = window->NextResend(MonotonicSeconds())) {
       if (const Outcome sent = SendInOrder(*again); !sent) return sent;
       status_.Count("frames_resent");
-      LogInfo("no commit arrived for " + FormatDuration(options_.resend_after) + ", so frame " +
+      LogInfo("no commit arrived for " + FormatDuration(options_.resend_s) + ", so frame " +
               std::to_string(*again) + " was sent again");
     }
     bus_.Spin(0.05);
@@ -234,12 +234,13 @@ class Player {
     std::snprintf(rate, sizeof(rate), "%.1f", static_cast<double>(sent) / std::max(seconds, 1e-9));
     const int64_t skipped = status_.counter("frames_not_integrated");
     LogInfo("sent " + FormatCount(sent, "frame") + " in " + FormatDuration(seconds) + " (" + rate +
-            " per second), " +
-            (options_.lockstep ? FormatCount(status_.counter("frames_resent")) +
-                                     " of them repeatedly; the map server integrated " +
-                                     FormatCount(status_.counter("frames_committed") - skipped) +
-                                     " and skipped " + FormatCount(skipped)
-                               : "at most " + FormatDuration(worst_delay_) + " late"));
+            " per second)" +
+            (options_.lockstep
+                 ? " with " + FormatCount(status_.counter("frames_resent"), "repetition") +
+                       "; the map server integrated " +
+                       FormatCount(status_.counter("frames_committed") - skipped) +
+                       " and skipped " + FormatCount(skipped)
+                 : ", at most " + FormatDuration(worst_delay_) + " late"));
   }
 
   Frames frames_;
@@ -259,7 +260,7 @@ class Player {
 Outcome Replay(const Dataset& dataset, const SensorReplayOptions& options,
                const ReplayBounds& bounds, ProcessContext& context) {
   if (dataset.size() == 0)
-    return ExitWith(ExitCode::kUnreadable, dataset.name() + ": no usable frames");
+    return ExitWith(ExitCode::kUnreadable, dataset.name() + ": the sequence has no usable frame");
   return Player(dataset, options, bounds, &context).Play();
 }
 

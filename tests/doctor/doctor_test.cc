@@ -112,13 +112,13 @@ TEST(Doctor, MissingDetectorIsAFinding) {
   Scene scene;
   scene.PublishesStatus(scene.Status("map-server", "ready"));
   process_status_t segmenter = scene.Status("depth-segmenter", "waiting");
-  segmenter.message = "waiting for DETECTIONS: none for the oldest frame in 5 s";
+  segmenter.message = "waiting for DETECTIONS: the oldest frame has waited for 5 s";
   scene.PublishesStatus(segmenter);
   scene.PublishesChannel(kRgbdFrameChannel, rgbd_frame_t{});
-  EXPECT_THAT(
-      scene.Findings(),
-      ElementsAre("depth-segmenter waits for DETECTIONS: none in 5 s; start vismap-detector, "
-                  "or run vismap-depth-segmenter with --detections none"));
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre("depth-segmenter waits for DETECTIONS, but no DETECTIONS was received in "
+                          "5 s; start vismap-detector, "
+                          "or run vismap-depth-segmenter with --detections none"));
 }
 
 TEST(Doctor, MissingSensorSegmenterAndServerAreFindings) {

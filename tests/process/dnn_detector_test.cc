@@ -51,7 +51,7 @@ class Answers {
   }
   size_t frames() const { return count_.size(); }
   int found() const { return found_; }
-  bool DetectorRan(const FrameKey& key) const { return looked_.contains(key) && looked_.at(key); }
+  bool DetectorRanOn(const FrameKey& key) const { return looked_.contains(key) && looked_.at(key); }
   int looked_at() const {
     return static_cast<int>(std::count_if(looked_.begin(), looked_.end(),
                                           [](const auto& entry) { return entry.second; }));
@@ -118,7 +118,7 @@ TEST(DnnDetector, RunsOnTheNewestFrameOfABacklogAndSkipsTheOthers) {
   EXPECT_TRUE(processes.SpinUntil([&] { return answers.frames() == kBacklog; }))
       << "only " << answers.frames();
   EXPECT_TRUE(answers.EachOnce());
-  EXPECT_TRUE(answers.DetectorRan({CameraId{frame.camera_id}, kBacklog - 1})) << "the newest";
+  EXPECT_TRUE(answers.DetectorRanOn({CameraId{frame.camera_id}, kBacklog - 1})) << "the newest";
   EXPECT_LT(answers.looked_at(), kBacklog / 2);
   detector->Signal(SIGTERM);
   EXPECT_EQ(detector->WaitForExit(), 0);

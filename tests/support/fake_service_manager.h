@@ -15,9 +15,9 @@
 
 namespace vismap {
 
-/// Takes the place of systemd. While it exists, this process and its children find $NOTIFY_SOCKET
-/// and a watchdog of `watchdog_us` microseconds in their environment. It stores the messages that
-/// they send.
+/// Replaces systemd in tests. During its lifetime, this process and its children find
+/// $NOTIFY_SOCKET and a watchdog of `watchdog_us` microseconds in their environment; their messages
+/// are kept.
 class FakeServiceManager {
  public:
   explicit FakeServiceManager(int64_t watchdog_us) {
@@ -39,7 +39,8 @@ class FakeServiceManager {
   FakeServiceManager(const FakeServiceManager&) = delete;
   FakeServiceManager& operator=(const FakeServiceManager&) = delete;
 
-  /// Waits up to `timeout` [s] for a message; returns all messages so far in order of arrival.
+  /// Receives messages, waiting up to `timeout` [s] for the first one, and returns all messages so
+  /// far in order of arrival.
   const std::vector<std::string>& Heard(double timeout = 0) {
     pollfd waiting{socket_, POLLIN, 0};
     for (int wait = static_cast<int>(timeout * 1000); poll(&waiting, 1, wait) > 0; wait = 0) {
@@ -49,13 +50,13 @@ class FakeServiceManager {
     }
     return heard_;
   }
-  /// Number of received messages that equal this one.
+  /// Number of messages so far that are equal to this one.
   int Count(const std::string& message) {
     int count = 0;
     for (const std::string& one : Heard()) count += one == message;
     return count;
   }
-  /// Waits until `message` was received `times`; returns false after a minute without messages.
+  /// Receives until `message` has come `times` times; false when nothing comes for a minute.
   bool WaitFor(const std::string& message, int times = 1) {
     while (Count(message) < times) {
       const size_t before = heard_.size();

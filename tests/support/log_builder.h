@@ -16,7 +16,7 @@
 
 namespace vismap {
 
-/// Writes a log message by message, 10 ms apart, as processes would send them.
+/// Makes a log message by message, 10 ms apart, as the processes would send them.
 class LogBuilder {
  public:
   explicit LogBuilder(const std::string& name = "run.lcmlog")
@@ -40,8 +40,7 @@ class LogBuilder {
                Encode(SmallDetections(utime, camera), kSmallCamera.width, kSmallCamera.height),
                "detector");
   }
-  /// Adds a commit that says: the frame was integrated, with detections, and the map then has this
-  /// revision.
+  /// Adds a commit of the frame, integrated with detections, as this revision of the map.
   frame_commit_t Committed(int64_t utime, int64_t revision, int camera = 3) const {
     frame_commit_t commit{};
     commit.utime = utime;

@@ -12,7 +12,7 @@ namespace vismap {
 
 inline constexpr PinholeCamera kSmallCamera{64, 48, 52, 52, 31.5, 23.5};
 
-/// A small frame: the depth image shows a slanted plane with a hole, and there is colour.
+/// A small frame with slanted depth, a hole in it, and a colour image.
 inline SensorFrame SmallSensorFrame(int64_t utime = 1000, int camera = 3) {
   SensorFrame frame;
   frame.header.utime = utime;

@@ -26,9 +26,9 @@ class TestRandom {
   uint64_t state_;
 };
 
-/// Calls `decode(bytes)` with damaged variants of `good`: truncations (about 500 at most, evenly
-/// distributed, and always the last 16), and `flips` copies with 1 to 4 changed bytes. `decode`
-/// must return; the sanitizers check that it accesses no invalid memory.
+/// Calls `decode(bytes)` with hostile variants of `good`: every truncation (at most about 500 of
+/// them, evenly spread, always with the last 16), and `flips` copies with 1 to 4 changed bytes.
+/// `decode` must return, and the sanitizers check its use of memory.
 template <typename Decode>
 void ForEachMutation(std::span<const uint8_t> good, int flips, const Decode& decode) {
   const size_t step = 1 + good.size() / 500;

@@ -12,7 +12,7 @@
 
 namespace vismap {
 
-/// A new empty folder, which the destructor removes.
+/// A new empty folder, which is removed with this object.
 class TempFolder {
  public:
   TempFolder() {
@@ -29,7 +29,7 @@ class TempFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Writes a file and creates the folders in its path.
+  /// Writes a file; creates missing folders.
   void Write(const std::string& name, std::string_view content) const {
     std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << content;
