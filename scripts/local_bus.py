@@ -1,4 +1,4 @@
-"""Processes on a bus of their own, for the scripts that try vismap out."""
+"""Starts processes on a separate bus, for the scripts that measure and test vismap."""
 import pathlib
 import re
 import signal
@@ -11,7 +11,7 @@ BIN = ROOT / "build/release/bin"
 
 
 class Processes:
-    """The programs of the run, by name; each can be killed and is started again with the same command."""
+    """Running programs, by name. Each can be killed and restarted with the same command."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -66,13 +66,13 @@ def run(program, *arguments, timeout=600):
 
 
 def start_hub(processes, *options):
-    """Starts a hub on a free port, and on the same one when it is started again; returns its URL."""
+    """Starts a hub on a free port, and returns its URL. A restarted hub uses the same port."""
     processes.start("hub", "hub", *options, "--listen", "127.0.0.1:0")
     listening = processes.folder / "hub.out"
     deadline = time.monotonic() + 20
     while b"\n" not in listening.read_bytes():
         if time.monotonic() > deadline:
-            sys.exit("the hub did not start; see " + str(processes.folder / "hub.log"))
+            sys.exit("vismap-hub did not start within 20 s; see " + str(processes.folder / "hub.log"))
         time.sleep(0.05)
     url = listening.read_text().splitlines()[0]
     processes.commands["hub"][-1] = url.removeprefix("tcpq://")

@@ -1,15 +1,15 @@
-"""Reads the files of procman (.pmd, .cfg) that scripts/launch starts processes from.
+"""Reads the files of procman (.pmd, .cfg), from which scripts/launch starts processes.
 
-    group "map" {                       # groups may be nested; they only order the file
+    group "map" {                       # groups may be nested; they only structure the file
         cmd "map-server" {
             exec = "${VISMAP_BIN}/vismap-map-server --threads ${THREADS:-2}";
-            auto_respawn = "true";      # start again when it ends
-            host = "localhost";         # or "deputy"; absent = this computer
+            auto_respawn = "true";      # restart it when it ends
+            host = "localhost";         # or "deputy"; default: this computer
             stop_signal = "15";
             stop_time_allowed = "30";   # [s]
         }
     }
-    script "go" { start cmd "map-server"; }   # tolerated, not run
+    script "go" { start cmd "map-server"; }   # accepted, but not run
 """
 import dataclasses
 import re
@@ -17,14 +17,14 @@ import shlex
 
 
 class ConfigError(Exception):
-    """What is wrong with the file, as FILE:LINE: sentence."""
+    """An error in the file, as "FILE:LINE: sentence"."""
 
 
 @dataclasses.dataclass
 class Command:
-    """One process to run, as the file says."""
+    """One command of the file."""
     name: str
-    where: str  # FILE:LINE of its cmd
+    where: str  # FILE:LINE of the cmd
     exec: str = ""
     host: str = ""
     group: str = ""
@@ -41,7 +41,7 @@ ASSIGNMENT = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)=(.*)")
 
 
 class Tokens:
-    """The words of the file, each with its line."""
+    """The tokens of the file, each with its line."""
 
     def __init__(self, text, path):
         self.path = path
@@ -86,7 +86,7 @@ class Tokens:
 
 
 def parse_value(tokens, key, text):
-    """The value of one attribute of a cmd, converted."""
+    """Converts the value of one attribute of a cmd."""
     try:
         if key == "auto_respawn":
             return {"true": True, "1": True, "false": False, "0": False}[text.lower()]
@@ -95,7 +95,7 @@ def parse_value(tokens, key, text):
         if key == "stop_time_allowed":
             return float(text)
     except (KeyError, ValueError):
-        tokens.fail(f"another value of {key}", f'"{text}"')
+        tokens.fail(f"a valid value of {key}", f'"{text}"')
     return text
 
 
@@ -116,7 +116,7 @@ def parse_command(tokens, group):
         tokens.take(";")
     tokens.take("}")
     if not command.exec:
-        raise ConfigError(f'{command.where}: cmd "{name}" has no exec')
+        raise ConfigError(f'{command.where}: the cmd "{name}" has no exec')
     return command
 
 
@@ -128,7 +128,7 @@ def skip_script(tokens):
 
 
 def parse_body(tokens, group, commands):
-    """What stands at the top of the file or in a group."""
+    """Parses the content of the file or of a group."""
     while tokens.peek() not in ("}", "end of file"):
         word = tokens.next()
         if word == "group":
@@ -139,7 +139,7 @@ def parse_body(tokens, group, commands):
         elif word == "cmd":
             command = parse_command(tokens, group)
             if command.name in (one.name for one in commands):
-                raise ConfigError(f'{command.where}: there is a cmd "{command.name}" already')
+                raise ConfigError(f'{command.where}: there is already a cmd "{command.name}"')
             commands.append(command)
         elif word == "script":
             skip_script(tokens)
@@ -148,7 +148,7 @@ def parse_body(tokens, group, commands):
 
 
 def parse(text, path):
-    """All commands of the file in its order. Raises ConfigError."""
+    """All commands, in the order of the file. Raises ConfigError."""
     tokens = Tokens(text, path)
     commands = []
     parse_body(tokens, "", commands)
@@ -156,13 +156,13 @@ def parse(text, path):
         tokens.next()
         tokens.fail("group, cmd or script", "}")
     if not commands:
-        raise ConfigError(f"{path}: has no cmd")
+        raise ConfigError(f"{path}: the file has no cmd")
     return commands
 
 
 def expand(command, variables):
-    """(environment, arguments) of a command: ${NAME} and ${NAME:-default} replaced, NAME=VALUE in front
-    split off; no shell takes part."""
+    """(environment, arguments) of a command: replaces ${NAME} and ${NAME:-default}, and moves leading NAME=VALUE to the
+    environment. No shell is used."""
     def value(match):
         name = NAME.fullmatch(match.group(1))
         if name and name.group(1) in variables:
@@ -181,5 +181,5 @@ def expand(command, variables):
         name, content = ASSIGNMENT.fullmatch(words.pop(0)).groups()
         environment[name] = content
     if not words:
-        raise ConfigError(f'{command.where}: exec of cmd "{command.name}" names no program')
+        raise ConfigError(f'{command.where}: exec of cmd "{command.name}" has no program')
     return environment, words

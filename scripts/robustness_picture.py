@@ -1,7 +1,7 @@
-"""Draws curves of scores as SVG: one small panel per axis, easy on the left, hard on the right."""
+"""Draws curves of scores as SVG: one panel per parameter, with easy values on the left and hard ones on the right."""
 from xml.sax.saxutils import escape
 
-# Per preset: colour of its curves.
+# Colour of the curves of each preset.
 COLORS = {"published": "#e08214", "default": "#2166ac"}
 # Drawn scores: key, name in the legend, dash pattern.
 CURVES = [("PQ", "named objects: panoptic quality", ""), ("IoU_unknown", "unknown objects: mean IoU", "5 4")]
@@ -21,7 +21,7 @@ def line(x1, y1, x2, y2, color="#ddd", width=1.0, dash=""):
 
 
 def curve(points, color, dash):
-    """Through the points (x, y); those with y None are left out."""
+    """A curve through the points (x, y), without those whose y is None."""
     seen = [(x, y) for x, y in points if y is not None]
     dashed = f' stroke-dasharray="{dash}"' if dash else ""
     path = " ".join(f"{x:.1f},{y:.1f}" for x, y in seen)

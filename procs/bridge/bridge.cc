@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/status.h"
@@ -16,7 +17,7 @@
 namespace vismap {
 namespace {
 
-std::map<std::string, ForwardCounters> NoneYet(const std::vector<std::string>& channels) {
+std::map<std::string, ForwardCounters> ZeroCounters(const std::vector<std::string>& channels) {
   std::map<std::string, ForwardCounters> counters = {{kStatusChannel.name, {}}};
   for (const std::string& channel : channels) counters[channel];
   return counters;
@@ -50,8 +51,8 @@ Result<std::unique_ptr<Bridge>> Bridge::Open(const BridgePlace& place,
   std::unique_ptr<Bridge> bridge(new Bridge(name, std::move(*policies)));
   Direction& send = bridge->directions_[0];
   Direction& receive = bridge->directions_[1];
-  send = {"send", BridgeSide::kLocal, nullptr, nullptr, NoneYet(options.send)};
-  receive = {"receive", BridgeSide::kRemote, nullptr, nullptr, NoneYet(options.receive)};
+  send = {"send", BridgeSide::kLocal, nullptr, nullptr, ZeroCounters(options.send)};
+  receive = {"receive", BridgeSide::kRemote, nullptr, nullptr, ZeroCounters(options.receive)};
   const auto open = [&](const LcmUrl& url, const Direction& direction) {
     return OpenBridgeEnd(
         url, {Names(direction.counters), static_cast<size_t>(options.queue_mb) * kMegabyte});
@@ -84,7 +85,7 @@ void Bridge::ServeOnce(const StopSignal& stop, int timeout_ms) {
   pollfd waiting[3] = {{stop.fd(), POLLIN, 0}, {-1, 0, 0}, {-1, 0, 0}};
   for (size_t i = 0; i < directions_.size(); ++i) {
     const Direction& direction = directions_[i];
-    // Nothing is read that would have to be kept beyond the limit.
+    // Do not read more for a queue that is full.
     const bool held = direction.to->connected() && direction.to->full();
     const int events = (held ? 0 : POLLIN) | (direction.from->wants_to_send() ? POLLOUT : 0);
     waiting[i + 1] = {direction.from->fd(), static_cast<short>(events), 0};
@@ -104,23 +105,24 @@ void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
   ForwardCounters& counters = entry->second;
   if (record.data().size() > MaxBytesOf(record.name)) {
     ++counters.rejected;
-    LogWarningSometimes("large " + record.name,
-                        record.name + ": a message of " + std::to_string(record.data().size()) +
-                            " bytes was not passed on, at most " +
-                            std::to_string(MaxBytesOf(record.name)) + " are allowed");
+    LogWarningRateLimited("large " + record.name,
+                          record.name + ": a message of " + FormatBytes(record.data().size()) +
+                              " was not forwarded; at most " +
+                              FormatBytes(MaxBytesOf(record.name)) + " are allowed");
     return;
   }
-  if (GoesRound(direction, record)) return;
+  if (WouldLoop(direction, record)) return;
   switch (direction.to->Add(RouteMessage(record, &policies_))) {
     case MessageQueue::Added::kReplacedOlder:
       ++counters.replaced;
       return;
     case MessageQueue::Added::kDropped:
       ++counters.dropped;
-      LogWarningSometimes(
+      LogWarningRateLimited(
           "dropped " + record.name,
           record.name + ": a message to " + direction.to->url() + " was dropped: " +
-              (direction.to->connected() ? "it is too slow" : "it has been away for too long"));
+              (direction.to->connected() ? "it is too slow"
+                                         : "it has been unreachable for too long"));
       return;
     case MessageQueue::Added::kQueued:
       ++counters.forwarded;
@@ -128,7 +130,7 @@ void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
   }
 }
 
-bool Bridge::GoesRound(const Direction& direction, const TcpqRecord& record) {
+bool Bridge::WouldLoop(const Direction& direction, const TcpqRecord& record) {
   const bool both_ways = directions_[0].counters.contains(record.name) &&
                          directions_[1].counters.contains(record.name);
   if (!both_ways) return false;

@@ -15,57 +15,57 @@
 
 namespace vismap {
 
-/// The two buses that a bridge joins, and its name.
+/// The two buses that a bridge connects, and its name.
 struct BridgePlace {
   LcmUrl local, remote;
-  std::string name;  ///< on both buses; empty = bridge-COMPUTER
+  std::string name;  ///< on both buses; "" = bridge-COMPUTER
 };
 
-/// Fails when a pattern of channels is no regular expression.
+/// Fails when a pattern of channels is not a valid regular expression.
 Result<void> CheckOptions(const BridgeOptions& options);
 
 /// Totals of one channel in one direction.
 struct ForwardCounters {
   int64_t forwarded = 0, forwarded_bytes = 0;
-  int64_t dropped = 0;   ///< no room while the other bus was away or slow
-  int64_t replaced = 0;  ///< a newer one went instead
-  int64_t rejected = 0;  ///< larger than the channel allows
+  int64_t dropped = 0;   ///< the queue was full, because the other bus was slow or not connected
+  int64_t replaced = 0;  ///< replaced by a newer message in the queue
+  int64_t rejected = 0;  ///< not forwarded, larger than the channel allows
 };
 
-/// Passes messages of listed channels on between two buses, byte for byte; STATUS goes both ways
-/// always. Messages of a channel that goes both ways are passed on only from the side where their
-/// source lives, so that none goes round; what is not one of our messages is not passed on there.
-/// Two buses must be joined by one bridge only. While a bus is away, messages to it wait in a
-/// bounded queue; while it is slow, nothing is read from the other that would have to be dropped,
-/// if the channel is lossless.
+/// Forwards messages of the given channels between two buses, byte for byte. STATUS is always
+/// forwarded in both directions. On a channel that is forwarded in both directions, a message is
+/// forwarded only from the bus of its source, so that it cannot loop; a message without a vismap
+/// head is not forwarded there. Only one bridge may connect the same two buses. While a bus is not
+/// connected, messages to it wait in a bounded queue. While it is slow, the bridge stops reading
+/// from the other bus, so that no message of a lossless channel is dropped.
 class Bridge {
  public:
   /// Fails as CheckOptions and OpenBridgeEnd do.
   static Result<std::unique_ptr<Bridge>> Open(const BridgePlace& place,
                                               const BridgeOptions& options);
 
-  /// Passes messages on until `stop` is requested. Publishes its STATUS on both buses once a
-  /// second. Calls `each_round` at least every quarter of a second, but for the time that an
-  /// attempt to connect takes.
+  /// Forwards messages until `stop` is requested. Publishes STATUS on both buses once a second.
+  /// Calls `each_round` at least every quarter of a second, or after an attempt to connect, which
+  /// may take a second per bus.
   void Run(const StopSignal& stop, const std::function<void()>& each_round);
 
-  /// Per channel, in alphabetical order.
+  /// The counters of each channel, in alphabetical order.
   const std::map<std::string, ForwardCounters>& sent() const { return directions_[0].counters; }
   const std::map<std::string, ForwardCounters>& received() const { return directions_[1].counters; }
 
  private:
   struct Direction {
     const char* name = nullptr;
-    BridgeSide side{};  ///< where the messages come from
+    BridgeSide side{};  ///< the bus from which the messages come
     BridgeEnd* from = nullptr;
     BridgeEnd* to = nullptr;
-    std::map<std::string, ForwardCounters> counters;  // of the listed channels
+    std::map<std::string, ForwardCounters> counters;  // of the channels that are forwarded
   };
 
   Bridge(const std::string& name, ChannelPolicies policies);
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Forward(Direction& direction, const TcpqRecord& record);
-  bool GoesRound(const Direction& direction, const TcpqRecord& record);
+  bool WouldLoop(const Direction& direction, const TcpqRecord& record);
   void PublishStatus();
   std::string StatusSentence() const;
 

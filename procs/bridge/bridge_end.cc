@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "base/format.h"
 #include "queueing/queued_connection.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -14,7 +15,8 @@ namespace {
 constexpr double kRetryPeriod = 0.5;              // [s]
 constexpr double kConnectTimeout = 1.0;           // [s]
 constexpr size_t kReadPerTurn = size_t{2} << 20;  // [bytes]
-// With a hub that takes nothing [s]; more than a hub's patience with those who make it wait.
+// A hub that accepts no data for so long counts as lost [s]. It is longer than the patience of a
+// hub with a slow client.
 constexpr double kPatience = 90;
 constexpr int kMessagesPerTurn = 16;
 
@@ -35,12 +37,12 @@ class HubEnd : public BridgeEnd {
   void KeepConnected() override {
     if (connected() && connection_.SecondsStuck() > kPatience) {
       connection_.Close();
-      trouble_ = "took nothing for a while";
+      trouble_ = "the hub accepted no data for " + FormatDuration(kPatience);
     }
     if (connected() || MonotonicSeconds() < next_attempt_) return;
     if (was_connected_) {
-      LogWarning("lost " + url_.text + (trouble_.empty() ? "" : ": " + trouble_) +
-                 "; trying to reach it again");
+      LogWarning("the connection to " + url_.text + " was lost" +
+                 (trouble_.empty() ? "" : ": " + trouble_) + "; trying to connect again");
     }
     was_connected_ = false;
     Connect();
@@ -80,19 +82,19 @@ class HubEnd : public BridgeEnd {
     trouble_.clear();
     if (ever_connected_) ++reconnects_;
     was_connected_ = ever_connected_ = true;
-    LogInfo("joined " + url_.text);
+    LogInfo("connected to " + url_.text);
   }
 
   LcmUrl url_;
   BridgeEndOptions options_;
   QueuedConnection connection_;
-  std::string trouble_ = "not yet reached";
+  std::string trouble_ = "not connected yet";
   double next_attempt_ = 0;
   int64_t reconnects_ = 0;
   bool was_connected_ = false, ever_connected_ = false;
 };
 
-/// A bus without a hub: what is sent is gone at once.
+/// A bus without a hub: LCM sends every message immediately, so there is no queue.
 class LcmEnd : public BridgeEnd {
  public:
   LcmEnd(const LcmUrl& url, std::unique_ptr<Transport> transport)

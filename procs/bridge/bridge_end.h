@@ -11,27 +11,27 @@
 
 namespace vismap {
 
-/// One of the two buses that a bridge joins. Nothing here waits, but for a second while a hub does
-/// not answer.
+/// One of the two buses that a bridge connects. Only KeepConnected may block, for a second when the
+/// hub does not answer.
 class BridgeEnd {
  public:
   virtual ~BridgeEnd() = default;
 
   virtual const std::string& url() const = 0;
-  /// Joins the bus again when that is due.
+  /// Connects again when the connection is lost and the next attempt is due.
   virtual void KeepConnected() = 0;
   virtual bool connected() const = 0;
-  /// Why it is not connected; empty when it is.
+  /// Why there is no connection; "" when there is one, or when the hub closed it.
   virtual const std::string& trouble() const = 0;
   virtual int64_t reconnects() const = 0;
 
-  /// To be polled; -1 while not connected.
+  /// File descriptor for poll(); -1 while not connected.
   virtual int fd() const = 0;
   virtual bool wants_to_send() const = 0;
-  /// Gives what has arrived, not all at once.
+  /// Calls `sink` with messages that have arrived, with a bounded number of them per call.
   virtual void Receive(const std::function<void(const TcpqRecord&)>& sink) = 0;
-  /// Takes a message to be sent. While connected, nothing lossless is refused: whoever adds looks
-  /// at full() before the next one.
+  /// Queues a message for sending. While connected, no lossless message is rejected, so the caller
+  /// must check full() before it adds the next one.
   virtual MessageQueue::Added Add(const RoutedMessage& message) = 0;
   virtual bool full() const = 0;
   virtual size_t queued_bytes() const = 0;
@@ -39,12 +39,13 @@ class BridgeEnd {
 };
 
 struct BridgeEndOptions {
-  std::vector<std::string> channels;  ///< to be received
+  std::vector<std::string> channels;  ///< channels to subscribe to
   size_t queue_bytes = 0;             ///< see MessageQueue
 };
 
-/// Joins a bus. A hub that is not there yet is waited for, by KeepConnected. Fails when LCM cannot
-/// open the URL, with the command that mends it.
+/// Creates the end for a URL. If the hub does not run yet, KeepConnected connects later. For other
+/// providers it fails when LCM cannot open the URL; the error names the command that solves the
+/// problem.
 Result<std::unique_ptr<BridgeEnd>> OpenBridgeEnd(const LcmUrl& url,
                                                  const BridgeEndOptions& options);
 

@@ -7,13 +7,14 @@ namespace vismap {
 
 enum class BridgeSide { kLocal, kRemote };
 
-/// Which side of a bridge every source of messages lives on: where it was heard first. What a
-/// bridge passes on comes back to it from the other side; by this it knows not to return it.
+/// Remembers for every source of messages on which side of the bridge it lives, which is the side
+/// on which it was received first. The bridge also receives the messages that it has forwarded
+/// itself; it must not forward them back.
 class SourceSides {
  public:
-  /// Whether a message of `source` heard on `side` comes from there; `now` [s]. A source that has
-  /// been silent on its side for half a minute may turn up on the other. False, too, for new
-  /// sources beyond some thousands.
+  /// Whether `source`, of which a message was received on `side` at time `now` [s], lives there. A
+  /// source that was silent for half a minute may move to the other side. Returns false for new
+  /// sources when too many are known.
   bool LivesOn(BridgeSide side, const std::string& source, double now);
 
  private:

@@ -17,10 +17,11 @@ void FrameDetectionJoin::AddFrame(const rgbd_frame_t& frame, double now) {
   }
   if (frames_.size() >= capacity_) {
     ++counters_.frames_dropped;
-    Remember(KeyOf(frames_.front().frame));
+    RememberWithout(KeyOf(frames_.front().frame));
     frames_.pop_front();
   }
-  std::erase(gone_without_, KeyOf(frame));  // it came again: its detections may, too
+  std::erase(released_without_,
+             KeyOf(frame));  // since it arrived again, its detections may arrive again, too
   frames_.push_back({frame, now});
 }
 
@@ -30,7 +31,8 @@ void FrameDetectionJoin::AddDetections(const detections_t& detections) {
     ++counters_.detections_repeated;
     return;
   }
-  if (std::find(gone_without_.begin(), gone_without_.end(), key) != gone_without_.end()) {
+  if (std::find(released_without_.begin(), released_without_.end(), key) !=
+      released_without_.end()) {
     ++counters_.detections_late;
     return;
   }
@@ -52,7 +54,7 @@ std::optional<JoinedFrame> FrameDetectionJoin::Next(double now, double patience)
   frames_.pop_front();
   if (found == detections_.end()) {
     ++counters_.frames_without;
-    Remember(key);
+    RememberWithout(key);
     return joined;
   }
   joined.detections = std::move(found->second);
@@ -61,9 +63,9 @@ std::optional<JoinedFrame> FrameDetectionJoin::Next(double now, double patience)
   return joined;
 }
 
-void FrameDetectionJoin::Remember(const FrameKey& key) {
-  gone_without_.push_back(key);
-  if (gone_without_.size() > capacity_) gone_without_.pop_front();
+void FrameDetectionJoin::RememberWithout(const FrameKey& key) {
+  released_without_.push_back(key);
+  if (released_without_.size() > capacity_) released_without_.pop_front();
 }
 
 }  // namespace vismap

@@ -11,40 +11,43 @@
 
 namespace vismap {
 
-/// A frame with what a detector said of it; none = no detector's word is waited for any longer.
+/// A frame and its detections; nullopt = it does not wait for detections any longer.
 struct JoinedFrame {
   rgbd_frame_t frame;
   std::optional<detections_t> detections;
 };
 
-/// What the join lost, and why.
+/// Counters of frames and detections that could not be paired, by reason.
 struct JoinCounters {
-  int64_t frames_dropped = 0;   ///< too many frames waited: the oldest was given up
-  int64_t frames_repeated = 0;  ///< the same frame came again while it waited
-  int64_t detections_dropped =
-      0;                        ///< came for frames that never came, and made room for newer ones
-  int64_t detections_late = 0;  ///< came after their frame had gone on without them
-  int64_t detections_repeated = 0;  ///< the same frame's came again while they waited
-  int64_t frames_without = 0;       ///< went on without detections
+  int64_t frames_dropped = 0;   ///< oldest frames that were dropped because too many were waiting
+  int64_t frames_repeated = 0;  ///< frames that arrived again while they were waiting
+  /// Detections without a frame that were dropped to make room for newer ones.
+  int64_t detections_dropped = 0;
+  /// Detections that arrived after their frame was released without them.
+  int64_t detections_late = 0;
+  int64_t detections_repeated = 0;  ///< detections that arrived again while they were waiting
+  int64_t frames_without = 0;       ///< frames that were released without detections
 };
 
-/// Brings frames together with their detections, by camera and utime, in bounded memory. Frames
-/// leave in the order in which they came; detections may come before or after their frame. Does not
-/// look at a clock: times [s] are passed in.
+/// Pairs each frame with its detections, by camera and utime. Detections may arrive before or after
+/// their frame. Frames are released in the order of their arrival. The memory is bounded. It has no
+/// clock of its own: callers pass the current time `now` [s].
 class FrameDetectionJoin {
  public:
-  /// At most `capacity` frames wait, and as many detections without a frame.
+  /// At most `capacity` frames wait, and at most `capacity` detections.
   explicit FrameDetectionJoin(size_t capacity) : capacity_(capacity) {}
 
   void AddFrame(const rgbd_frame_t& frame, double now);
   void AddDetections(const detections_t& detections);
 
-  /// The oldest frame, when its detections are there or when it has waited for `patience` [s] or
-  /// longer (0 = it need not wait; infinity = it must). None when no frame may leave yet.
+  /// Removes and returns the oldest frame if its detections have arrived or if it has waited for at
+  /// least `patience` [s]; otherwise nullopt. patience = 0: frames do not wait; infinity: they wait
+  /// until their detections arrive.
   std::optional<JoinedFrame> Next(double now, double patience);
 
+  /// Number of frames that wait.
   size_t waiting() const { return frames_.size(); }
-  /// How long the oldest frame has waited [s]; 0 when none does.
+  /// How long the oldest frame has waited [s]; 0 when no frame waits.
   double Waited(double now) const { return frames_.empty() ? 0 : now - frames_.front().arrival; }
   const JoinCounters& counters() const { return counters_; }
 
@@ -54,13 +57,14 @@ class FrameDetectionJoin {
     double arrival;
   };
   bool IsWaiting(const FrameKey& key) const;
-  void Remember(const FrameKey& key);
+  void RememberWithout(const FrameKey& key);
 
   size_t capacity_;
   std::deque<Waiting> frames_;                   // in order of arrival
-  std::map<FrameKey, detections_t> detections_;  // whose frame has not left yet
+  std::map<FrameKey, detections_t> detections_;  // of frames that were not released yet
   std::deque<FrameKey> detections_order_;        // keys of detections_, in order of arrival
-  std::deque<FrameKey> gone_without_;  // frames that left without detections, the newest few
+  // Frames released without detections; the newest ones, at most capacity.
+  std::deque<FrameKey> released_without_;
   JoinCounters counters_;
 };
 

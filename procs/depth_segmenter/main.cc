@@ -15,9 +15,10 @@ struct Arguments {
 void AddOptions(CommandLine& line, Arguments* arguments) {
   DepthSegmenterOptions& config = arguments->config.depth_segmenter;
   line.Choice("--detections", &config.detections,
-              "required: every frame waits for its own; auto: while a detector is alive; none");
+              "required: every frame waits for its detections; auto: it waits while a detector is "
+              "alive; none: no detections");
   line.Option("--detection-timeout", &config.detection_timeout_s,
-              "auto: seconds that a frame waits for a detector that is alive")
+              "auto: seconds that a frame waits while a detector is alive")
       .Positive();
   arguments->threads.AddTo(line);
 }
@@ -35,7 +36,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   ProcessSpec spec;
   spec.name = "depth-segmenter";
-  spec.summary = "Cuts depth images into segments and gives them the classes of detections.";
+  spec.summary = "Segments depth images and assigns the classes of the detections to the segments.";
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
   UseConfig(&arguments.config, &spec);
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };

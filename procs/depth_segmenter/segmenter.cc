@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/format.h"
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
 #include "segmentation/segment_frame.h"
@@ -16,12 +17,12 @@
 namespace vismap {
 namespace {
 
-constexpr double kPatienceCheck = 0.05;   // how often frames that wait are looked at [s]
-constexpr double kWaitWorthSaying = 0.5;  // [s]
-constexpr size_t kMaxAnswers = 32;        // kept for frames that are sent again
+constexpr double kPatienceCheck = 0.05;  // time between two checks of the waiting frames [s]
+constexpr double kReportedWait = 0.5;    // a longer wait is shown in the status [s]
+constexpr size_t kMaxAnswers = 32;       // results kept for frames that are sent again
 
-/// Whether two messages show the same colours and space from the same place, whoever sent them and
-/// when. Depth is not looked at.
+/// Whether two messages are the same frame: same key, image size, depth unit, pose and colour.
+/// Depth, source and sequence number are not compared.
 bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
   return KeyOf(a) == KeyOf(b) && a.width == b.width && a.height == b.height &&
          a.depth_unit_m == b.depth_unit_m &&
@@ -29,7 +30,8 @@ bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
          a.color == b.color;
 }
 
-/// The message of a frame without the depth that segmentation has left out.
+/// The message of a frame with depth 0 at the pixels that segmentation has left out (NaN in
+/// `kept`).
 rgbd_frame_t WithoutLeftOut(const rgbd_frame_t& message, SensorFrame sensor,
                             const Image<float>& kept) {
   bool changed = false;
@@ -62,40 +64,41 @@ Segmenter::Segmenter(const DepthSegmenterOptions& options, const SegmentationSta
     bus_.Subscribe<detections_t>(
         kDetectionsChannel, [this](const detections_t& message) { return OnDetections(message); });
   }
-  bus_.Every(kPatienceCheck, [this] { SegmentWaiting(); });
+  bus_.Every(kPatienceCheck, [this] { SegmentReadyFrames(); });
 }
 
 void Segmenter::Run() {
   status_.Set(ProcessState::kReady);
   bus_.Run();
-  LogInfo("segmented " + std::to_string(status_.counter("frames")) + " frames, " +
-          std::to_string(join_.counters().frames_without) + " of them without detections");
+  LogInfo("segmented " + FormatCount(status_.counter("frames"), "frame") + ", " +
+          FormatCount(join_.counters().frames_without) + " of them without detections");
 }
 
 Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
-  if (AnswerAgain(message)) return {};
+  if (RepeatAnswer(message)) return {};
   if (const Result<FrameHeader> header = DecodeHeader(message); !header)
     return tl::unexpected(header.error());
   join_.AddFrame(message, MonotonicSeconds());
-  SegmentWaiting();
+  SegmentReadyFrames();
   return {};
 }
 
 Result<void> Segmenter::OnDetections(const detections_t& message) {
-  if (Looked(message)) {
+  if (DetectorRan(message)) {
     if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
   }
   join_.AddDetections(message);
-  SegmentWaiting();
+  SegmentReadyFrames();
   return {};
 }
 
-bool Segmenter::AnswerAgain(const rgbd_frame_t& message) {
+bool Segmenter::RepeatAnswer(const rgbd_frame_t& message) {
   const auto answer = std::find_if(answers_.begin(), answers_.end(), [&](const Answer& a) {
     return a.depth == message.depth && SameButDepth(a.message.frame, message);
   });
-  if (answer == answers_.end()) return false;
-  // What must be committed before it may have changed.
+  if (answer == answers_.end()) return false;  // a new frame, or its result is no longer stored
+  // Copy the new message, because its after_utime may have changed, but keep the depth of the
+  // result.
   rgbd_frame_t& frame = answer->message.frame;
   std::vector<uint8_t> depth = std::move(frame.depth);
   frame = message;
@@ -111,19 +114,19 @@ double Segmenter::Patience() const {
     case WaitForDetections::kRequired:
       return std::numeric_limits<double>::infinity();
     case WaitForDetections::kAuto:
-      return peers_.Alive("detector") ? options_.detection_timeout_s : 0;
+      return peers_.IsAlive("detector") ? options_.detection_timeout_s : 0;
     case WaitForDetections::kNone:
       break;
   }
   return 0;
 }
 
-void Segmenter::SegmentWaiting() {
+void Segmenter::SegmentReadyFrames() {
   while (const std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience())) {
     Result<segmented_frame_t> answer = Segment(*joined);
     if (!answer) {
       status_.Count("frames_unusable");
-      LogWarningSometimes("unusable", "RGBD_FRAME: rejected: " + answer.error().message);
+      LogWarningRateLimited("unusable", "an RGBD_FRAME was rejected: " + answer.error().message);
       continue;
     }
     status_.Count("frames");
@@ -132,7 +135,7 @@ void Segmenter::SegmentWaiting() {
     answers_.push_back({joined->frame.depth, std::move(*answer)});
     if (answers_.size() > kMaxAnswers) answers_.pop_front();
   }
-  ShowState();
+  UpdateStatus();
 }
 
 Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
@@ -142,29 +145,30 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   Result<RgbdFrame> frame = DecodeFrame(*sensor);
   if (!frame) return tl::unexpected(frame.error());
   std::optional<DetectionSet> detections;
-  if (joined.detections && Looked(*joined.detections)) {
+  if (joined.detections && DetectorRan(*joined.detections)) {
     const detections_t& message = *joined.detections;
     if (message.image_width == joined.frame.width && message.image_height == joined.frame.height) {
       detections = *Decode(message);
     } else {
       status_.Count("detections_of_other_size");
-      LogWarningSometimes("size", "DETECTIONS of " + ToText(KeyOf(message)) +
-                                      " are for images of " + std::to_string(message.image_width) +
-                                      "x" + std::to_string(message.image_height) +
-                                      ", the frame has " + std::to_string(joined.frame.width) +
-                                      "x" + std::to_string(joined.frame.height) +
-                                      "; the frame goes on without them");
+      LogWarningRateLimited(
+          "size",
+          "DETECTIONS of " + ToText(KeyOf(message)) + " are for images of " +
+              std::to_string(message.image_width) + "x" + std::to_string(message.image_height) +
+              ", but the frame has " + std::to_string(joined.frame.width) + "x" +
+              std::to_string(joined.frame.height) + "; the frame is segmented without them");
     }
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
   const SegmentedFrame segmented =
       SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
+  // Without classes to leave out, segmentation keeps the depth image.
   if (!detections || stage_.refine.leave_out_classes.empty())
     return Encode(segmented, joined.frame);
   return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));
 }
 
-void Segmenter::ShowState() {
+void Segmenter::UpdateStatus() {
   const JoinCounters& counters = join_.counters();
   status_.SetCounter("frames_waiting", static_cast<int64_t>(join_.waiting()));
   status_.SetCounter("frames_dropped", counters.frames_dropped);
@@ -174,14 +178,17 @@ void Segmenter::ShowState() {
   status_.SetCounter("detections_late", counters.detections_late);
   status_.SetCounter("detections_repeated", counters.detections_repeated);
   const double waited = join_.Waited(MonotonicSeconds());
-  if (waited > kWaitWorthSaying) {
+  if (waited > kReportedWait) {
     status_.Set(ProcessState::kWaiting,
-                "waiting for DETECTIONS: none for the oldest frame in " +
-                    std::to_string(static_cast<int>(waited)) + " s" +
-                    (peers_.Alive("detector") ? "" : ", and no detector is on the bus"));
+                "waiting for DETECTIONS: the oldest frame has waited for " +
+                    FormatDuration(std::ceil(waited)) +
+                    (peers_.IsAlive("detector") ? "" : ", and no detector is on the bus"));
   } else if (status_.counter("frames") > 0) {
-    const bool alone = options_.detections == WaitForDetections::kAuto && !peers_.Alive("detector");
-    status_.Set(ProcessState::kRunning, alone ? "no detector is on the bus: geometry alone" : "");
+    const bool alone =
+        options_.detections == WaitForDetections::kAuto && !peers_.IsAlive("detector");
+    status_.Set(
+        ProcessState::kRunning,
+        alone ? "no detector is on the bus, so frames are segmented by geometry alone" : "");
   }
 }
 

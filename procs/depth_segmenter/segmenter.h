@@ -14,25 +14,25 @@
 
 namespace vismap {
 
-/// Turns RGBD_FRAME and DETECTIONS into SEGMENTED_FRAME: one for every frame, in the order of the
-/// frames. A frame that is sent again gets the same answer again.
+/// Segments frames: computes one SEGMENTED_FRAME from every RGBD_FRAME and its DETECTIONS, in the
+/// order of the frames. For a frame that is sent again it publishes the same result again.
 class Segmenter {
  public:
-  /// Subscribes. The context must outlive it.
+  /// Subscribes to RGBD_FRAME and DETECTIONS. `context` must outlive the object.
   Segmenter(const DepthSegmenterOptions& options, const SegmentationStageOptions& stage,
             ProcessContext* context);
 
-  /// Works until stop is requested.
+  /// Runs until stop is requested.
   void Run();
 
  private:
   Result<void> OnFrame(const rgbd_frame_t& message);
   Result<void> OnDetections(const detections_t& message);
-  bool AnswerAgain(const rgbd_frame_t& message);
-  void SegmentWaiting();
+  bool RepeatAnswer(const rgbd_frame_t& message);
+  void SegmentReadyFrames();
   Result<segmented_frame_t> Segment(const JoinedFrame& joined);
   double Patience() const;
-  void ShowState();
+  void UpdateStatus();
 
   DepthSegmenterOptions options_;
   SegmentationStageOptions stage_;
@@ -40,12 +40,13 @@ class Segmenter {
   Status& status_;
   Peers peers_;
   FrameDetectionJoin join_;
-  /// What a frame was answered with.
+  /// A published result.
   struct Answer {
-    std::vector<uint8_t> depth;  ///< as the frame came; the answer's may lack what was left out
+    /// Encoded depth of the RGBD_FRAME; in `message` left-out pixels are removed.
+    std::vector<uint8_t> depth;
     segmented_frame_t message;
   };
-  std::deque<Answer> answers_;  // the newest few
+  std::deque<Answer> answers_;  // the newest ones, at most kMaxAnswers
 };
 
 }  // namespace vismap

@@ -7,16 +7,18 @@ Result<DetectorBackend> ChooseBackend(const DetectorOptions& config, bool names_
   DetectorBackend backend = config.backend;
   if (backend == DetectorBackend::kAuto) {
     if (!names_recording && !has_model)
-      return Fail("expected --detections or --dataset (recorded), or --model (dnn)");
+      return Fail(
+          "expected --detections or --dataset for recorded detections, or --model for a network");
     backend = names_recording ? DetectorBackend::kRecorded : DetectorBackend::kDnn;
   }
   if (backend == DetectorBackend::kRecorded && !names_recording)
-    return Fail("backend recorded: expected --detections or --dataset");
+    return Fail("the backend 'recorded' needs --detections or --dataset");
   if (backend == DetectorBackend::kDnn && names_recording)
     return Fail(
-        "backend dnn looks at the frames on the bus: it takes no --detections or --dataset");
+        "the backend 'dnn' runs on the frames on the bus and does not accept --detections or "
+        "--dataset");
   if (backend == DetectorBackend::kDnn && !has_model)
-    return Fail("backend dnn: expected --model FILE, or detector.model in the config");
+    return Fail("the backend 'dnn' needs --model FILE or detector.model in the config");
   return backend;
 }
 

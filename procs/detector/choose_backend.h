@@ -5,10 +5,9 @@
 
 namespace vismap {
 
-/// Which backend works: what the config says; kAuto is recorded when `names_recording` (the command
-/// line names detections or a sequence), else the network when there is a model. Never returns
-/// kAuto. Fails, with what to say, when the chosen one lacks its input or the other's is given,
-/// too.
+/// Chooses the backend. kAuto becomes kRecorded when `names_recording` (the command line names
+/// detections or a sequence), else kDnn when the config names a model. Never returns kAuto. Fails
+/// when the input of the chosen backend is missing, or when input of the other one is given.
 Result<DetectorBackend> ChooseBackend(const DetectorOptions& config, bool names_recording);
 
 }  // namespace vismap

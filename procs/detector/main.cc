@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "detector/choose_backend.h"
-#include "detector/detect.h"
-#include "detector/looker.h"
+#include "detector/live_detector.h"
+#include "detector/recorded_detector.h"
 #include "detector/write_detections.h"
 #include "logs/recording.h"
 #include "settings/settings.h"
@@ -26,44 +26,48 @@ struct Arguments {
 void AddNetworkOptions(CommandLine& line, Arguments* arguments) {
   DetectorOptions& config = arguments->config.detector;
   line.Option("--model", &config.dnn.model,
-              "dnn: ONNX file of a YOLO segmentation network, or Mask R-CNN's frozen graph (.pb)");
-  line.Option("--graph", &config.dnn.graph, "dnn: text of the frozen graph (.pbtxt)");
-  line.Option("--threads", &config.dnn.threads, "dnn: threads of the network; 0 = all processors")
+              "dnn: ONNX file of a YOLO segmentation network, or frozen graph (.pb) of Mask R-CNN");
+  line.Option("--graph", &config.dnn.graph, "dnn: text file (.pbtxt) of the frozen graph");
+  line.Option("--threads", &config.dnn.threads, "dnn: number of threads; 0 = all processors")
       .Range(0, 1024);
-  line.Option("--out", &arguments->out,
-              "dnn: needs no bus; writes what is seen in --dataset as a COCO results file")
+  line.Option(
+          "--out", &arguments->out,
+          "dnn: run on --dataset without a bus, and write the detections to this COCO results file")
       .Needs("--dataset");
   line.Flag("--every-frame", &config.every_frame,
-            "dnn: look at every frame, however long that takes, instead of the newest only");
+            "dnn: run on every frame, even if the detector falls behind; by default it runs on the "
+            "newest frame");
 }
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
   DetectorOptions& config = arguments->config.detector;
-  line.Choice("--backend", &config.backend,
-              "recorded: detections from files; dnn: a network; auto: by what is given");
+  line.Choice(
+      "--backend", &config.backend,
+      "recorded: detections from files; dnn: a network; auto: depends on the given options");
   line.Option("--detections", &arguments->detections,
               "COCO results file, folder of instance PNGs, log of LCM messages, synthetic:room or "
               "synthetic:office");
   line.Option("--dataset", &arguments->dataset,
-              "Sequence whose own detections are taken when --detections is absent");
+              "Sequence whose own detections are used if --detections is not given");
   line.Option("--format", &arguments->format,
-              "Layout of the sequence's folder; found by looking when not given");
+              "Format of the folder; detected automatically if not given");
   line.Flag("--check", &arguments->check,
-            "Only see whether detections or network can be read; needs no bus");
-  line.Option("--camera-id", &config.camera_id, "Answer frames of this camera only; -1 = of all")
+            "Only check that the detections or the network can be read; needs no bus");
+  line.Option("--camera-id", &config.camera_id,
+              "Process frames of this camera only; -1 = all cameras")
       .Range(-1, 1 << 30);
   AddNetworkOptions(line, arguments);
 }
 
 Result<std::string> DetectionsPath(const Arguments& arguments) {
   if (!arguments.detections.empty()) return arguments.detections;
-  if (arguments.dataset.empty()) return Fail("expected --detections or --dataset");
+  if (arguments.dataset.empty()) return Fail("--detections or --dataset is missing");
   const auto recording = OpenRecording(arguments.dataset, arguments.format);
   if (!recording) return tl::unexpected(recording.error());
   const std::optional<std::string> path = recording->dataset->default_detections_path();
   if (!path)
     return Fail(arguments.dataset +
-                ": has no detections of its own, and --detections was not given");
+                ": the sequence has no detections, and --detections was not given");
   return *path;
 }
 
@@ -84,11 +88,13 @@ Outcome OpenNetwork(Arguments* arguments) {
 }
 
 Outcome Open(Arguments* arguments) {
-  // With --out the sequence is what the network looks at.
+  // With --out the network runs on the sequence.
   const bool names_recording =
       !arguments->detections.empty() || (!arguments->dataset.empty() && arguments->out.empty());
   if (!arguments->out.empty() && names_recording)
-    return ExitWith(ExitCode::kUsage, "--out is for what a network sees: it takes no --detections");
+    return ExitWith(
+        ExitCode::kUsage,
+        "--out stores the detections of a network and cannot be used with --detections");
   const auto chosen = ChooseBackend(arguments->config.detector, names_recording);
   if (!chosen) return ExitWith(ExitCode::kUsage, chosen.error().message);
   arguments->chosen = *chosen;
@@ -105,8 +111,8 @@ Outcome Run(const Arguments& arguments, ProcessContext& context) {
   if (arguments.check) return {};
   if (!arguments.out.empty()) return Write(arguments, context.stop);
   if (arguments.chosen == DetectorBackend::kRecorded)
-    return Detect(*arguments.source, arguments.config.detector.camera_id, context);
-  Looker(arguments.config.detector, arguments.network.get(), &context).Run();
+    return RunRecordedDetector(*arguments.source, arguments.config.detector.camera_id, context);
+  LiveDetector(arguments.config.detector, arguments.network.get(), &context).Run();
   return {};
 }
 
@@ -117,7 +123,7 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "detector";
   spec.summary =
-      "Answers every frame with the objects in it: recorded ones, or those that a network sees.";
+      "Publishes the objects in every frame, from recorded detections or from a network.";
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
   UseConfig(&arguments.config, &spec);
   spec.prepare = [&] {

@@ -9,7 +9,7 @@ std::optional<rgbd_frame_t> NewestFrames::Add(const rgbd_frame_t& frame) {
   const auto older = std::find_if(frames_.begin(), frames_.end(), [&](const rgbd_frame_t& waiting) {
     return waiting.camera_id == frame.camera_id;
   });
-  if (older != frames_.end()) return std::exchange(*older, frame);  // keeps its turn
+  if (older != frames_.end()) return std::exchange(*older, frame);  // the camera keeps its turn
   if (frames_.size() >= max_cameras_) return frame;
   frames_.push_back(frame);
   return std::nullopt;

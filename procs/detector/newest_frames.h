@@ -9,20 +9,21 @@
 
 namespace vismap {
 
-/// Frames that wait for a detector slower than its cameras: of each camera the one that arrived
-/// last. Cameras take turns.
+/// The frames that wait for a detector that is slower than the cameras: the newest frame of each
+/// camera. The cameras take turns.
 class NewestFrames {
  public:
-  /// Frames of at most `max_cameras` wait.
+  /// Frames of at most `max_cameras` cameras wait.
   explicit NewestFrames(size_t max_cameras = 64) : max_cameras_(max_cameras) {}
 
-  /// Takes a frame. Returns the one that will not be looked at because of it: the one of its camera
-  /// that waited, or itself when too many cameras wait; none = none.
+  /// Adds a frame. Returns the frame that is skipped because of it: the waiting one of the same
+  /// camera, or `frame` itself when too many cameras wait; nullopt when no frame is skipped.
   std::optional<rgbd_frame_t> Add(const rgbd_frame_t& frame);
 
-  /// The frame of the camera whose turn it is; none when none waits.
+  /// Removes and returns the frame of the camera whose turn it is; nullopt when no frame waits.
   std::optional<rgbd_frame_t> Next();
 
+  /// Whether this frame waits.
   bool Waits(const FrameKey& key) const;
 
  private:

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/format.h"
+
 namespace vismap {
 
-std::optional<std::string> Pace::Take(double now) {
+std::optional<std::string> Pace::Summarize(double now) {
   const double seconds = std::max(now - since_, 1e-3);
-  const auto looked = static_cast<double>(ms_.size());
-  const double all = looked + static_cast<double>(passed_over_);
+  const auto processed = static_cast<double>(ms_.size());
+  const double all = processed + static_cast<double>(skipped_);
   double median = 0;
   if (!ms_.empty()) {
     const auto middle = ms_.begin() + static_cast<std::ptrdiff_t>(ms_.size() / 2);
@@ -17,13 +19,13 @@ std::optional<std::string> Pace::Take(double now) {
   }
   since_ = now;
   ms_.clear();
-  passed_over_ = 0;
+  skipped_ = 0;
   if (all == 0) return std::nullopt;
-  char sentence[128];
-  std::snprintf(sentence, sizeof sentence,
-                "looks at %.1f of %.1f frames per second, median %.0f ms each", looked / seconds,
-                all / seconds, median);
-  return sentence;
+  char rates[64];
+  std::snprintf(rates, sizeof rates, "runs on %.1f of %.1f frames per second", processed / seconds,
+                all / seconds);
+  if (processed == 0) return rates;
+  return std::string(rates) + ", " + FormatDuration(median * 1e-3) + " per frame (median)";
 }
 
 }  // namespace vismap

@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-Result<DetectionSet> LookAt(const Dataset& dataset, size_t i, DnnDetector* network) {
+Result<DetectionSet> RunDetector(const Dataset& dataset, size_t i, DnnDetector* network) {
   const Result<SensorFrame> sensor = dataset.Read(i);
   if (!sensor) return tl::unexpected(sensor.error());
   const Result<RgbdFrame> frame = DecodeFrame(*sensor);
@@ -23,14 +23,15 @@ Result<DetectionSet> LookAt(const Dataset& dataset, size_t i, DnnDetector* netwo
 
 Outcome WriteDetections(const Dataset& dataset, DnnDetector* network, const std::string& out,
                         const StopSignal& stop) {
-  Progress progress("looking at " + dataset.name(), static_cast<int64_t>(dataset.size()));
+  Progress progress("detecting objects in " + dataset.name(), static_cast<int64_t>(dataset.size()));
   std::vector<DetectionSet> frames;
   for (size_t i = 0; i < dataset.size(); ++i) {
     progress.Show(static_cast<int64_t>(i));
-    if (stop.requested()) return ExitWith(ExitCode::kFailed, "stopped early; nothing was written");
-    Result<DetectionSet> seen = LookAt(dataset, i, network);
-    if (!seen) return ExitWith(ExitCode::kUnreadable, seen.error().message);
-    frames.push_back(std::move(*seen));
+    if (stop.requested())
+      return ExitWith(ExitCode::kFailed, "stopped before the last frame; no file was written");
+    Result<DetectionSet> detections = RunDetector(dataset, i, network);
+    if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
+    frames.push_back(std::move(*detections));
   }
   const Result<void> written = WriteCocoResults(out, frames);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);

@@ -9,9 +9,9 @@
 
 namespace vismap {
 
-/// Lets the network look at every frame of a sequence, without a bus, and writes what it sees as
-/// COCO results to the file `out`. Frames without colour have no detections. Fails on the first
-/// frame that cannot be read, and when stop is requested before the end.
+/// Runs the network on every frame of a sequence, without a bus, and writes the detections as COCO
+/// results to the file `out`. Frames without colour get no detections. Fails on the first frame
+/// that cannot be read, and when stop is requested before the end.
 Outcome WriteDetections(const Dataset& dataset, DnnDetector* network, const std::string& out,
                         const StopSignal& stop);
 

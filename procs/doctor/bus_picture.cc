@@ -9,7 +9,8 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxNames = 1000;  // of channels, sources, processes: anybody may invent them
+constexpr size_t kMaxNames = 1000;  // of channels, sources and processes; bounds the memory, since
+                                    // any program may choose new names
 
 template <typename Map>
 bool HasRoom(const Map& map, const std::string& name) {
@@ -25,15 +26,15 @@ int64_t CounterOf(const process_status_t& status, const std::string& name) {
              : status.counter_values[static_cast<size_t>(found - status.counter_names.begin())];
 }
 
-void BusPicture::Note(const std::string& channel, std::span<const uint8_t> data, double now,
-                      int64_t utime) {
+void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
+                            int64_t utime) {
   if (!HasRoom(channels_, channel)) return;
   ChannelPicture& picture = channels_[channel];
   ++picture.messages;
   picture.bytes += static_cast<int64_t>(data.size());
   picture.last = now;
   const ChannelType* type = FindChannelType(channel);
-  if (type == nullptr) return;
+  if (type == nullptr) return;  // a channel of another program
   const std::optional<MessageHead> head = PeekHead(data);
   if (!head || head->fingerprint != type->fingerprint || data.size() > type->channel.max_bytes) {
     ++picture.foreign;
@@ -44,10 +45,10 @@ void BusPicture::Note(const std::string& channel, std::span<const uint8_t> data,
     if (!first) picture.gaps += std::max<int64_t>(0, head->seq - entry->second - 1);
     entry->second = head->seq;
   }
-  if (channel == kStatusChannel.name) NoteStatus(data, now, utime);
+  if (channel == kStatusChannel.name) AddStatus(data, now, utime);
 }
 
-void BusPicture::NoteStatus(std::span<const uint8_t> data, double now, int64_t utime) {
+void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t utime) {
   const Result<process_status_t> status = Unpack<process_status_t>(data, kStatusChannel.max_bytes);
   if (!status || !HasRoom(processes_, status->source)) return;
   const auto [entry, first] = processes_.try_emplace(status->source);
@@ -56,7 +57,8 @@ void BusPicture::NoteStatus(std::span<const uint8_t> data, double now, int64_t u
   if (first) {
     picture.first = *status;
   } else if (status->start_utime > picture.last.start_utime) {
-    // Counters begin anew; whoever spoke under the name before has ended, if it stays silent.
+    // The process was restarted, and its counters start at 0 again. If the old one still runs, its
+    // next STATUS shows it.
     ++picture.restarts;
     picture.first = *status;
   } else if (status->start_utime < picture.last.start_utime) {

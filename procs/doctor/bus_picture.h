@@ -10,46 +10,50 @@
 
 namespace vismap {
 
-/// What was seen of one process.
+/// What was observed of one process.
 struct ProcessPicture {
-  process_status_t first, last;  ///< of its STATUS
-  double last_heard = 0;         ///< [s]
-  double clock_difference = 0;   ///< of its clock to ours [s]
-  int restarts = 0;              ///< seen
-  std::set<std::string> places;  ///< "computer, pid" of all who spoke under this name at once
+  process_status_t first, last;  ///< its first STATUS (since its last start) and its latest one
+  double last_heard = 0;         ///< time of the latest STATUS [s]
+  double clock_difference = 0;   ///< its clock minus the clock of this computer [s]
+  int restarts = 0;              ///< observed restarts
+  /// "computer, pid N" of the processes that use this name at the same time.
+  std::set<std::string> places;
 };
 
-/// What was seen of one channel.
+/// What was observed of one channel.
 struct ChannelPicture {
   int64_t messages = 0, bytes = 0;
-  int64_t gaps = 0;     ///< numbers missing in the sequences of its sources
-  int64_t foreign = 0;  ///< messages of another type, or another version of it, or too large
-  double last = 0;      ///< when the last one came [s]
-  std::map<std::string, int64_t> last_seq;  ///< per source
+  int64_t gaps = 0;     ///< missing sequence numbers, over all sources
+  int64_t foreign = 0;  ///< messages of a wrong type, of another version of the type, or too large
+  double last = 0;      ///< time of the latest message [s]
+  std::map<std::string, int64_t> last_seq;  ///< latest sequence number of each source
 };
 
-/// Everything that was heard on a bus for a while. Looks at the heads of messages only, but for
-/// STATUS.
+/// Summary of all messages that were received on a bus. Decodes only the heads of messages, except
+/// for STATUS.
 class BusPicture {
  public:
-  /// `now` [s] of a clock that only goes forward, `utime` of the wall clock [us].
-  void Note(const std::string& channel, std::span<const uint8_t> data, double now, int64_t utime);
+  /// Adds a received message. `now` is the time of a monotonic clock [s], `utime` that of the wall
+  /// clock [us].
+  void AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
+                  int64_t utime);
 
-  /// By name of the instance.
+  /// All processes, by the name of their instance.
   const std::map<std::string, ProcessPicture>& processes() const { return processes_; }
   const std::map<std::string, ChannelPicture>& channels() const { return channels_; }
+  /// Number of messages of one channel.
   int64_t messages(const std::string& channel) const;
-  /// Some instance of this program was heard.
+  /// Whether an instance of this program was observed that is not stopping.
   bool Has(const std::string& process) const;
 
  private:
-  void NoteStatus(std::span<const uint8_t> data, double now, int64_t utime);
+  void AddStatus(std::span<const uint8_t> data, double now, int64_t utime);
 
   std::map<std::string, ProcessPicture> processes_;
   std::map<std::string, ChannelPicture> channels_;
 };
 
-/// Value of a counter of a status; 0 when it has none of that name.
+/// Value of a counter in a STATUS; 0 when there is no counter with this name.
 int64_t CounterOf(const process_status_t& status, const std::string& name);
 
 }  // namespace vismap

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "base/format.h"
 #include "runtime/version.h"
 #include "wire/channels.h"
 #include "wire/fingerprint.h"
@@ -11,20 +11,15 @@
 namespace vismap {
 namespace {
 
-constexpr double kSilence = 3;         // without a status; they come every second [s]
+// A longer time without STATUS, which is published every second, is a problem [s].
+constexpr double kSilence = 3;
 constexpr double kClockTolerance = 1;  // [s]
-
-std::string Seconds(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g s", seconds);
-  return text;
-}
 
 bool EndsWith(const std::string& name, const std::string& end) {
   return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
-/// Fills in findings, one kind of them per function.
+/// Collects the findings; each function finds problems of one kind.
 class Diagnosis {
  public:
   Diagnosis(const Listening& listening, const BusPicture& picture)
@@ -36,7 +31,7 @@ class Diagnosis {
     }
     if (!findings_.empty() && picture_.channels().empty()) return std::move(findings_);
     if (picture_.channels().empty()) {
-      Add("nobody is on the bus: not one message in " + Seconds(listening_.seconds),
+      Add("no message was received in " + Observed() + ", so no process is on the bus",
           "start the processes with --lcm-url " + listening_.lcm_url);
       return std::move(findings_);
     }
@@ -50,37 +45,42 @@ class Diagnosis {
  private:
   void Add(const std::string& what, const std::string& todo) { findings_.push_back({what, todo}); }
   bool Flows(const Channel& channel) const { return picture_.messages(channel.name) > 0; }
+  std::string Observed() const { return FormatDuration(listening_.seconds); }
   std::string NoneOf(const Channel& channel) const {
-    return std::string(channel.name) + ": none in " + Seconds(listening_.seconds);
+    return "no " + std::string(channel.name) + " was received in " + Observed();
   }
 
-  // Along the way of a frame, the first place where it ends.
+  // Follows a frame through the pipeline and reports the first stage that it does not pass.
   void FlowOfFrames() {
     if (!picture_.Has("map-server")) {
-      Add("no map server is on the bus: nothing makes a map", "start vismap-map-server");
+      Add("no map server is on the bus, so no map is built", "start vismap-map-server");
     }
     if (!Flows(kRgbdFrameChannel) && !Flows(kSegmentedFrameChannel)) {
       if (picture_.Has("sensor-replay")) {
-        Add(NoneOf(kRgbdFrameChannel) + ", though a sensor-replay is on the bus",
-            "see below what it waits for, or whether it has ended");
+        Add(NoneOf(kRgbdFrameChannel) + ", although a sensor-replay is on the bus",
+            "its state below says whether it waits or has ended");
       } else {
-        Add(NoneOf(kRgbdFrameChannel), "start vismap-sensor-replay, or your camera's publisher");
+        Add(NoneOf(kRgbdFrameChannel),
+            "start vismap-sensor-replay or the publisher of your camera");
       }
-      return;
+      return;  // without frames, the later stages have nothing to do
     }
     if (!Flows(kSegmentedFrameChannel)) {
       if (!picture_.Has("depth-segmenter")) {
-        Add("nobody segments the frames", "start vismap-depth-segmenter");
+        Add("no depth-segmenter is on the bus, so frames are not segmented",
+            "start vismap-depth-segmenter");
       } else if (!Flows(kDetectionsChannel) && SegmenterWaits()) {
-        Add("depth-segmenter waits for DETECTIONS: none in " + Seconds(listening_.seconds),
+        Add("depth-segmenter waits for DETECTIONS, but " + NoneOf(kDetectionsChannel),
             "start vismap-detector, or run vismap-depth-segmenter with --detections none");
       } else {
-        Add(NoneOf(kSegmentedFrameChannel) + ", though frames come and a segmenter is there",
-            "see its state and what it rejected below");
+        Add(NoneOf(kSegmentedFrameChannel) +
+                ", although frames arrive and a depth-segmenter is on the bus",
+            "see its state and its rejected messages below");
       }
     } else if (!Flows(kMapCommitChannel) && picture_.Has("map-server")) {
-      Add(NoneOf(kMapCommitChannel) + ", though segmented frames come and a map server is there",
-          "see its state and what it rejected below");
+      Add(NoneOf(kMapCommitChannel) +
+              ", although segmented frames arrive and a map server is on the bus",
+          "see its state and its rejected messages below");
     }
   }
 
@@ -96,34 +96,35 @@ class Diagnosis {
     const process_status_t& status = process.last;
     const std::string who = name + " on " + status.host;
     if (status.types_fingerprint != TypesFingerprint()) {
-      Add(who + " has other message types than this computer (version " + status.version +
-              ", here " + Version() + "): they cannot understand each other",
+      Add(who + " uses other message types (version " + status.version +
+              ") than this computer (version " + Version() + "), so they cannot exchange messages",
           "install the same version on both");
     } else if (status.version != Version()) {
-      Add(who + " has version " + status.version + ", here it is " + Version(),
+      Add(who + " has version " + status.version + ", but this computer has version " + Version(),
           "install the same version on both");
     }
     if (!process.places.empty()) {
       std::string places;
       for (const std::string& place : process.places)
         places += (places.empty() ? "" : "; ") + place;
-      Add("two processes are called " + name + " (" + places + ")",
-          "give one of them another --name");
+      Add("two processes have the name " + name + " (" + places + ")",
+          "give one of them another name with --name");
     }
     if (std::abs(process.clock_difference) > kClockTolerance) {
-      Add("the clock of " + status.host + " is " + Seconds(std::abs(process.clock_difference)) +
-              (process.clock_difference > 0 ? " ahead of" : " behind") + " this computer's",
-          "let both run: sudo apt-get install chrony");
+      Add("the clock of " + status.host + " is " +
+              FormatDuration(std::abs(process.clock_difference)) +
+              (process.clock_difference > 0 ? " ahead of" : " behind") +
+              " the clock of this computer",
+          "synchronise both clocks: sudo apt-get install chrony");
     }
     const double silence = listening_.now - process.last_heard;
     if (silence > kSilence && status.state != "stopping") {
-      Add(who + " has been silent for " + Seconds(silence),
-          "see whether pid " + std::to_string(status.pid) + " still runs");
+      Add(who + " has published no STATUS for " + FormatDuration(silence),
+          "check whether the process with pid " + std::to_string(status.pid) + " still runs");
     }
     if (process.restarts > 0) {
-      Add(who + " was restarted " + std::to_string(process.restarts) + " times in " +
-              Seconds(listening_.seconds),
-          "see its log");
+      Add(who + " was restarted " + FormatCount(process.restarts, "time") + " in " + Observed(),
+          "its log says why");
     }
     State(who, status);
     Losses(who, process);
@@ -139,27 +140,30 @@ class Diagnosis {
     }
   }
 
-  // What a process has lost, dropped, rejected or could not send, of late.
+  // Messages that a process has lost, dropped, rejected or could not send while the bus was
+  // observed.
   void Losses(const std::string& who, const ProcessPicture& process) {
     static const struct {
       const char* end;
       const char* text;
       const char* todo;
     } kinds[] = {
-        {"dropped", "dropped", "its readers are too slow, or a bus was away; see the log"},
-        {".lost", "missed", "see who dropped them; on udpm see the receive buffer"},
+        {"dropped", "dropped",
+         "its readers are too slow, or a bus was unreachable; its log has more"},
+        {".lost", "did not receive",
+         "find the process that dropped them; on udpm check the receive buffer"},
         {".rejected", "rejected", "its log says why"},
-        {".unsent", "could not send", "see the connection of its bus"},
-        {"dropped_on_purpose", "dropped on purpose", "start vismap-hub without --drop-fraction"},
+        {".unsent", "could not send", "check its connection to the bus"},
+        {"dropped_on_purpose", "dropped intentionally", "start vismap-hub without --drop-fraction"},
     };
     for (const std::string& counter : process.last.counter_names) {
       const int64_t more = CounterOf(process.last, counter) - CounterOf(process.first, counter);
       if (more <= 0) continue;
       for (const auto& kind : kinds) {
         if (counter != kind.end && !EndsWith(counter, kind.end)) continue;
-        Add(who + " " + kind.text + " " + std::to_string(more) + " messages in " +
-                Seconds(listening_.seconds) + " (" + counter + ", " +
-                std::to_string(CounterOf(process.last, counter)) + " in all)",
+        Add(who + " " + kind.text + " " + FormatCount(more, "message") + " in " + Observed() +
+                " (" + counter + ", " + FormatCount(CounterOf(process.last, counter)) +
+                " in total)",
             kind.todo);
       }
     }
@@ -167,14 +171,15 @@ class Diagnosis {
 
   void OneChannel(const std::string& name, const ChannelPicture& channel) {
     if (channel.foreign > 0) {
-      Add(name + ": " + std::to_string(channel.foreign) + " of " +
-              std::to_string(channel.messages) +
-              " messages are of another type, or of another version of it",
-          "find who publishes them; all must be built from the same lcmtypes");
+      Add(name + ": " + FormatCount(channel.foreign) + " of " +
+              FormatCount(channel.messages, "message") +
+              " have a wrong type or another version of the type",
+          "find the process that publishes them; all processes must be built from the same "
+          "lcmtypes");
     }
     if (channel.gaps > 0) {
-      Add(name + ": " + std::to_string(channel.gaps) + " messages are missing in the sequence",
-          "see who dropped them");
+      Add(name + ": " + FormatCount(channel.gaps, "message") + " of the sequence were not received",
+          "find the process that dropped them");
     }
   }
 
@@ -185,7 +190,7 @@ class Diagnosis {
       if (process.last.process != "map-server" || process.last.state == "stopping") continue;
       names += (count++ > 0 ? ", " : "") + name;
     }
-    if (count > 1) Add("several map servers are on one bus: " + names, "stop all but one");
+    if (count > 1) Add("more than one map server is on the bus: " + names, "stop all but one");
   }
 
   const Listening& listening_;

@@ -8,22 +8,22 @@
 
 namespace vismap {
 
-/// Something that is wrong, and what to do about it.
+/// A problem, and what to do about it.
 struct Finding {
-  std::string what;  ///< one sentence
-  std::string todo;
+  std::string what;  ///< one sentence that describes the problem
+  std::string todo;  ///< a command or a hint; "" = `what` has it already
 };
 
-/// How the bus was listened to.
+/// How the bus was observed.
 struct Listening {
-  std::vector<CheckResult> checks;
-  double seconds = 0;
-  double now = 0;       ///< end of it, by the clock of the picture [s]
-  std::string lcm_url;  ///< what processes have to be given to join
+  std::vector<CheckResult> checks;  ///< of the connection
+  double seconds = 0;               ///< duration of the observation [s]
+  double now = 0;                   ///< its end, on the monotonic clock of BusPicture [s]
+  std::string lcm_url;              ///< URL of the bus
 };
 
-/// Everything that is wrong with what was seen and heard, the cause before its consequences. Empty
-/// = the bus is healthy.
+/// Finds all problems in an observation, causes before their consequences. Empty = the bus is
+/// healthy.
 std::vector<Finding> Diagnose(const Listening& listening, const BusPicture& picture);
 
 }  // namespace vismap

@@ -22,7 +22,7 @@ struct Arguments {
 
 void Listen(Transport* transport, double seconds, const StopSignal& stop, BusPicture* picture) {
   const Transport::Sink sink = [&](const std::string& channel, std::span<const uint8_t> data) {
-    picture->Note(channel, data, MonotonicSeconds(), WallUtime());
+    picture->AddMessage(channel, data, MonotonicSeconds(), WallUtime());
   };
   const double end = MonotonicSeconds() + seconds;
   while (!stop.requested() && transport->connected() && MonotonicSeconds() < end) {
@@ -40,7 +40,7 @@ Result<std::unique_ptr<Transport>> Join(const LcmUrl& url, const StopSignal& sto
   return transport;
 }
 
-/// Listens once and reports; whether all is well.
+/// Observes the bus once and prints the report; returns whether the bus is healthy.
 bool Examine(const LcmUrl& url, const Arguments& arguments, const StopSignal& stop) {
   Listening listening;
   listening.lcm_url = url.text;
@@ -71,7 +71,7 @@ Outcome Run(const Arguments& arguments, ProcessContext& context) {
     healthy = Examine(*url, arguments, context.stop);
   }
   if (healthy) return {};
-  return ExitWith(ExitCode::kFailed, "not all is well, see the findings");
+  return ExitWith(ExitCode::kFailed, "problems were found; see the report");
 }
 
 }  // namespace
@@ -81,14 +81,15 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "doctor";
   spec.summary =
-      "Listens on the bus and says who is on it, what flows, what is wrong and what to do. Exit "
-      "code "
-      "0: healthy, 1: findings.";
+      "Observes the bus and reports its processes and channels, problems, and how to solve them. "
+      "Exit "
+      "code 0: healthy, 1: problems found.";
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) {
-    line.Option("--seconds", &arguments.seconds, "How long to listen").Range(0.1, 3600);
-    line.Flag("--json", &arguments.json, "Report for programs");
-    line.Flag("--watch", &arguments.watch, "Again and again until stopped");
+    line.Option("--seconds", &arguments.seconds, "How long to observe the bus [s]")
+        .Range(0.1, 3600);
+    line.Flag("--json", &arguments.json, "Print the report as JSON");
+    line.Flag("--watch", &arguments.watch, "Repeat until stopped");
   };
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/format.h"
+
 namespace vismap {
 namespace {
 
@@ -23,7 +25,7 @@ std::string Format(const char* format, ...) {
   return text;
 }
 
-// Names come from the bus: nothing of them may move the cursor of a terminal.
+// Replaces control characters: the text comes from the bus and must not control the terminal.
 std::string Plain(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
@@ -34,32 +36,39 @@ double PerSecond(int64_t count, const Listening& listening) {
   return static_cast<double>(count) / std::max(listening.seconds, 1e-9);
 }
 
+// "0.2 s ago"
+std::string Ago(double time, const Listening& listening) {
+  return Format("%.1f s ago", std::max(0.0, listening.now - time));
+}
+
 std::string ProcessTable(const Listening& listening, const BusPicture& picture) {
-  std::string text = Format("%-24s %-18s %-8s %7s  %-9s %5s %8s  %s\n", "process", "computer",
-                            "version", "pid", "state", "age s", "restarts", "message");
+  std::string text = Format("%-24s %-18s %-8s %7s  %-9s %11s %8s  %s\n", "process", "computer",
+                            "version", "pid", "state", "last STATUS", "restarts", "message");
   for (const auto& [name, process] : picture.processes()) {
     const process_status_t& status = process.last;
-    text += Format("%-24s %-18s %-8s %7d  %-9s %5.1f %8d  %s\n", Plain(name).c_str(),
+    text += Format("%-24s %-18s %-8s %7d  %-9s %11s %8d  %s\n", Plain(name).c_str(),
                    Plain(status.host).c_str(), Plain(status.version).c_str(), status.pid,
-                   Plain(status.state).c_str(), listening.now - process.last_heard,
+                   Plain(status.state).c_str(), Ago(process.last_heard, listening).c_str(),
                    process.restarts, Plain(status.message).c_str());
   }
   return text;
 }
 
 std::string ChannelTable(const Listening& listening, const BusPicture& picture) {
-  std::string text = Format("%-24s %10s %10s %6s %6s %8s\n", "channel", "messages/s", "kB/s",
-                            "age s", "gaps", "foreign");
+  std::string text = Format("%-24s %10s %12s %12s %6s %10s\n", "channel", "messages/s", "data",
+                            "last message", "lost", "wrong type");
   for (const auto& [name, channel] : picture.channels()) {
-    text += Format("%-24s %10.1f %10.1f %6.1f %6lld %8lld\n", Plain(name).c_str(),
+    text += Format("%-24s %10.1f %12s %12s %6lld %10lld\n", Plain(name).c_str(),
                    PerSecond(channel.messages, listening),
-                   PerSecond(channel.bytes, listening) * 1e-3, listening.now - channel.last,
-                   static_cast<long long>(channel.gaps), static_cast<long long>(channel.foreign));
+                   (FormatBytes(PerSecond(channel.bytes, listening)) + "/s").c_str(),
+                   Ago(channel.last, listening).c_str(), static_cast<long long>(channel.gaps),
+                   static_cast<long long>(channel.foreign));
   }
   return text;
 }
 
-// Counters that tell of losses since the process was started.
+// The counters of lost, dropped and rejected messages since the start of the process that are not
+// 0.
 std::vector<std::pair<std::string, int64_t>> LossesOf(const process_status_t& status) {
   std::vector<std::pair<std::string, int64_t>> losses;
   for (const std::string& name : status.counter_names) {
@@ -71,7 +80,8 @@ std::vector<std::pair<std::string, int64_t>> LossesOf(const process_status_t& st
   return losses;
 }
 
-// Clients of hubs that are neither processes of ours nor we ourselves.
+// Number of clients of the hub that publish no STATUS, without this process. Only known when there
+// is one hub.
 int64_t UnknownClients(const BusPicture& picture) {
   int64_t clients = 0, known = 1, hubs = 0;
   for (const auto& [name, process] : picture.processes()) {
@@ -85,10 +95,10 @@ int64_t UnknownClients(const BusPicture& picture) {
   return hubs == 1 ? std::max<int64_t>(0, clients - known) : 0;
 }
 
-// How many frames a second go through a segmenter, and how many of them with detections.
+// How many frames per second a segmenter processes, and on how many of them a detector ran.
 struct DetectionRate {
   std::string segmenter;
-  double frames = 0, looked_at = 0;  // [1/s]
+  double frames = 0, with_detector = 0;  // [1/s]
 };
 
 std::vector<DetectionRate> DetectionRates(const Listening& listening, const BusPicture& picture) {
@@ -106,10 +116,10 @@ std::vector<DetectionRate> DetectionRates(const Listening& listening, const BusP
 }
 
 std::string RateText(const DetectionRate& rate) {
-  std::string text = Format("%s: %.1f frames per second, %.1f of them seen by a detector",
-                            Plain(rate.segmenter).c_str(), rate.frames, rate.looked_at);
-  if (rate.looked_at < 0.9 * rate.frames)
-    text += "; the others are mapped too, and say nothing against an object";
+  std::string text = Format("%s: %.1f frames per second; a detector ran on %.1f of them",
+                            Plain(rate.segmenter).c_str(), rate.frames, rate.with_detector);
+  if (rate.with_detector < 0.9 * rate.frames)
+    text += "; the others are mapped without detections, which is no evidence against an object";
   return text + "\n";
 }
 
@@ -117,9 +127,13 @@ std::string RateText(const DetectionRate& rate) {
 
 std::string TextReport(const Listening& listening, const BusPicture& picture,
                        const std::vector<Finding>& findings) {
-  std::string text = Format("%.3g s on %s\n\n", listening.seconds, listening.lcm_url.c_str());
-  for (const CheckResult& check : listening.checks) {
-    text += (check.ok ? "ok    " : "WRONG ") + check.what + ": " + check.found + "\n";
+  const bool received = !picture.channels().empty();
+  std::string text = received
+                         ? "Observed the bus at " + listening.lcm_url + " for " +
+                               FormatDuration(listening.seconds) + ".\n"
+                         : "No message was received from the bus at " + listening.lcm_url + ".\n";
+  for (const CheckResult& check : listening.checks) {  // the findings have those that failed
+    if (check.ok) text += "The " + check.what + " is fine: " + check.found + ".\n";
   }
   if (!picture.processes().empty()) text += "\n" + ProcessTable(listening, picture);
   if (!picture.channels().empty()) text += "\n" + ChannelTable(listening, picture);
@@ -129,17 +143,19 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
   std::string losses;
   for (const auto& [name, process] : picture.processes()) {
     for (const auto& [counter, value] : LossesOf(process.last)) {
-      losses += Plain(name + "  " + counter) + "  " + std::to_string(value) + "\n";
+      losses += Plain(name + "  " + counter) + "  " + FormatCount(value) + "\n";
     }
   }
   if (!losses.empty())
-    text += "\nlost, dropped or refused since the start of each process\n" + losses;
+    text += "\nMessages lost, replaced, dropped or rejected since the start of each process:\n" +
+            losses;
   if (const int64_t unknown = UnknownClients(picture); unknown > 0) {
-    text += "\n" + std::to_string(unknown) +
-            " clients of the hub say nothing on STATUS: programs "
-            "that are not vismap's\n";
+    text += "\n" + FormatCount(unknown, "client") +
+            " of the hub without STATUS, for example a command of vismap-map or a program that "
+            "does not belong to vismap.\n";
   }
-  text += findings.empty() ? "\nhealthy\n" : "\nfindings\n";
+  text += findings.empty() ? "\nThe bus is healthy.\n"
+                           : "\n" + FormatCount(std::ssize(findings), "problem") + " found:\n";
   for (const Finding& finding : findings) {
     text += "- " + Plain(finding.what) + (finding.todo.empty() ? "" : "; " + finding.todo) + "\n";
   }
@@ -183,7 +199,7 @@ std::string JsonReport(const Listening& listening, const BusPicture& picture,
   for (const DetectionRate& rate : DetectionRates(listening, picture)) {
     json["detection_rates"].push_back({{"segmenter", rate.segmenter},
                                        {"frames_per_s", rate.frames},
-                                       {"looked_at_per_s", rate.looked_at}});
+                                       {"with_detector_per_s", rate.with_detector}});
   }
   for (const Finding& finding : findings) {
     json["findings"].push_back({{"what", finding.what}, {"todo", finding.todo}});

@@ -7,11 +7,11 @@
 
 namespace vismap {
 
-/// Self-check, processes, channels and findings for people.
+/// The report as text for people: connection, processes, channels and findings.
 std::string TextReport(const Listening& listening, const BusPicture& picture,
                        const std::vector<Finding>& findings);
 
-/// The same for programs, as JSON.
+/// The report as JSON for programs.
 std::string JsonReport(const Listening& listening, const BusPicture& picture,
                        const std::vector<Finding>& findings);
 

@@ -16,7 +16,7 @@ HubClient::HubClient(Socket socket, const std::string& address, size_t max_messa
                   TcpqHello(TcpqMagic::kHub));
 }
 
-void HubClient::NoteName(const TcpqRecord& record) {
+void HubClient::LearnName(const TcpqRecord& record) {
   if (named || record.name != kStatusChannel.name) return;
   const std::optional<MessageHead> head = PeekHead(record.data());
   if (!head || head->source.empty() || head->source.size() > 64) return;
@@ -30,7 +30,7 @@ void HubClient::WaitFor(const std::shared_ptr<HubClient>& slow) {
   if (!known) waits_for.push_back(slow);
 }
 
-bool HubClient::IsHeldBack() {
+bool HubClient::MustWait() {
   std::erase_if(waits_for, [](const std::weak_ptr<HubClient>& entry) {
     const std::shared_ptr<HubClient> slow = entry.lock();
     return slow == nullptr || slow->dead || !slow->connection.queue().full();

@@ -14,20 +14,20 @@ struct HubClient {
   HubClient(Socket socket, const std::string& address, size_t max_message_bytes,
             size_t queue_bytes);
 
-  /// Learns who this is from a message that it publishes: a process says so on STATUS.
-  void NoteName(const TcpqRecord& record);
-  /// Messages to a client that is alive were too much for it; this one stops sending until there is
-  /// room, or that one is gone.
+  /// Sets the name of this client if the record is its STATUS message, which has the name of the
+  /// process.
+  void LearnName(const TcpqRecord& record);
+  /// Stops reading from this client until the queue of `slow` has room again or `slow` has gone.
   void WaitFor(const std::shared_ptr<HubClient>& slow);
-  /// Whether it still has to wait for somebody.
-  bool IsHeldBack();
+  /// Whether this client still has to wait for a slow one, so that the hub must not read from it.
+  bool MustWait();
 
-  std::string name;  ///< for people: address, and name on the bus where it has told it
+  std::string name;  ///< for log lines: its address and, when known, its name on the bus
   QueuedConnection connection;
   ChannelPatterns subscriptions;
-  std::vector<std::weak_ptr<HubClient>> waits_for;
-  bool named = false;
-  bool dead = false;
+  std::vector<std::weak_ptr<HubClient>> waits_for;  ///< the slow clients, see WaitFor
+  bool named = false;                               ///< `name` has its name on the bus
+  bool dead = false;                                ///< disconnected, will be removed
 };
 
 }  // namespace vismap

@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxChannels = 1024;  // of names that clients may invent
+constexpr size_t kMaxChannels = 1024;  // bounds the memory, since clients choose the names
 
 }  // namespace
 

@@ -7,20 +7,21 @@
 
 namespace vismap {
 
-/// A lossy network, for tests.
+/// Simulates a lossy network, for tests.
 struct FaultOptions {
-  double drop_fraction = 0;           ///< of the messages that clients publish, in [0, 1]
-  int64_t seed = 0;                   ///< another one drops others
-  std::vector<std::string> channels;  ///< only of these; empty = of all
+  double drop_fraction = 0;  ///< share of the published messages that is lost, in [0, 1]
+  int64_t seed = 0;          ///< seed of the random choice
+  /// Lose messages of these channels only; empty = all channels.
+  std::vector<std::string> channels;
 };
 
-/// Chooses the messages that a hub loses on purpose. Which ones depends on the seed and on the
-/// place of a message among those of its channel, so that the same run loses the same ones.
+/// Chooses the messages that a hub loses intentionally. The choice depends on the seed and on the
+/// number of the message within its channel, so that a repeated run loses the same messages.
 class FaultInjection {
  public:
   explicit FaultInjection(FaultOptions options);
 
-  /// Whether the next message of this channel is to be lost.
+  /// Whether the next message of this channel must be lost.
   bool Drops(const std::string& channel);
 
  private:

@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 #include <vector>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/status.h"
@@ -22,8 +22,8 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kReadPerTurn =
-    size_t{2} << 20;  // so that one busy client does not starve the others [bytes]
+// Limit per client and round, so that a busy client does not delay others [bytes].
+constexpr size_t kReadPerTurn = size_t{2} << 20;
 
 void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
@@ -33,12 +33,6 @@ std::string AddressText(const sockaddr_in& address) {
   char text[INET_ADDRSTRLEN] = {};
   inet_ntop(AF_INET, &address.sin_addr, text, sizeof(text));
   return std::string(text) + ":" + std::to_string(ntohs(address.sin_port));
-}
-
-std::string Seconds(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g s", seconds);
-  return text;
 }
 
 void AddCounts(process_status_t* message, const NamedCounts& counts, const std::string& what) {
@@ -132,7 +126,7 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
   std::vector<std::shared_ptr<Client>> polled(clients_.begin(), clients_.end());
   for (const std::shared_ptr<Client>& client : polled) {
     const int events =
-        (client->IsHeldBack() ? 0 : POLLIN) | (client->connection.wants_to_send() ? POLLOUT : 0);
+        (client->MustWait() ? 0 : POLLIN) | (client->connection.wants_to_send() ? POLLOUT : 0);
     waiting.push_back({client->connection.fd(), static_cast<short>(events), 0});
   }
   if (poll(waiting.data(), waiting.size(), timeout_ms) > 0) {
@@ -142,7 +136,7 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
     for (const std::shared_ptr<Client>& client : polled) client->connection.Flush();
     if (waiting[1].revents != 0) Accept();
   }
-  LetGoOfHung();
+  DisconnectStalled();
   RemoveDead();
 }
 
@@ -155,13 +149,13 @@ void Hub::Accept() {
   const std::string name = AddressText(address);
   if (client_count() >= options_.max_clients) {
     ++counters_.clients_cut_off;
-    LogWarningSometimes("full", name + " was refused: there are " + std::to_string(client_count()) +
-                                    " clients already");
+    LogWarningRateLimited("full", name + " was refused: there are already " +
+                                      std::to_string(client_count()) + " clients");
     return;
   }
   TuneTcp(socket.fd());
   ++counters_.clients_accepted;
-  LogDebug(name + " joined");
+  LogDebug(name + " connected");
   auto client = std::make_shared<Client>(std::move(socket), name, kMaxMessageBytes, queue_bytes_);
   client->connection.Flush();
   clients_.push_back(std::move(client));
@@ -170,28 +164,28 @@ void Hub::Accept() {
 void Hub::Read(Client& client) {
   if (client.dead) return;
   const Result<void> read = client.connection.Read(
-      kReadPerTurn, [&](TcpqRecord record) { Take(client, std::move(record)); });
+      kReadPerTurn, [&](TcpqRecord record) { HandleRecord(client, std::move(record)); });
   if (read || client.dead) return;
   if (read.error().message.empty()) {
     client.dead = true;
-    LogDebug(client.name + " left");
+    LogDebug(client.name + " disconnected");
   } else {
-    CutOff(client, read.error().message);
+    Disconnect(client, read.error().message);
   }
 }
 
-void Hub::CutOff(Client& client, const std::string& why) {
+void Hub::Disconnect(Client& client, const std::string& why) {
   client.dead = true;
   ++counters_.clients_cut_off;
-  LogWarningSometimes("cut off", client.name + " " + why + "; cut off");
+  LogWarningRateLimited("disconnected", client.name + " " + why + "; it was disconnected");
 }
 
-void Hub::Take(Client& client, TcpqRecord record) {
+void Hub::HandleRecord(Client& client, TcpqRecord record) {
   switch (record.kind) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
-      client.NoteName(record);
+      client.LearnName(record);
       if (faults_.Drops(record.name)) {
         ++counters_.dropped_on_purpose;
         return;
@@ -199,7 +193,7 @@ void Hub::Take(Client& client, TcpqRecord record) {
       return Route(record, &client);
     case TcpqRecord::Kind::kSubscribe:
       if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
-        CutOff(client, "cannot subscribe: " + added.error().message);
+        Disconnect(client, "sent a subscription that cannot be used: " + added.error().message);
       }
       return;
     case TcpqRecord::Kind::kUnsubscribe:
@@ -211,11 +205,14 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
   const RoutedMessage message = RouteMessage(record, &policies_);
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
+    // A client does not wait for itself, and the hub (no sender) never waits.
     const bool sender_waits = sender != nullptr && sender != client.get();
     Count(*client, message, client->connection.Add(message, sender_waits));
-    if (!sender_waits || message.policy != QueuePolicy::kLossless) continue;
+    // Only the sender of a lossless message has to wait for a full queue.
+    if (!sender_waits || message.policy != QueuePolicy::kLossless)
+      continue;  // dropped if it did not fit
     if (!client->connection.queue().full()) continue;
-    if (!sender->IsHeldBack()) ++counters_.held_back;
+    if (!sender->MustWait()) ++counters_.held_back;
     sender->WaitFor(client);
   }
 }
@@ -233,22 +230,22 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
       ++counters_.dropped;
       counters_.dropped_by_channel.Add(message.channel);
       counters_.dropped_by_client.Add(client.name);
-      LogWarningSometimes("slow " + client.name,
-                          client.name + " is too slow: a message of " + message.channel +
-                              " to it was dropped, its queue of " + std::to_string(queue_bytes_) +
-                              " bytes is full");
+      LogWarningRateLimited("slow " + client.name, client.name + " is too slow: its queue of " +
+                                                       FormatBytes(queue_bytes_) +
+                                                       " is full, so a message of " +
+                                                       message.channel + " was dropped");
   }
 }
 
-void Hub::LetGoOfHung() {
+void Hub::DisconnectStalled() {
   for (const std::shared_ptr<Client>& client : clients_) {
-    if (!client->IsHeldBack()) continue;
+    if (!client->MustWait()) continue;
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
       const std::shared_ptr<Client> slow = entry.lock();
       if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience_s) continue;
       if (!slow->dead) {
-        CutOff(*slow, "has taken nothing for " + Seconds(options_.patience_s) + ", and " +
-                          client->name + " had to wait for it");
+        Disconnect(*slow, "has read nothing for " + FormatDuration(options_.patience_s) +
+                              " while " + client->name + " had to wait");
       }
     }
   }
@@ -293,10 +290,10 @@ std::string Hub::StatusSentence() const {
   for (const std::shared_ptr<Client>& client : clients_) {
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
       const std::shared_ptr<Client> slow = entry.lock();
-      if (slow != nullptr) return slow->name + " is slow, " + client->name + " has to wait for it";
+      if (slow != nullptr) return slow->name + " is slow, so " + client->name + " has to wait";
     }
   }
-  return loses_messages_ ? "loses messages on purpose" : "";
+  return loses_messages_ ? "loses messages intentionally (--drop-fraction)" : "";
 }
 
 }  // namespace vismap

@@ -18,10 +18,10 @@
 
 namespace vismap {
 
-/// Fails when the address or a pattern of channels cannot be understood.
+/// Fails when the address or a pattern of channels is not valid.
 Result<void> CheckOptions(const HubOptions& options);
 
-/// Totals by name, of a bounded number of names.
+/// Counters by name. The number of names is bounded; further names are counted as "others".
 class NamedCounts {
  public:
   void Add(const std::string& name);
@@ -35,26 +35,26 @@ class NamedCounts {
 /// Totals since the hub was opened.
 struct HubCounters {
   int64_t received = 0, received_bytes = 0;
-  int64_t delivered = 0;  ///< messages queued for a client
-  int64_t dropped = 0;    ///< messages a client missed because its queue was full
-  int64_t replaced = 0;   ///< messages a client missed because a newer one took their place
-  int64_t held_back = 0;  ///< times that a client had to stop sending because another one was slow
-  int64_t dropped_on_purpose = 0;  ///< received and not passed on, see FaultOptions
+  int64_t delivered = 0;           ///< messages queued for clients
+  int64_t dropped = 0;             ///< messages not queued for a client because its queue was full
+  int64_t replaced = 0;            ///< queued messages that were replaced by newer ones
+  int64_t held_back = 0;           ///< how often a client had to wait because another one was slow
+  int64_t dropped_on_purpose = 0;  ///< received but not forwarded, see FaultOptions
   int64_t clients_accepted = 0, clients_cut_off = 0;
   NamedCounts dropped_by_channel, replaced_by_channel, dropped_by_client;
 };
 
-/// Passes messages between the clients of one bus, over TCP, in LCM's own tcpq protocol, so that
-/// every LCM program can join. One thread, never blocked by a client: what a slow one cannot take
-/// waits in its queue. What happens when that is full is a matter of the channel, see QueuePolicy:
-/// for a lossless one the hub stops reading from those who publish it until there is room, or until
-/// the slow client has taken nothing for the time of patience and is cut off. A client does not
-/// wait for itself. Each client receives in the order of arrival here.
+/// Forwards messages between the clients of one bus over TCP. It uses LCM's tcpq protocol, so that
+/// every LCM program can connect. It has one thread, which no client can block: messages for a slow
+/// client wait in the queue of that client. QueuePolicy decides what happens when this queue is
+/// full. For a lossless channel the hub stops reading from the publishers until the queue has room,
+/// or until the slow client has made no progress for patience_s and is disconnected. A client never
+/// waits for itself. Each client receives messages in the order in which they arrived at the hub.
 class Hub {
  public:
-  /// Listens. `name` = on the bus; empty = hub-COMPUTER-PORT, so that hubs whose buses are bridged
-  /// differ. `faults` = for tests. Fails as CheckOptions does, and with the reason when the address
-  /// is taken or not this computer's.
+  /// Starts to listen. `name` is that on the bus; "" = hub-COMPUTER-PORT, which is unique also on
+  /// bridged buses. `faults` is for tests. Fails as CheckOptions does, and with the reason when the
+  /// address is in use or does not belong to this computer.
   static Result<std::unique_ptr<Hub>> Open(const HubOptions& options, const std::string& name = "",
                                            const FaultOptions& faults = {});
   ~Hub();
@@ -77,11 +77,11 @@ class Hub {
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Accept();
   void Read(Client& client);
-  void Take(Client& client, TcpqRecord record);
+  void HandleRecord(Client& client, TcpqRecord record);
   void Route(const TcpqRecord& record, Client* sender);
   void Count(const Client& client, const RoutedMessage& message, MessageQueue::Added added);
-  void CutOff(Client& client, const std::string& why);
-  void LetGoOfHung();
+  void Disconnect(Client& client, const std::string& why);
+  void DisconnectStalled();
   void RemoveDead();
   void PublishStatus();
   std::string StatusSentence() const;
@@ -94,7 +94,7 @@ class Hub {
   uint16_t port_ = 0;
   std::list<std::shared_ptr<Client>> clients_;
   FaultInjection faults_;
-  bool loses_messages_;  // on purpose
+  bool loses_messages_;  // intentionally, for a test
   HubCounters counters_;
   int64_t start_utime_ = 0;
   int64_t status_seq_ = 0;

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "base/format.h"
 #include "hub/hub.h"
 #include "settings/settings.h"
 
@@ -17,40 +18,38 @@ struct Arguments {
 
 void AddOptions(CommandLine& line, HubOptions* config) {
   line.Option("--listen", &config->listen,
-              "Address to listen on, numbers only; port 0 = any free one, printed");
-  line.Option("--queue-mb", &config->queue_mb,
-              "Megabytes of lossless messages that may wait for a client before publishers wait, "
-              "and of others before it loses them")
+              "Numeric address and port to listen on; port 0 = choose a free port and print it");
+  line.Option(
+          "--queue-mb", &config->queue_mb,
+          "Size of the queue of each client, in MB, for lossless messages and again for all others")
       .Range(1, 65536);
   line.Option("--socket-buffer-bytes", &config->socket_buffer_bytes,
-              "Send and receive buffer of each connection; 0 = the system's")
+              "Size of the send and receive buffers of each connection; 0 = system default")
       .AtLeast(0);
-  line.Option("--max-clients", &config->max_clients, "Connections beyond are refused")
+  line.Option("--max-clients", &config->max_clients,
+              "Largest number of clients; further ones are rejected")
       .Range(1, 10000);
   line.Option("--patience-s", &config->patience_s,
-              "A client that takes nothing for so long while publishers wait for it is cut off")
+              "A client that reads nothing for so many seconds while publishers wait for it is "
+              "disconnected")
       .Range(0.1, 60);
   line.Option("--lossless", &config->lossless,
-              "Channels (regular expressions) whose publishers wait for slow readers");
-  line.Option("--latest", &config->latest,
-              "Channels of which a slow reader gets the latest message only");
+              "Channels (regular expressions) whose publishers wait for slow readers, so that no "
+              "message is lost");
+  line.Option(
+      "--latest", &config->latest,
+      "Channels (regular expressions) of which a slow reader receives only the latest message");
   line.Option("--drop-newest", &config->drop_newest,
-              "Channels of which a slow reader loses the newest messages");
+              "Channels (regular expressions) of which new messages for a slow reader are dropped");
 }
 
 void AddFaults(CommandLine& line, FaultOptions* faults) {
   line.Option("--drop-fraction", &faults->drop_fraction,
-              "For tests: lose this part of the messages on purpose")
+              "For tests: share of the messages that the hub loses intentionally")
       .Range(0, 1);
-  line.Option("--drop-seed", &faults->seed, "For tests: which ones are lost");
+  line.Option("--drop-seed", &faults->seed, "For tests: seed of the choice of lost messages");
   line.Option("--drop-channels", &faults->channels,
-              "For tests: lose messages of these channels only, NAME,NAME");
-}
-
-std::string Percent(double fraction) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.4g %%", fraction * 100);
-  return text;
+              "For tests: lose only messages of these channels: NAME,NAME");
 }
 
 Outcome Serve(const Arguments& arguments, ProcessContext& context) {
@@ -64,18 +63,18 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   std::printf("%s\n", url.c_str());
   std::fflush(stdout);
   if (faults.drop_fraction > 0) {
-    LogWarning("for a test: loses " + Percent(faults.drop_fraction) +
-               " of the messages on purpose");
+    LogWarning("this hub is for a test: it loses " + FormatPercent(faults.drop_fraction) +
+               " of the messages intentionally");
   }
-  context.service.Say("running: " + url);
-  context.service.Ready();
-  (*hub)->Run(context.stop, [&] { context.service.Alive(); });
-  context.service.Stopping();
+  context.service.SetStatus("running: " + url);
+  context.service.SetReady();
+  (*hub)->Run(context.stop, [&] { context.service.KeepAlive(); });
+  context.service.SetStopping();
   const HubCounters& counters = (*hub)->counters();
-  LogInfo("passed on " + std::to_string(counters.received) + " messages, dropped " +
-          std::to_string(counters.dropped) +
+  LogInfo("forwarded " + FormatCount(counters.received, "message") + ", dropped " +
+          FormatCount(counters.dropped) +
           (faults.drop_fraction > 0
-               ? ", lost on purpose " + std::to_string(counters.dropped_on_purpose)
+               ? ", lost intentionally " + FormatCount(counters.dropped_on_purpose)
                : ""));
   return {};
 }
@@ -86,7 +85,8 @@ int main(int argc, char** argv) {
   Arguments arguments;
   ProcessSpec spec;
   spec.name = "hub";
-  spec.summary = "Passes messages between the processes of one bus over TCP (LCM's tcpq protocol).";
+  spec.summary =
+      "Forwards messages between the processes of a bus over TCP, with LCM's tcpq protocol.";
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) {
     AddOptions(line, &arguments.config.hub);

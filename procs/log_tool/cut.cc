@@ -8,7 +8,7 @@ namespace vismap {
 namespace {
 
 bool Keeps(const CutOptions& options, const LogEvent& event, int64_t start) {
-  // In whole microseconds, and without overflow whatever the times are.
+  // Compare whole microseconds, as double, which cannot overflow.
   const double elapsed = static_cast<double>(event.timestamp) - static_cast<double>(start);
   return elapsed >= std::round(options.from * 1e6) &&
          (!options.to || elapsed < std::round(*options.to * 1e6)) &&
@@ -23,7 +23,7 @@ Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
   if (!writer) return tl::unexpected(writer.error());
   CutResult result;
   std::optional<int64_t> start;
-  const auto take = [&](const LogEvent& event) -> Result<void> {
+  const auto on_event = [&](const LogEvent& event) -> Result<void> {
     if (!start) start = event.timestamp;
     if (!Keeps(options, event, *start)) {
       ++result.left_out;
@@ -36,11 +36,12 @@ Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
     return {};
   };
   const Result<void> read = ForEachEvent(
-      reader, take, [&](const LogDamage& damage) { result.damaged_bytes += damage.bytes; });
+      reader, on_event, [&](const LogDamage& damage) { result.damaged_bytes += damage.bytes; });
   if (!read) return tl::unexpected(read.error());
-  if (!start) return Fail(reader.path() + ": not one LCM event in this file");
+  if (!start) return Fail(reader.path() + ": the file has no LCM event");
   if (result.kept == 0)
-    return Fail(reader.path() + ": nothing in it is of these times and channels");
+    return Fail(reader.path() +
+                ": no message of the log is in this time range and on these channels");
   if (const Result<void> finished = writer->Finish(); !finished)
     return tl::unexpected(finished.error());
   return result;

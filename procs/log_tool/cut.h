@@ -10,20 +10,21 @@
 
 namespace vismap {
 
-/// What of a log to keep.
+/// The part of a log to keep.
 struct CutOptions {
-  double from = 0;                 ///< from so many seconds after the log's first event on
-  std::optional<double> to;        ///< up to before this time [s]; none = to the end
-  std::set<std::string> channels;  ///< names; empty = all
+  double from = 0;  ///< begin, relative to the first event of the log [s]
+  /// End (exclusive), relative to the first event [s]; nullopt = end of the log.
+  std::optional<double> to;
+  std::set<std::string> channels;  ///< channels to keep; empty = all
 };
 
 struct CutResult {
   int64_t kept = 0, left_out = 0;
-  uint64_t damaged_bytes = 0;  ///< of the log, not in the cut
+  uint64_t damaged_bytes = 0;  ///< damaged part of the log, which is not copied
 };
 
-/// Copies events with their times, byte for byte; they are numbered anew. `out` may be the log
-/// itself. Fails when the log cannot be read, nothing is kept, or `out` cannot be written.
+/// Copies events with their times, byte for byte, and renumbers them. `out` may be the log itself.
+/// Fails when the log cannot be read, when no event is kept, or when `out` cannot be written.
 Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
                          const std::filesystem::path& out);
 

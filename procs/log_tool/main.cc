@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/format.h"
 #include "log_tool/convert.h"
 #include "log_tool/cut.h"
 #include "log_tool/verify.h"
@@ -36,8 +37,9 @@ Outcome Verify(const Arguments& arguments) {
   std::printf("%s", print(arguments.input, *report).c_str());
   const size_t problems = report->Problems().size();
   if (problems == 0) return {};
-  return ExitWith(ExitCode::kFailed,
-                  arguments.input + ": problems found: " + std::to_string(problems));
+  return ExitWith(
+      ExitCode::kFailed,
+      arguments.input + ": " + FormatCount(static_cast<int64_t>(problems), "problem") + " found");
 }
 
 Outcome Cut(const Arguments& arguments) {
@@ -48,15 +50,15 @@ Outcome Cut(const Arguments& arguments) {
   const Result<CutResult> cut = CutLog(*reader, options, arguments.out);
   if (!cut) return Unreadable(cut.error());
   if (cut->damaged_bytes > 0) {
-    LogWarning(arguments.input + ": left out " + std::to_string(cut->damaged_bytes) +
-               " damaged bytes");
+    LogWarning(arguments.input + ": left out a damaged part of " + FormatBytes(cut->damaged_bytes));
   }
-  std::printf("%lld messages kept, %lld left out: %s\n", static_cast<long long>(cut->kept),
-              static_cast<long long>(cut->left_out), arguments.out.c_str());
+  std::printf("wrote %s with %s; left out %s\n", arguments.out.c_str(),
+              FormatCount(cut->kept, "message").c_str(),
+              FormatCount(cut->left_out, "message").c_str());
   return {};
 }
 
-// A sequence and the detections to go with it; none when told so or when it has none.
+// A sequence and its detections; nullptr when it has none or --detections is "none".
 struct Sequence {
   Recording recording;
   std::unique_ptr<DetectionSource> detections;
@@ -80,10 +82,10 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
   return sequence;
 }
 
-Outcome Tell(const Result<ConvertResult>& result, const std::string& out) {
+Outcome PrintResult(const Result<ConvertResult>& result, const std::string& out) {
   if (!result) return Unreadable(result.error());
-  for (const std::string& lost : result->lost) LogWarning("lost: " + lost);
-  std::printf("%lld frames: %s\n", static_cast<long long>(result->frames), out.c_str());
+  for (const std::string& lost : result->lost) LogWarning("not stored in " + out + ": " + lost);
+  std::printf("wrote %s with %s\n", out.c_str(), FormatCount(result->frames, "frame").c_str());
   return {};
 }
 
@@ -92,7 +94,7 @@ Outcome ToDataset(const Arguments& arguments) {
   if (!input) return Unreadable(input.error());
   std::optional<CameraId> camera;
   if (arguments.camera) camera = CameraId{*arguments.camera};
-  return Tell(
+  return PrintResult(
       WriteFolder(*input->recording.dataset, input->detections.get(), camera, arguments.out),
       arguments.out);
 }
@@ -100,8 +102,8 @@ Outcome ToDataset(const Arguments& arguments) {
 Outcome FromDataset(const Arguments& arguments) {
   const Result<Sequence> input = OpenInput(arguments);
   if (!input) return Unreadable(input.error());
-  return Tell(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out),
-              arguments.out);
+  return PrintResult(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out),
+                     arguments.out);
 }
 
 CommandLine Add(CommandLine& line, Arguments* arguments, const char* name, const char* help,
@@ -110,49 +112,53 @@ CommandLine Add(CommandLine& line, Arguments* arguments, const char* name, const
 }
 
 void AddCut(CommandLine& line, Arguments* arguments) {
-  CommandLine cut = Add(line, arguments, "cut", "A part of a log, by time or channels", Cut);
+  CommandLine cut =
+      Add(line, arguments, "cut", "Copy a part of a log, selected by time or channels", Cut);
   cut.Option("LOG", &arguments->input, "Log of LCM messages").Required();
   cut.Option("--out", &arguments->out, "Log to write").Required();
-  cut.Option("--from", &arguments->cut.from, "Seconds after the first message");
-  cut.Option("--to", &arguments->cut.to, "Seconds after the first message, itself left out");
-  cut.Option("--channels", &arguments->channels, "Only these: NAME,NAME");
+  cut.Option("--from", &arguments->cut.from, "Begin: seconds after the first message");
+  cut.Option("--to", &arguments->cut.to, "End (exclusive): seconds after the first message");
+  cut.Option("--channels", &arguments->channels, "Keep only these channels: NAME,NAME");
 }
 
 void AddFromDataset(CommandLine& line, Arguments* arguments) {
   CommandLine from =
       Add(line, arguments, "from-dataset",
-          "A log of RGBD_FRAME and DETECTIONS from a recorded sequence", FromDataset);
+          "Write a recorded sequence as a log of RGBD_FRAME and DETECTIONS", FromDataset);
   from.Option("PATH", &arguments->input,
-              "Folder of a posed RGB-D sequence, log, synthetic:room or synthetic:office")
+              "Folder of an RGB-D sequence with poses, log, synthetic:room or synthetic:office")
       .Required();
   from.Option("--out", &arguments->out, "Log to write").Required();
   from.Option("--format", &arguments->format,
-              "Layout of the folder; found by looking when not given");
+              "Format of the folder; detected automatically if not given");
   from.Option("--detections", &arguments->detections,
-              "COCO results, folder of instance PNGs, log, or none; when not given, those inside");
-  from.Option("--camera-id", &arguments->camera_id, "Given to every frame").AtLeast(0);
-  from.Option("--stride", &arguments->frames.stride, "Every n-th frame").Positive();
-  from.Option("--max-frames", &arguments->frames.max_frames, "At most so many; 0 = all").AtLeast(0);
+              "COCO results file, folder of instance PNGs, log, or 'none'; if not given, those of "
+              "the sequence");
+  from.Option("--camera-id", &arguments->camera_id, "Camera id of all frames").AtLeast(0);
+  from.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
+  from.Option("--max-frames", &arguments->frames.max_frames, "Use at most so many frames; 0 = all")
+      .AtLeast(0);
 }
 
 void AddCommands(CommandLine& line, Arguments* arguments) {
   CommandLine verify = Add(line, arguments, "verify",
-                           "Counts, rates, gaps, checksums, types, damage; exit code 1 when "
-                           "something is wrong",
+                           "Check a log for lost messages, wrong types, checksums and damage, and "
+                           "print counts and rates; exit code 1 if there are problems",
                            Verify);
   verify.Option("LOG", &arguments->input, "Log of LCM messages").Required();
-  verify.Flag("--json", &arguments->json, "As JSON");
+  verify.Flag("--json", &arguments->json, "Print JSON");
 
   AddCut(line, arguments);
 
-  CommandLine to =
-      Add(line, arguments, "to-dataset",
-          "A folder of images, poses and detections (SceneNN's layout) from a log", ToDataset);
+  CommandLine to = Add(
+      line, arguments, "to-dataset",
+      "Write the frames of a log as a folder of images, poses and detections in SceneNN's format",
+      ToDataset);
   to.Option("LOG", &arguments->input,
-            "Log of LCM messages; run.lcmlog?frames=all takes frames without a commit, too")
+            "Log of LCM messages; run.lcmlog?frames=all also uses frames without a commit")
       .Required();
   to.Option("--out", &arguments->out, "Folder to write").Required();
-  to.Option("--camera", &arguments->camera, "The one to take, when there are several");
+  to.Option("--camera", &arguments->camera, "Camera id to use if the log has several cameras");
 
   AddFromDataset(line, arguments);
 }

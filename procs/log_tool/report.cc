@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/format.h"
 #include "log_tool/verify.h"
 #include "wire/channel_types.h"
 
@@ -22,18 +23,18 @@ int64_t FirstTime(const LogReport& report) {
 
 const char* TypeName(const std::string& channel) {
   const ChannelType* type = FindChannelType(channel);
-  return type == nullptr ? "not ours" : type->type;
+  return type == nullptr ? "unknown" : type->type;
 }
 
 std::string ChannelLine(const std::string& name, const ChannelReport& channel, int64_t start) {
   const auto seconds = [&](int64_t time) {
     return (static_cast<double>(time) - static_cast<double>(start)) * 1e-6;
   };
-  return Format("%-16s %-18s %8lld %10.1f %8.1f %9.2f %9.2f %7lld %7lld %7lld\n", name.c_str(),
+  return Format("%-16s %-18s %8lld %10s %8.1f %9.2f %9.2f %7lld %8lld %8lld\n", name.c_str(),
                 TypeName(name), static_cast<long long>(channel.messages),
-                static_cast<double>(channel.bytes) / 1000, channel.rate(),
-                seconds(channel.first_time), seconds(channel.last_time),
-                static_cast<long long>(channel.lost), static_cast<long long>(channel.repeated),
+                FormatBytes(channel.bytes).c_str(), channel.rate(), seconds(channel.first_time),
+                seconds(channel.last_time), static_cast<long long>(channel.lost),
+                static_cast<long long>(channel.repeated),
                 static_cast<long long>(channel.other_type + channel.undecodable));
 }
 
@@ -41,10 +42,9 @@ std::string ChannelLine(const std::string& name, const ChannelReport& channel, i
 
 std::string ReportText(const std::string& path, const LogReport& report) {
   std::string text =
-      Format("%s: %lld messages, %llu bytes\n", path.c_str(), static_cast<long long>(report.events),
-             static_cast<unsigned long long>(report.bytes));
-  text += Format("%-16s %-18s %8s %10s %8s %9s %9s %7s %7s %7s\n", "channel", "type", "messages",
-                 "kB", "per s", "first [s]", "last [s]", "missing", "again", "bad");
+      path + ": " + FormatCount(report.events, "message") + ", " + FormatBytes(report.bytes) + "\n";
+  text += Format("%-16s %-18s %8s %10s %8s %9s %9s %7s %8s %8s\n", "channel", "type", "messages",
+                 "size", "per s", "first [s]", "last [s]", "lost", "repeated", "unusable");
   const int64_t start = FirstTime(report);
   for (const auto& [name, channel] : report.channels) text += ChannelLine(name, channel, start);
   text += Format("frames: %lld sent, %lld integrated, %lld skipped",
@@ -57,7 +57,7 @@ std::string ReportText(const std::string& path, const LogReport& report) {
   text += "\n";
   const std::vector<std::string> problems = report.Problems();
   for (const std::string& problem : problems) text += problem + "\n";
-  return text + (problems.empty() ? "no gap, no damage\n" : "");
+  return text + (problems.empty() ? "no message is lost, and the log is not damaged\n" : "");
 }
 
 std::string ReportJson(const std::string& path, const LogReport& report) {

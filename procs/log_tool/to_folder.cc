@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/format.h"
 #include "datasets/scenenn_writer.h"
 #include "log_tool/convert.h"
 
@@ -20,18 +21,19 @@ Result<CameraId> ChooseCamera(const Dataset& dataset, std::optional<CameraId> ca
   std::string known;
   for (const int32_t id : cameras) known += (known.empty() ? "" : ", ") + std::to_string(id);
   return Fail(dataset.name() + " has frames of cameras " + known +
-              "; a folder holds one: choose it with --camera");
+              "; a folder can store only one of them, so choose it with --camera");
 }
 
-// The frames of the camera in the order in which a folder can hold them.
+// The frames of the camera in order of time, the only order that a folder can store.
 std::vector<size_t> FramesInTime(const Dataset& dataset, CameraId camera, ConvertResult* result) {
   std::vector<size_t> frames;
   for (size_t i = 0; i < dataset.size(); ++i) {
     if (dataset.Header(i).camera_id == camera) frames.push_back(i);
   }
   if (frames.size() < dataset.size()) {
-    result->lost.push_back(std::to_string(dataset.size() - frames.size()) +
-                           " frames of other cameras");
+    result->lost.push_back(
+        FormatCount(static_cast<int64_t>(dataset.size() - frames.size()), "frame") +
+        " of other cameras");
   }
   const auto earlier = [&](size_t a, size_t b) {
     return dataset.Header(a).utime < dataset.Header(b).utime;
@@ -39,12 +41,12 @@ std::vector<size_t> FramesInTime(const Dataset& dataset, CameraId camera, Conver
   if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {
     std::stable_sort(frames.begin(), frames.end(), earlier);
     result->lost.push_back(
-        "the order of the frames, which was not that of their times: the map will be another one");
+        "the order of the frames (they are now sorted by time), so the map will differ");
   }
   return frames;
 }
 
-/// Frames with the numbers that their files get.
+/// Chooses the numbers of the frames for their file names.
 class Numbering {
  public:
   Numbering(const Dataset& dataset, const std::vector<size_t>& frames, ConvertResult* result) {
@@ -54,7 +56,7 @@ class Numbering {
       keeps_ = keeps_ && number > last;
       last = number;
     }
-    if (!keeps_) result->lost.push_back("the numbers of the frames: they are counted from 1");
+    if (!keeps_) result->lost.push_back("the numbers of the frames (they are now counted from 1)");
   }
   int64_t Next(const FrameHeader& header) {
     ++count_;
@@ -67,14 +69,14 @@ class Numbering {
 };
 
 struct Losses {
-  int64_t not_looked_at = 0, without_class = 0;
+  int64_t without_detector = 0, without_class = 0;
 };
 
 Result<void> AddDetections(const FrameHeader& header, int64_t number,
                            const DetectionSource& detections, SceneNnWriter* writer,
                            Losses* losses) {
   if (!detections.DetectorRan(header)) {
-    ++losses->not_looked_at;
+    ++losses->without_detector;
     return {};
   }
   Result<DetectionSet> set = detections.ForFrame(header);
@@ -86,11 +88,12 @@ Result<void> AddDetections(const FrameHeader& header, int64_t number,
   return {};
 }
 
-// All frames of a folder have one camera and one depth unit.
+// All frames of a folder must have the same intrinsics and depth unit.
 Result<void> CheckSame(const SensorFrame& frame, const SensorFrame& first) {
   if (frame.header.camera == first.header.camera && frame.depth_unit_m == first.depth_unit_m)
     return {};
-  return Fail(NameOf(frame.header) + " has other intrinsics or another depth unit than the first");
+  return Fail(NameOf(frame.header) +
+              " has other intrinsics or another depth unit than the first frame");
 }
 
 double RateOf(const Dataset& dataset, const std::vector<size_t>& frames) {
@@ -132,12 +135,13 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
                SceneNnIni(first->header.camera, RateOf(dataset, frames), first->depth_unit_m));
   if (const Result<void> finished = writer.Finish(); !finished)
     return tl::unexpected(finished.error());
-  if (losses.not_looked_at > 0 && losses.not_looked_at < result.frames) {
-    result.lost.push_back("that no detector looked at " + std::to_string(losses.not_looked_at) +
-                          " frames: the map will be another one");
+  if (losses.without_detector > 0 && losses.without_detector < result.frames) {
+    result.lost.push_back("the information that no detector ran on " +
+                          FormatCount(losses.without_detector, "frame") +
+                          ", so the map will differ");
   }
   if (losses.without_class > 0)
-    result.lost.push_back(std::to_string(losses.without_class) + " detections without a class");
+    result.lost.push_back(FormatCount(losses.without_class, "detection") + " without a class");
   return result;
 }
 

@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-/// Sends messages into a log instead of onto a bus.
+/// Writes a message to the log as a process would publish it on a bus.
 template <typename Message>
 void Add(Message message, const Channel& channel, int64_t seq, LogWriter* writer) {
   message.source = "vismap-log";

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "base/format.h"
 #include "logs/log_dataset.h"
 #include "logs/recorded_run.h"
 #include "wire/channel_types.h"
@@ -13,16 +14,17 @@
 namespace vismap {
 namespace {
 
-// Numbers of messages per channel and source.
 constexpr uint64_t kLargestStep = 1'000'000'000;
+// Latest sequence number of each channel and source.
 using Sequences = std::map<std::pair<std::string, std::string>, int64_t>;
 
-void NoteSequence(const LogEvent& event, const MessageHead& head, Sequences* sequences,
-                  ChannelReport* report) {
+void TrackSequence(const LogEvent& event, const MessageHead& head, Sequences* sequences,
+                   ChannelReport* report) {
   const auto [entry, first] = sequences->try_emplace({event.channel, head.source}, head.seq);
   const int64_t last = std::exchange(entry->second, head.seq);
-  if (first) return;
-  // Without overflow, whatever the numbers are. A leap is no gap: no process sends so many.
+  if (first) return;  // nothing to compare with
+  // Unsigned, so that it cannot overflow. A larger step is not a loss: no process sends so many
+  // messages.
   const uint64_t step = static_cast<uint64_t>(head.seq) - static_cast<uint64_t>(last);
   if (head.seq > last && step <= kLargestStep) {
     report->lost += static_cast<int64_t>(step) - 1;
@@ -31,28 +33,29 @@ void NoteSequence(const LogEvent& event, const MessageHead& head, Sequences* seq
   }
 }
 
-void NoteProblem(const LogEvent& event, const std::string& what, ChannelReport* report) {
+void RecordProblem(const LogEvent& event, const std::string& what, ChannelReport* report) {
   if (report->first_problem.empty())
     report->first_problem = "at byte " + std::to_string(event.offset) + ": " + what;
 }
 
-void NoteMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences* sequences,
-                 ChannelReport* report) {
+void AddMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences* sequences,
+                ChannelReport* report) {
   if (report->messages++ == 0) report->first_time = event.timestamp;
   report->last_time = event.timestamp;
   report->bytes += event.data_size;
   const ChannelType* type = FindChannelType(event.channel);
-  if (type == nullptr) return;
+  if (type == nullptr) return;  // a channel of another program
   const std::optional<MessageHead> head = PeekHead(bytes);
   const Result<void> checked = type->check(bytes, type->channel);
-  if (head && head->fingerprint == type->fingerprint) NoteSequence(event, *head, sequences, report);
+  if (head && head->fingerprint == type->fingerprint)
+    TrackSequence(event, *head, sequences, report);
   if (checked) return;
   const bool other_type = head && head->fingerprint != type->fingerprint;
   ++(other_type ? report->other_type : report->undecodable);
-  NoteProblem(event, checked.error().message, report);
+  RecordProblem(event, checked.error().message, report);
 }
 
-// What became of the frames.
+// Counts the integrated and skipped frames.
 Result<void> FollowFrames(LogReader& reader, LogReport* report) {
   Result<LogReader> again = LogReader::Open(reader.path());
   if (!again) return tl::unexpected(again.error());
@@ -66,7 +69,7 @@ Result<void> FollowFrames(LogReader& reader, LogReport* report) {
   }
   report->frames_integrated = static_cast<int64_t>(integrated.size());
   report->frames_skipped = static_cast<int64_t>(skipped.size());
-  if (run->commits.empty()) return {};
+  if (run->commits.empty()) return {};  // the map server was not recorded
   for (const auto& entry : run->index) {
     if (!integrated.contains(entry.first) && !skipped.contains(entry.first))
       ++report->frames_without_commit;
@@ -86,17 +89,17 @@ Result<LogReport> VerifyLog(LogReader& reader) {
   LogReport report;
   report.bytes = reader.size();
   Sequences sequences;
-  const auto take = [&](const LogEvent& event) -> Result<void> {
+  const auto on_event = [&](const LogEvent& event) -> Result<void> {
     const Result<std::vector<uint8_t>> bytes = reader.ReadData(event);
     if (!bytes) return tl::unexpected(bytes.error());
     ++report.events;
-    NoteMessage(event, *bytes, &sequences, &report.channels[event.channel]);
+    AddMessage(event, *bytes, &sequences, &report.channels[event.channel]);
     return {};
   };
-  const Result<void> read =
-      ForEachEvent(reader, take, [&](const LogDamage& damage) { report.damage.push_back(damage); });
+  const Result<void> read = ForEachEvent(
+      reader, on_event, [&](const LogDamage& damage) { report.damage.push_back(damage); });
   if (!read) return tl::unexpected(read.error());
-  if (report.events == 0) return Fail(reader.path() + ": not one LCM event in this file");
+  if (report.events == 0) return Fail(reader.path() + ": the file has no LCM event");
   if (const Result<void> followed = FollowFrames(reader, &report); !followed)
     return tl::unexpected(followed.error());
   return report;
@@ -105,17 +108,19 @@ Result<LogReport> VerifyLog(LogReader& reader) {
 std::vector<std::string> LogReport::Problems() const {
   std::vector<std::string> problems;
   for (const LogDamage& bad : damage) {
-    problems.push_back((bad.truncated ? "the end is cut off: " : "damaged: ") +
-                       std::to_string(bad.bytes) + " bytes from byte " +
-                       std::to_string(bad.offset) + " on are no complete event");
+    problems.push_back(FormatBytes(bad.bytes) + " at byte " + std::to_string(bad.offset) +
+                       (bad.truncated ? " are the beginning of an event: the log is truncated"
+                                      : " are damaged: they are not a complete event"));
   }
   for (const auto& [name, channel] : channels) {
-    const auto say = [&, &of = name](int64_t count, const std::string& what) {
-      if (count > 0) problems.push_back(of + ": " + std::to_string(count) + what);
+    const auto add = [&, &of = name](int64_t count, const std::string& kind,
+                                     const std::string& detail) {
+      if (count > 0) problems.push_back(of + ": " + FormatCount(count, kind) + detail);
     };
-    say(channel.lost, " messages are missing");
-    say(channel.other_type, " messages of another type, the first " + channel.first_problem);
-    say(channel.undecodable, " messages cannot be decoded, the first " + channel.first_problem);
+    const std::string first = "; the first problem is " + channel.first_problem;
+    add(channel.lost, "lost message", "");
+    add(channel.other_type, "message of a wrong type", first);
+    add(channel.undecodable, "damaged message", first);
   }
   problems.insert(problems.end(), run_problems.begin(), run_problems.end());
   return problems;

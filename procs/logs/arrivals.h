@@ -8,14 +8,14 @@
 
 namespace vismap {
 
-/// A message of one frame, as it came to the recorder: RGBD_FRAME, DETECTIONS or SEGMENTED_FRAME.
+/// The arrival of one RGBD_FRAME, DETECTIONS or SEGMENTED_FRAME message at the recorder.
 struct Arrival {
   std::string channel;
   FrameKey frame;
   friend bool operator==(const Arrival&, const Arrival&) = default;
 };
 
-/// Such messages of a log in the order of their arrival. What cannot be decoded is left out.
+/// All arrivals in a log, in their order. Messages that cannot be decoded are left out.
 Result<std::vector<Arrival>> ReadArrivals(LogReader& reader);
 
 }  // namespace vismap

@@ -12,8 +12,8 @@ namespace {
 
 FrameKey KeyOfHeader(const FrameHeader& header) { return {header.camera_id, header.utime}; }
 
-// The frames of the newest map, as far as they are in the log.
-void TakeCommitted(const RecordedRun& run, FrameSelection* selection) {
+// Selects the frames of the newest map that are in the log.
+void SelectCommitted(const RecordedRun& run, FrameSelection* selection) {
   MapHistory history = HistoryOfNewestMap(run.commits);
   selection->remarks = std::move(history.remarks);
   std::set<size_t> taken;
@@ -23,16 +23,18 @@ void TakeCommitted(const RecordedRun& run, FrameSelection* selection) {
     if (found == run.index.end()) {
       selection->skipped.push_back(
           {commit.frame_number,
-           ToText(key) + ": was committed, but its RGBD_FRAME is not in the log"});
-      selection->remarks.push_back("the RGBD_FRAME of " + ToText(key) +
-                                   " is not in the log: the map will not be the recorded one");
+           ToText(key) + " was committed, but its RGBD_FRAME is not in the log"});
+      selection->remarks.push_back(
+          "the RGBD_FRAME of " + ToText(key) +
+          " is not in the log, so the map will differ from the recorded one");
       continue;
     }
     taken.insert(found->second);
     selection->frames.push_back(run.frames[found->second]);
     if (commit.had_detections && !run.detections.contains(key)) {
-      selection->remarks.push_back("the DETECTIONS of " + ToText(key) +
-                                   " are not in the log: the map will not be the recorded one");
+      selection->remarks.push_back(
+          "the DETECTIONS of " + ToText(key) +
+          " are not in the log, so the map will differ from the recorded one");
     }
   }
   for (size_t i = 0; i < run.frames.size(); ++i) {
@@ -40,11 +42,12 @@ void TakeCommitted(const RecordedRun& run, FrameSelection* selection) {
     const FrameHeader& header = run.frames[i].header;
     selection->skipped.push_back(
         {header.frame_number,
-         ToText(KeyOfHeader(header)) + ": was not committed in the recorded run"});
+         ToText(KeyOfHeader(header)) + " was not committed in the recorded run"});
   }
 }
 
-std::vector<RecordedFrame> Thin(std::vector<RecordedFrame> frames, const DatasetOptions& options) {
+std::vector<RecordedFrame> LimitFrames(std::vector<RecordedFrame> frames,
+                                       const DatasetOptions& options) {
   std::vector<RecordedFrame> chosen;
   for (size_t i = 0; i < frames.size(); i += static_cast<size_t>(options.stride)) {
     if (options.max_frames > 0 && chosen.size() == static_cast<size_t>(options.max_frames)) break;
@@ -60,10 +63,10 @@ FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptio
   if (all || run.commits.empty()) {
     selection.frames = run.frames;
   } else {
-    TakeCommitted(run, &selection);
+    SelectCommitted(run, &selection);
   }
   for (const std::string& reason : run.unusable_frames) selection.skipped.push_back({-1, reason});
-  selection.frames = Thin(std::move(selection.frames), options);
+  selection.frames = LimitFrames(std::move(selection.frames), options);
   return selection;
 }
 
@@ -82,7 +85,7 @@ FrameHeader LogDataset::Header(size_t i) const {
   return selection_.frames[i].header;
 }
 
-// The first copy that came unharmed, as in the recorded run.
+// Returns the first copy that is not damaged, as in the recorded run.
 Result<SensorFrame> LogDataset::Read(size_t i) const {
   const FrameKey key = KeyOfHeader(Header(i));
   std::string problem;

@@ -12,21 +12,23 @@
 
 namespace vismap {
 
-/// Which frames of a log make the sequence, in which order.
+/// The frames of a log that form a sequence, in the order of the sequence.
 struct FrameSelection {
   std::vector<RecordedFrame> frames;
   std::vector<SkippedFrame> skipped;
-  std::vector<std::string> remarks;
+  std::vector<std::string> remarks;  ///< sentences, see MapHistory
 };
 
-/// Those of the newest map, in the order of their commits; with `all`, or when the log has no
-/// commits, all in order of arrival. Of these every options.stride-th, at most options.max_frames.
+/// Selects the frames of the newest map, in the order of their commits; with `all`, or when the log
+/// has no commits, all frames in order of arrival. Of these, it keeps every options.stride-th and
+/// at most options.max_frames.
 FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptions& options);
 
-/// The frames of a log as a sequence; each is read from the file when asked for.
+/// The frames of a log as a sequence. A frame is read from the file when it is requested.
 class LogDataset : public Dataset {
  public:
-  /// `detections_path` = the log as OpenRecordedDetections takes it; none = it has no detections.
+  /// `detections_path` is the path of the log for OpenRecordedDetections; nullopt = the log has no
+  /// detections.
   LogDataset(LogReader reader, FrameSelection selection,
              std::optional<std::string> detections_path);
 
@@ -44,10 +46,10 @@ class LogDataset : public Dataset {
   std::optional<std::string> detections_path_;
 };
 
-/// The detections in a log, by camera and utime.
+/// The detections in a log, found by camera and utime.
 class LogDetections : public DetectionSource {
  public:
-  /// With `all`, what the commits say of detections is not asked.
+  /// Frames that the recorded run integrated without detections get none, unless `all` is set.
   LogDetections(LogReader reader, const RecordedRun& run, bool all);
 
   Result<DetectionSet> ForFrame(const FrameHeader& header) const override;

@@ -33,12 +33,13 @@ bool IsChannelName(std::span<const uint8_t> name) {
 }  // namespace
 
 Result<LogReader> LogReader::Open(const std::filesystem::path& path) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block us
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC |
+                                        O_NONBLOCK);  // O_NONBLOCK: opening a pipe must not block
   if (fd < 0) return Fail(path.string() + ": cannot open the log: " + std::strerror(errno));
   LogReader reader(path.string(), fd, 0);
   struct stat info {};
   if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
-    return Fail(path.string() + ": expected a log file, found something else");
+    return Fail(path.string() + ": expected a log, but this is not a regular file");
   reader.size_ = static_cast<uint64_t>(info.st_size);
   return reader;
 }
@@ -61,7 +62,7 @@ LogReader& LogReader::operator=(LogReader&& other) noexcept {
   return *this;
 }
 
-// Fewer bytes only when the file ends before.
+// Returns fewer bytes only when the file ends before.
 Result<std::vector<uint8_t>> LogReader::ReadAt(uint64_t offset, uint64_t bytes) const {
   std::vector<uint8_t> data(std::min(bytes, size_ - std::min(offset, size_)));
   size_t have = 0;
@@ -71,7 +72,7 @@ Result<std::vector<uint8_t>> LogReader::ReadAt(uint64_t offset, uint64_t bytes) 
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) {
       return Fail(path_ + ": cannot read at byte " + std::to_string(offset + have) + ": " +
-                  (got < 0 ? std::strerror(errno) : "the file has become shorter"));
+                  (got < 0 ? std::strerror(errno) : "the file was truncated meanwhile"));
     }
     have += static_cast<size_t>(got);
   }
@@ -85,13 +86,14 @@ Result<LogReader::Head> LogReader::HeadAt(uint64_t offset) const {
   Head head;
   const size_t sync = std::min(bytes.size(), kSync.size());
   if (!std::equal(kSync.begin(), kSync.begin() + static_cast<std::ptrdiff_t>(sync), bytes.begin()))
-    return head;
-  if (bytes.size() < kHeadBytes) {
+    return head;                    // no event begins here
+  if (bytes.size() < kHeadBytes) {  // the file ends within the head
     head.state = Head::State::kPastEnd;
     return head;
   }
   const uint64_t name_size = BigEndian(bytes.subspan(20, 4));
   const uint64_t data_size = BigEndian(bytes.subspan(24, 4));
+  // Impossible sizes: the sync word is part of other data.
   if (name_size < 1 || name_size > kMaxChannelName || data_size > kMaxMessageBytes) return head;
   const auto name = bytes.subspan(kHeadBytes, std::min(name_size, bytes.size() - kHeadBytes));
   if (!IsChannelName(name)) return head;
@@ -105,16 +107,17 @@ Result<LogReader::Head> LogReader::HeadAt(uint64_t offset) const {
   return head;
 }
 
-// Whether an event, or the beginning of one that is cut off, or the end of the file is there.
+// Whether an event, the beginning of a truncated event, or the end of the file is at this offset.
 Result<bool> LogReader::MayBeginAt(uint64_t offset) const {
   const Result<std::vector<uint8_t>> bytes = ReadAt(offset, kSync.size());
   if (!bytes) return tl::unexpected(bytes.error());
   return std::equal(bytes->begin(), bytes->end(), kSync.begin());
 }
 
-// The first whole event from here on.
+// Returns the offset of the first complete event at or after `from`.
 Result<std::optional<uint64_t>> LogReader::FindEvent(uint64_t from) const {
-  // Mostly it is near; a hostile file must not make us read a lot for every event.
+  // The next event is usually near, so start with a small step: otherwise a malicious file could
+  // make every event cost a long read.
   for (uint64_t step = kFirstSearch; from < size_; step = std::min(2 * step, kLargestSearch)) {
     const Result<std::vector<uint8_t>> bytes = ReadAt(from, step);
     if (!bytes) return tl::unexpected(bytes.error());
@@ -127,7 +130,7 @@ Result<std::optional<uint64_t>> LogReader::FindEvent(uint64_t from) const {
       ++at;
     }
     if (bytes->size() < step) break;
-    from += step - (kSync.size() - 1);  // a sync word may lie across the border
+    from += step - (kSync.size() - 1);  // a sync word may span two steps
   }
   return std::nullopt;
 }
@@ -136,25 +139,25 @@ Result<std::optional<LogItem>> LogReader::Next() {
   if (next_ >= size_) return std::optional<LogItem>();
   Result<Head> head = HeadAt(next_);
   if (!head) return tl::unexpected(head.error());
-  if (head->state == Head::State::kWhole) return TakeEvent(std::move(head->event));
-  return TakeDamage(next_ + 1, head->state == Head::State::kPastEnd);
+  if (head->state == Head::State::kWhole) return AcceptEvent(std::move(head->event));
+  return SkipDamage(next_ + 1, head->state == Head::State::kPastEnd);
 }
 
-// Where an event ends, the next one begins. If not, one of the two is damaged: this one when
-// another event lies within what it claims as its data.
-Result<std::optional<LogItem>> LogReader::TakeEvent(LogEvent event) {
+// The next event should begin where this one ends. If it does not, one of the two is damaged. It is
+// this one if another complete event lies within its data.
+Result<std::optional<LogItem>> LogReader::AcceptEvent(LogEvent event) {
   const Result<bool> fits = MayBeginAt(event.end());
   if (!fits) return tl::unexpected(fits.error());
   if (!*fits) {
     const Result<std::optional<uint64_t>> within = FindEvent(event.data_offset);
     if (!within) return tl::unexpected(within.error());
-    if (*within && **within < event.end()) return TakeDamage(**within, false);
+    if (*within && **within < event.end()) return SkipDamage(**within, false);
   }
   next_ = event.end();
   return LogItem(std::move(event));
 }
 
-Result<std::optional<LogItem>> LogReader::TakeDamage(uint64_t search_from, bool may_be_truncated) {
+Result<std::optional<LogItem>> LogReader::SkipDamage(uint64_t search_from, bool may_be_truncated) {
   const Result<std::optional<uint64_t>> found = FindEvent(search_from);
   if (!found) return tl::unexpected(found.error());
   const uint64_t end = found->value_or(size_);

@@ -11,57 +11,60 @@
 
 namespace vismap {
 
-// What lives in this room: logs of LCM messages as lcm-logger writes them and lcm-logplayer reads
-// them, and recorded runs seen as sequences. A log is a row of events; numbers are big-endian:
-// u32 0xeda1da01, i64 event number, i64 time [us], i32 size of the channel's name, i32 size of the
-// data, name, data. LCM's own reader trusts the sizes and crashes on a damaged file.
+// This room reads and writes logs of LCM messages in the format of lcm-logger, and presents
+// recorded runs as sequences. A log is a list of events. An event consists of u32 0xeda1da01, i64
+// event number, i64 time [us], i32 size of the channel name, i32 size of the data, name, data; all
+// numbers are big-endian. LCM's own reader trusts the sizes and crashes on a damaged file, so this
+// room has its own.
 
-/// First word of every event.
+/// The first word of every event.
 inline constexpr uint32_t kLogSyncWord = 0xeda1da01;
-/// Longest name of a channel that LCM sends [bytes].
+/// The longest channel name that LCM sends [bytes].
 inline constexpr size_t kMaxChannelName = 63;
 
-/// One recorded message: what its head says, and where its data lie in the file.
+/// One recorded message: its head, and the position of its data in the file.
 struct LogEvent {
   int64_t number = 0;
-  int64_t timestamp = 0;  ///< when it was recorded [us since 1970]
+  int64_t timestamp = 0;  ///< time of recording [us since 1970]
   std::string channel;
-  uint64_t offset = 0;  ///< of the event in the file [bytes]
-  uint64_t data_offset = 0;
+  uint64_t offset = 0;       ///< of the event from the beginning of the file [bytes]
+  uint64_t data_offset = 0;  ///< of its data from the beginning of the file [bytes]
   uint32_t data_size = 0;
 
   uint64_t end() const { return data_offset + data_size; }
 };
 
-/// Bytes of a log that are no event.
+/// A part of a log that is not a complete event.
 struct LogDamage {
   uint64_t offset = 0;
   uint64_t bytes = 0;
-  bool truncated = false;  ///< an event that the file ends within: its recorder was cut off
+  bool truncated = false;  ///< the file ends within an event, because the recorder was interrupted
 };
 
 using LogItem = std::variant<LogEvent, LogDamage>;
 
-/// Goes through a log of any size, head by head; data are read when asked for. Nothing in the file
-/// is trusted: sizes are checked against the file and against what travels on a bus, and after
-/// damage it goes on with the next event that can be found.
+/// Reads a log of any size event by event; data is read only on request. All sizes in the file are
+/// checked against the file size and the largest message. After a damaged part it continues with
+/// the next complete event.
 class LogReader {
  public:
-  /// Fails naming the path when it cannot be opened or is no regular file. What is written to the
-  /// file later is not seen.
+  /// Fails, naming the path, when the file cannot be opened or is not a regular file. Data appended
+  /// to the file later is not read.
   static Result<LogReader> Open(const std::filesystem::path& path);
   ~LogReader();
   LogReader(LogReader&& other) noexcept;
   LogReader& operator=(LogReader&& other) noexcept;
 
-  /// The next event or damage; none at the end. Fails when the file cannot be read.
+  /// Returns the next event or damaged part; nullopt at the end. Fails when the file cannot be
+  /// read.
   Result<std::optional<LogItem>> Next();
 
-  /// The data of an event, or their first `max_bytes`. May be called from several threads at once.
+  /// Reads the data of an event, or the first `max_bytes` of it. Several threads may call it at
+  /// once.
   Result<std::vector<uint8_t>> ReadData(const LogEvent& event, size_t max_bytes = SIZE_MAX) const;
 
   uint64_t size() const { return size_; }      ///< of the file [bytes]
-  uint64_t position() const { return next_; }  ///< how far Next has come [bytes]
+  uint64_t position() const { return next_; }  ///< where Next continues [bytes]
   const std::string& path() const { return path_; }
 
  private:
@@ -75,8 +78,8 @@ class LogReader {
   Result<Head> HeadAt(uint64_t offset) const;
   Result<bool> MayBeginAt(uint64_t offset) const;
   Result<std::optional<uint64_t>> FindEvent(uint64_t from) const;
-  Result<std::optional<LogItem>> TakeEvent(LogEvent event);
-  Result<std::optional<LogItem>> TakeDamage(uint64_t search_from, bool may_be_truncated);
+  Result<std::optional<LogItem>> AcceptEvent(LogEvent event);
+  Result<std::optional<LogItem>> SkipDamage(uint64_t search_from, bool may_be_truncated);
 
   std::string path_;
   int fd_ = -1;
@@ -84,18 +87,18 @@ class LogReader {
   uint64_t next_ = 0;
 };
 
-/// Calls `take(const LogEvent&)`, which returns Result<void>, for every event of the log from its
-/// beginning, and `damage(const LogDamage&)` for the rest. Ends at the first failure.
-template <typename Take, typename Damage>
-Result<void> ForEachEvent(LogReader& reader, const Take& take, const Damage& damage) {
+/// Calls `on_event(const LogEvent&)`, which returns Result<void>, for every remaining event of the
+/// log, and `on_damage(const LogDamage&)` for every damaged part. Stops at the first error.
+template <typename OnEvent, typename OnDamage>
+Result<void> ForEachEvent(LogReader& reader, const OnEvent& on_event, const OnDamage& on_damage) {
   while (true) {
     const Result<std::optional<LogItem>> item = reader.Next();
     if (!item) return tl::unexpected(item.error());
     if (!*item) return {};
-    if (const LogDamage* bad = std::get_if<LogDamage>(&**item)) {
-      damage(*bad);
-    } else if (const Result<void> taken = take(std::get<LogEvent>(**item)); !taken) {
-      return taken;
+    if (const LogDamage* damage = std::get_if<LogDamage>(&**item)) {
+      on_damage(*damage);
+    } else if (const Result<void> handled = on_event(std::get<LogEvent>(**item)); !handled) {
+      return handled;
     }
   }
 }

@@ -32,7 +32,8 @@ LogWriter::~LogWriter() {
 }
 
 void LogWriter::Add(int64_t timestamp, const std::string& channel, std::span<const uint8_t> data) {
-  Require(!channel.empty() && channel.size() <= kMaxChannelName, "a channel has 1 to 63 letters");
+  Require(!channel.empty() && channel.size() <= kMaxChannelName,
+          "a channel name has 1 to 63 characters");
   std::vector<uint8_t> head;
   Append(kLogSyncWord, 4, &head);
   Append(static_cast<uint64_t>(events_++), 8, &head);
@@ -53,7 +54,8 @@ Result<void> LogWriter::Finish() {
   std::error_code failed;
   std::filesystem::rename(part, path_, failed);
   if (failed)
-    return Fail(path_.string() + ": cannot put the log in its place: " + failed.message());
+    return Fail(path_.string() +
+                ": cannot rename the finished log to this name: " + failed.message());
   file_.reset();
   return {};
 }

@@ -11,11 +11,12 @@
 
 namespace vismap {
 
-/// Writes a log as lcm-logger does. The file appears under its name only with Finish, so that a log
-/// may be read while its successor is written, and no half log is left behind.
+/// Writes a log in the format of lcm-logger. The file gets its final name only in Finish. So the
+/// new log may replace a log that is still being read, and an interrupted program leaves no partial
+/// log.
 class LogWriter {
  public:
-  /// Fails naming the file that cannot be made.
+  /// Fails, naming the file, when it cannot be created.
   static Result<LogWriter> Create(const std::filesystem::path& path);
   ~LogWriter();
   LogWriter(LogWriter&&) = default;
@@ -25,7 +26,7 @@ class LogWriter {
   /// 63 characters.
   void Add(int64_t timestamp, const std::string& channel, std::span<const uint8_t> data);
 
-  /// Puts the log in its place. Fails with the first thing that could not be written.
+  /// Gives the file its final name. Fails with the first write error.
   Result<void> Finish();
 
   int64_t events() const { return events_; }

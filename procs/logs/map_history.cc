@@ -24,9 +24,10 @@ RecordedMaps Sort(const std::vector<frame_commit_t>& commits) {
   return maps;
 }
 
-// Puts the frames of the map that this one went on from before those that are there: the newest
-// earlier map that reached the revision before the first one here. False when there is none.
-bool GoBack(const RecordedMaps& maps, size_t* map, ByRevision* frames) {
+// Finds the saved map that this map continued: the newest earlier map that reached the revision
+// before the first one in `frames`. Adds its frames to `frames` and sets `map` to it. Returns false
+// when there is none.
+bool PrependSavedMap(const RecordedMaps& maps, size_t* map, ByRevision* frames) {
   const int64_t before = frames->begin()->first - 1;
   while ((*map)-- > 0) {
     const ByRevision& earlier = maps.integrated.at(maps.order[*map]);
@@ -43,9 +44,9 @@ void CheckComplete(const ByRevision& frames, std::vector<std::string>* remarks) 
   int64_t expected = 1;
   for (const auto& [revision, commit] : frames) {
     if (revision != expected) {
-      remarks->push_back("the log has no MAP_COMMIT of revisions " + std::to_string(expected) +
+      remarks->push_back("the log has no MAP_COMMIT of the revisions " + std::to_string(expected) +
                          " to " + std::to_string(revision - 1) + " of map " + commit.map_id +
-                         ": the frames in the log do not make the recorded map");
+                         ", so the map will differ from the recorded one");
     }
     expected = revision + 1;
   }
@@ -60,8 +61,8 @@ MapHistory HistoryOfNewestMap(const std::vector<frame_commit_t>& commits) {
   size_t map = maps.order.size() - 1;
   history.map_id = maps.order.back();
   ByRevision frames = maps.integrated.at(history.map_id);
-  while (frames.begin()->first > 1 && GoBack(maps, &map, &frames)) {
-    history.remarks.push_back("map " + history.map_id + " goes on from a saved one, taken to be " +
+  while (frames.begin()->first > 1 && PrependSavedMap(maps, &map, &frames)) {
+    history.remarks.push_back("map " + history.map_id + " continues a saved map, probably " +
                               maps.order[map]);
   }
   CheckComplete(frames, &history.remarks);

@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-Result<void> TakeFrame(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
+Result<void> AddFrame(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
   const Result<std::vector<uint8_t>> bytes = reader.ReadData(event, kFramePeekBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const Result<FrameHeader> header = PeekFrameHeader(*bytes);
@@ -21,13 +21,13 @@ Result<void> TakeFrame(const LogReader& reader, const LogEvent& event, RecordedR
   return {};
 }
 
-void TakeDetections(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
+void AddDetections(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
   const auto message = ReadMessage<detections_t>(reader, event, kDetectionsChannel);
-  if (message && Looked(*message) && Decode(*message))
+  if (message && DetectorRan(*message) && Decode(*message))
     run->detections.emplace(KeyOf(*message), event);
 }
 
-void TakeCommit(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
+void AddCommit(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
   auto message = ReadMessage<frame_commit_t>(reader, event, kMapCommitChannel);
   if (message) run->commits.push_back(std::move(*message));
 }
@@ -37,16 +37,17 @@ void TakeCommit(const LogReader& reader, const LogEvent& event, RecordedRun* run
 Result<RecordedRun> ReadRun(LogReader& reader) {
   RecordedRun run;
   int64_t events = 0;
-  const auto take = [&](const LogEvent& event) -> Result<void> {
+  const auto on_event = [&](const LogEvent& event) -> Result<void> {
     ++events;
-    if (event.channel == kRgbdFrameChannel.name) return TakeFrame(reader, event, &run);
-    if (event.channel == kDetectionsChannel.name) TakeDetections(reader, event, &run);
-    if (event.channel == kMapCommitChannel.name) TakeCommit(reader, event, &run);
+    if (event.channel == kRgbdFrameChannel.name) return AddFrame(reader, event, &run);
+    if (event.channel == kDetectionsChannel.name) AddDetections(reader, event, &run);
+    if (event.channel == kMapCommitChannel.name) AddCommit(reader, event, &run);
     return {};
   };
-  const Result<void> read = ForEachEvent(reader, take, [&](const LogDamage&) { ++run.damaged; });
+  const Result<void> read =
+      ForEachEvent(reader, on_event, [&](const LogDamage&) { ++run.damaged; });
   if (!read) return tl::unexpected(read.error());
-  if (events == 0) return Fail(reader.path() + ": not one LCM event in this file");
+  if (events == 0) return Fail(reader.path() + ": the file has no LCM event");
   return run;
 }
 

@@ -15,27 +15,28 @@
 
 namespace vismap {
 
-/// A frame in a log. Sent again, it is there several times; the copies may be damaged.
+/// A frame in a log. A frame that was sent again has several copies, of which some may be damaged.
 struct RecordedFrame {
   FrameHeader header;
-  std::vector<LogEvent> copies;  ///< RGBD_FRAMEs with the key of this frame
+  std::vector<LogEvent> copies;  ///< all RGBD_FRAME events of this frame
 };
 
-/// What of a run a log holds that makes the map: where to find it, not the images themselves.
+/// The parts of a log from which the map is built. Holds their positions in the log, not the
+/// images.
 struct RecordedRun {
-  std::vector<RecordedFrame> frames;         ///< in order of arrival, each camera and utime once
-  std::map<FrameKey, size_t> index;          ///< into frames
-  std::map<FrameKey, LogEvent> detections;   ///< DETECTIONS of frames that a detector looked at
-  std::vector<frame_commit_t> commits;       ///< as recorded
-  std::vector<std::string> unusable_frames;  ///< RGBD_FRAMEs whose header cannot be used, and why
-  int64_t damaged = 0;                       ///< stretches of the file that are no events
+  std::vector<RecordedFrame> frames;         ///< in order of arrival, each FrameKey once
+  std::map<FrameKey, size_t> index;          ///< position in `frames`
+  std::map<FrameKey, LogEvent> detections;   ///< DETECTIONS of frames on which a detector ran
+  std::vector<frame_commit_t> commits;       ///< in recorded order
+  std::vector<std::string> unusable_frames;  ///< why the headers of some RGBD_FRAMEs cannot be used
+  int64_t damaged = 0;                       ///< number of damaged parts of the file
 };
 
-/// Goes through the log once; images are not read. Fails when the file cannot be read, or has not
-/// one event.
+/// Scans the whole log once, without reading the images. Fails when the file cannot be read or has
+/// no event.
 Result<RecordedRun> ReadRun(LogReader& reader);
 
-/// The message of an event, checked as one that comes from the bus.
+/// Reads and decodes the message of an event, with the same checks as a message from the bus.
 template <typename Message>
 Result<Message> ReadMessage(const LogReader& reader, const LogEvent& event,
                             const Channel& channel) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "base/format.h"
 #include "logs/log_dataset.h"
 #include "simulation/sequence.h"
 #include "simulation/synthetic_dataset.h"
@@ -24,7 +25,7 @@ Result<LogPath> ParseLogPath(const std::string& path) {
   const std::string parameter = path.substr(question + 1);
   if (parameter != "frames=all" && parameter != "frames=committed") {
     return Fail(path + ": unknown parameter \"" + parameter +
-                "\"; known are frames=all and frames=committed");
+                "\"; expected frames=all or frames=committed");
   }
   return LogPath{path.substr(0, question), parameter == "frames=all"};
 }
@@ -43,7 +44,7 @@ bool HasLogName(std::string_view file) {
 bool BeginsAsLog(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
-    return false;  // what is read from a pipe is gone
+    return false;  // reading from a pipe would consume its data
   std::array<char, 4> bytes{};
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(bytes.data(), bytes.size())) return false;
@@ -55,7 +56,8 @@ bool BeginsAsLog(const std::string& file) {
 Result<void> CheckLogOptions(const std::string& path, const DatasetOptions& options) {
   if (const auto checked = CheckOptions(options); !checked) return checked;
   if (Raw(options.camera_id) == 0) return {};
-  return Fail(path + ": the frames of a log have their cameras; no other camera id can be given");
+  return Fail(path +
+              ": the frames of a log keep their camera ids, so no other camera id can be given");
 }
 
 Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options) {
@@ -69,14 +71,14 @@ Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options
   if (!run) return tl::unexpected(run.error());
   FrameSelection selection = SelectFrames(*run, parsed->all, options);
   if (selection.frames.empty()) {
-    return Fail(parsed->file + ": none of its " + std::to_string(run->frames.size()) +
-                " frames can be used; ?frames=all after the name takes those without a commit");
+    return Fail(parsed->file + ": none of its " + FormatCount(std::ssize(run->frames), "frame") +
+                " can be used; add ?frames=all to the path to use frames without a commit");
   }
   Recording recording;
   recording.remarks = selection.remarks;
   if (run->damaged > 0) {
-    recording.remarks.push_back(parsed->file + " is damaged in " + std::to_string(run->damaged) +
-                                " places; vismap-log verify tells more");
+    recording.remarks.push_back(parsed->file + " has " + FormatCount(run->damaged, "damaged part") +
+                                "; for details run: vismap-log verify " + parsed->file);
   }
   recording.dataset =
       std::make_unique<LogDataset>(std::move(*reader), std::move(selection),

@@ -10,28 +10,28 @@
 
 namespace vismap {
 
-/// A sequence, and what its user should know of it.
+/// A sequence, and remarks on it for the user.
 struct Recording {
   std::unique_ptr<Dataset> dataset;
-  std::vector<std::string>
-      remarks;  ///< sentences, for example why a map will not be the recorded one
+  /// Sentences, for example why the map will differ from the recorded one.
+  std::vector<std::string> remarks;
 };
 
-/// Whether this names a log of LCM messages: by its name (run.lcmlog, run.lcmlog.03) or by what the
-/// file begins with.
+/// Whether this is the path of a log of LCM messages, judged by its name (run.lcmlog,
+/// run.lcmlog.03) or else by the first bytes of the file.
 bool IsLog(const std::string& path);
 
-/// A sequence by name, as OpenSequence takes it, or a log. Of a run that was recorded with its
-/// MAP_COMMITs, the frames are those that its newest map was made of, in that order; other frames
-/// are listed in skipped(). Without commits, or with "run.lcmlog?frames=all", they are all frames
-/// in the order of their arrival. Repeats count once. Each frame keeps its camera. Fails when
-/// options ask for a camera, and on a file that holds no frames.
+/// Opens a log, or a sequence as OpenSequence does. If the log has MAP_COMMITs, its frames are
+/// those from which the newest map was built, in that order, and skipped() lists the others. If it
+/// has none, or for "run.lcmlog?frames=all", they are all frames in order of arrival. A repeated
+/// frame counts once. Each frame keeps its camera id. Fails when options.camera_id is set for a
+/// log, and when a log has no usable frames.
 Result<Recording> OpenRecording(const std::string& path, const std::string& format,
                                 const DatasetOptions& options = {});
 
-/// Detections by name, as OpenDetections takes it, or those in a log, found by camera and utime.
-/// With commits, frames that were integrated without detections have none, also when they came
-/// later: DetectorRan is false for them, and for frames without a DETECTIONS message.
+/// Opens the detections in a log, or other detections as OpenDetections does. DetectorRan is false
+/// for frames without a DETECTIONS message and, if the log has commits, for frames that were
+/// integrated without detections because these arrived too late.
 Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(const std::string& path);
 
 }  // namespace vismap

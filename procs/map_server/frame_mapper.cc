@@ -92,7 +92,7 @@ void FrameMapper::Skip(const segmented_frame_t& message, const std::string& reas
 
 void FrameMapper::CheckClock(const FrameKey& frame) {
   if (const std::optional<std::string> remark = clocks_.Check(frame))
-    LogWarningSometimes("clock", *remark);
+    LogWarningRateLimited("clock", *remark);
   status_.SetCounter("frames_out_of_order", clocks_.out_of_order());
   status_.SetCounter("clock_jumps", clocks_.jumps());
 }

@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
   ThreadOption threads;
   ProcessSpec spec;
   spec.name = "map-server";
-  spec.summary = "Owns the map: fuses segmented frames, publishes what changed, answers requests.";
+  spec.summary =
+      "Builds the map: integrates segmented frames, publishes the changes, answers requests.";
   spec.add_options = [&](CommandLine& line) { threads.AddTo(line); };
   UseConfig(&config, &spec);
   spec.run = [&](ProcessContext& context) {

@@ -32,7 +32,7 @@ Result<std::string> MapStore::Save(const MapSession& session, const std::string&
   if (!saved) return tl::unexpected(saved.error());
   if (target == path_) {
     saved_revision_ = session.map().revision;
-    if (!journal_.Restart()) LogWarningSometimes("journal", "cannot empty the journal");
+    if (!journal_.Restart()) LogWarningRateLimited("journal", "cannot empty the journal");
   }
   return "saved " + std::to_string(saved->bytes) + " bytes to " + saved->path.string() +
          ", map hash " + saved->map_hash;
@@ -42,7 +42,7 @@ void MapStore::SaveIfDue(const MapSession& session) {
   if (!saves_periodically_ || saved_revision_ == session.map().revision) return;
   save_pacer_.RunIfDue([&] {
     const Result<std::string> saved = Save(session);
-    if (!saved) LogWarningSometimes("save", saved.error().message);
+    if (!saved) LogWarningRateLimited("save", saved.error().message);
   });
 }
 
@@ -63,7 +63,7 @@ Result<void> MapStore::StartJournal(const MapSession& session) {
 void MapStore::AddFrame(const FrameKey& frame) {
   if (!journal_.Add(frame)) {
     status_->Count("journal_errors");
-    LogWarningSometimes("journal", "cannot write the journal: is the disk full?");
+    LogWarningRateLimited("journal", "cannot write the journal: is the disk full?");
   }
   if (lacking_.erase(frame) > 0) ShowLackingFrames();
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/class_names.h"
+#include "base/format.h"
 #include "exports/statistics.h"
 #include "map_tool/compare_runs.h"
 #include "map_tool/live_map.h"
@@ -15,11 +16,11 @@
 namespace vismap {
 namespace {
 
-// Statistics of a map file or of the live map, as JSON text.
+// Statistics of a saved map or of the live map, as JSON text.
 tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& arguments,
                                                   ProcessContext& context) {
   if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "statistics");
+    const auto reply = RequestFromServer(arguments, context, "statistics");
     if (!reply) return tl::unexpected(reply.error());
     return PayloadText(*reply);
   }
@@ -54,9 +55,22 @@ Image<Rgb8> Render(const MapToolArguments& arguments, const LoadedMap& loaded) {
   return RenderMesh(products.mesh, view, coloring);
 }
 
-Outcome TellServer(const MapToolArguments& arguments, ProcessContext& context,
-                   const std::string& verb, const std::string& path) {
-  const auto reply = AskServer(arguments, context, verb, path);
+// A fact as people read it: sizes with a unit, counts with groups of digits.
+std::string FactText(const std::string& key, const nlohmann::ordered_json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_number_integer() || key.ends_with("utime")) return value.dump();
+  const bool is_size = key == "bytes" || key.starts_with("bytes_");
+  return is_size ? FormatBytes(value.get<int64_t>()) : FormatCount(value.get<int64_t>());
+}
+
+void PrintFacts(const nlohmann::ordered_json& facts) {
+  for (const auto& [key, value] : facts.items())
+    std::printf("%-20s %s\n", key.c_str(), FactText(key, value).c_str());
+}
+
+Outcome SendCommand(const MapToolArguments& arguments, ProcessContext& context,
+                    const std::string& verb, const std::string& path) {
+  const auto reply = RequestFromServer(arguments, context, verb, path);
   if (!reply) return tl::unexpected(reply.error());
   std::printf("%s\n", reply->message.c_str());
   return {};
@@ -71,11 +85,7 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context) {
     std::printf("%s\n", statistics->c_str());
     return {};
   }
-  const auto json = nlohmann::ordered_json::parse(*statistics);  // items() only refers to it
-  for (const auto& [key, value] : json.items()) {
-    std::printf("%-20s %s\n", key.c_str(),
-                value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
-  }
+  PrintFacts(nlohmann::ordered_json::parse(*statistics));
   return {};
 }
 
@@ -91,7 +101,7 @@ Outcome RunRender(const MapToolArguments& arguments, ProcessContext&) {
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   const Result<void> written = WritePng(arguments.out, Render(arguments, *loaded));
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  std::printf("picture in %s\n", std::filesystem::absolute(arguments.out).c_str());
+  std::printf("wrote the picture %s\n", std::filesystem::absolute(arguments.out).c_str());
   return {};
 }
 
@@ -102,7 +112,7 @@ Outcome RunDiff(const MapToolArguments& arguments, ProcessContext&) {
   const std::vector<std::string> differences = DiffMaps(*a, *b);
   for (const std::string& sentence : differences) std::printf("%s\n", sentence.c_str());
   if (!differences.empty()) return ExitWith(ExitCode::kFailed, "the maps differ");
-  std::printf("equal: map hash %s\n", a->map_hash.c_str());
+  std::printf("the maps are equal; their map hash is %s\n", a->map_hash.c_str());
   return {};
 }
 
@@ -112,8 +122,9 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
   if (!b) return ExitWith(ExitCode::kUnreadable, b.error().message);
   for (const std::string& fact : CompareFacts(*a, *b)) std::printf("%s\n", fact.c_str());
   const std::string difference = FirstDifference(*a, *b);
-  std::printf("%s\n", difference.empty() ? "equal: every frame had the same inputs and did the same"
-                                         : difference.c_str());
+  std::printf("%s\n", difference.empty()
+                          ? "the runs are equal: every frame had the same input and the same effect"
+                          : difference.c_str());
   if (difference.empty()) return {};
   return ExitWith(ExitCode::kFailed, "the runs differ");
 }
@@ -121,19 +132,19 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context) {
   const std::string path =
       arguments.out.empty() ? "" : std::filesystem::absolute(arguments.out).string();
-  return TellServer(arguments, context, "save", path);
+  return SendCommand(arguments, context, "save", path);
 }
 
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context) {
-  return TellServer(arguments, context, "load", std::filesystem::absolute(arguments.map).string());
+  return SendCommand(arguments, context, "load", std::filesystem::absolute(arguments.map).string());
 }
 
 Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
-  const auto statistics = AskServer(arguments, context, "statistics");
+  const auto statistics = RequestFromServer(arguments, context, "statistics");
   if (!statistics) return tl::unexpected(statistics.error());
-  const auto mesh = AskServer(arguments, context, "mesh", "", "digest");
+  const auto mesh = RequestFromServer(arguments, context, "mesh", "", "digest");
   if (!mesh) return tl::unexpected(mesh.error());
-  const auto exporter = AskServer(arguments, context, "octomap-digest");
+  const auto exporter = RequestFromServer(arguments, context, "octomap-digest");
   if (!exporter) return tl::unexpected(exporter.error());
   const auto facts = nlohmann::json::parse(PayloadText(*statistics));
   const nlohmann::ordered_json digests = {{"map_id", statistics->map_id},
@@ -143,17 +154,16 @@ Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
                                           {"exporter_revision", exporter->revision},
                                           {"occupancy_exporter", exporter->message},
                                           {"mesh_server", mesh->message}};
-  for (const auto& [key, value] : digests.items()) {
-    if (!arguments.json)
-      std::printf("%-20s %s\n", key.c_str(),
-                  value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+  if (arguments.json) {
+    std::printf("%s\n", digests.dump().c_str());
+  } else {
+    PrintFacts(digests);
   }
-  if (arguments.json) std::printf("%s\n", digests.dump().c_str());
   return {};
 }
 
 Outcome RunReset(const MapToolArguments& arguments, ProcessContext& context) {
-  return TellServer(arguments, context, "reset", "");
+  return SendCommand(arguments, context, "reset", "");
 }
 
 }  // namespace vismap

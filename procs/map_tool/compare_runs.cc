@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "base/format.h"
 #include "logs/recorded_run.h"
 
 namespace vismap {
@@ -18,48 +19,49 @@ bool Integrates(const RunRecord& run, const FrameKey& key) {
                      [&](const frame_commit_t& commit) { return KeyOf(commit) == key; });
 }
 
-// Why the other run does not have this frame at this place.
+// Why the run `other` does not integrate this frame of run `in`; "" when it does.
 std::string Absence(const RunRecord& in, const RunRecord& other, const FrameKey& key) {
   if (Integrates(other, key)) return "";
   const auto skipped = other.history.skipped.find(key);
   return "integrated in " + in.name + ", " +
          (skipped == other.history.skipped.end()
               ? "never committed in " + other.name
-              : "skipped in " + other.name + " because " + skipped->second);
+              : "skipped in " + other.name + " (" + skipped->second + ")");
 }
 
-// How two runs differ in which frame comes next.
+// How two runs differ that integrate different frames, x and y, at the same position.
 std::string OtherFrame(const RunRecord& a, const RunRecord& b, const frame_commit_t& x,
                        const frame_commit_t& y) {
   if (const std::string why = Absence(a, b, KeyOf(x)); !why.empty()) return why;
   if (const std::string why = Absence(b, a, KeyOf(y)); !why.empty()) {
-    return b.name + " has another frame in its place, " + ToText(KeyOf(y)) + ", which is " + why;
+    return b.name + " has another frame at this position (" + ToText(KeyOf(y)) + "), which is " +
+           why;
   }
-  return "the order differs: " + b.name + " has " + ToText(KeyOf(y)) + " in its place";
+  return "the order differs: " + b.name + " has " + ToText(KeyOf(y)) + " at this position";
 }
 
-// How two runs differ in the same frame; empty = not at all.
+// How two runs differ in the same frame; "" = they do not differ.
 std::string OtherResult(const RunRecord& a, const RunRecord& b, const frame_commit_t& x,
                         const frame_commit_t& y) {
   const bool x_had = x.had_detections, y_had = y.had_detections;
   if (x_had != y_had) {
-    return "integrated with detections in " + (x_had ? a.name : b.name) + ", without in " +
+    return "integrated with detections in " + (x_had ? a.name : b.name) + ", but without in " +
            (x_had ? b.name : a.name);
   }
   if (x.input_digest != y.input_digest) {
-    return "the inputs differ (images, camera, pose or segments): input digests " + x.input_digest +
-           " and " + y.input_digest;
+    return "the input differs (images, camera, pose or segments): the input digests are " +
+           x.input_digest + " and " + y.input_digest;
   }
   if (x.digest != y.digest) {
-    return "the inputs are the same, but the map was computed differently: digests " + x.digest +
-           " and " + y.digest;
+    return "the input is the same, but the map was computed differently: the digests are " +
+           x.digest + " and " + y.digest;
   }
   return "";
 }
 
 using Counts = std::map<FrameKey, std::vector<int>>;
 
-// For every frame: how many other frames had come when each of its messages came.
+// For every frame: the number of frames that had arrived before each of its messages.
 Counts FramesBefore(const std::vector<Arrival>& arrivals) {
   Counts counts;
   int frames = 0;
@@ -72,24 +74,24 @@ Counts FramesBefore(const std::vector<Arrival>& arrivals) {
 
 std::string CompareArrivals(const RunRecord& a, const RunRecord& b) {
   if (a.arrivals == b.arrivals) {
-    return "the messages of the frames arrived in the same order (" +
-           std::to_string(a.arrivals.size()) + ")";
+    return "all " + FormatCount(std::ssize(a.arrivals)) +
+           " messages of the frames arrived in the same order";
   }
   const auto [x, y] =
       std::mismatch(a.arrivals.begin(), a.arrivals.end(), b.arrivals.begin(), b.arrivals.end());
   const auto describe = [](const auto& at, const auto& end) {
-    return at == end ? std::string("nothing more") : at->channel + " of " + ToText(at->frame);
+    return at == end ? std::string("no further message") : at->channel + " of " + ToText(at->frame);
   };
   const Counts in_a = FramesBefore(a.arrivals), in_b = FramesBefore(b.arrivals);
   const auto other = std::count_if(in_a.begin(), in_a.end(), [&](const auto& entry) {
     const auto found = in_b.find(entry.first);
     return found == in_b.end() || found->second != entry.second;
   });
-  return "the messages of the frames arrived in another order from message " +
+  return "the messages of the frames arrived in a different order from message " +
          std::to_string(x - a.arrivals.begin() + 1) + " on: " + describe(x, a.arrivals.end()) +
          " in " + a.name + ", " + describe(y, b.arrivals.end()) + " in " + b.name + "; " +
-         std::to_string(other) + " of " + std::to_string(in_a.size()) +
-         " frames came otherwise among the others";
+         FormatCount(other) + " of " + FormatCount(std::ssize(in_a)) +
+         " frames arrived at another position among the frames";
 }
 
 }  // namespace
@@ -101,7 +103,7 @@ Result<RunRecord> ReadRunRecord(const std::string& path) {
   if (!run) return tl::unexpected(run.error());
   RunRecord record{path, HistoryOfNewestMap(run->commits), {}};
   if (record.history.integrated.empty())
-    return Fail(path + ": has no MAP_COMMIT of a frame that was integrated");
+    return Fail(path + ": the log has no MAP_COMMIT of an integrated frame");
   reader = LogReader::Open(path);
   if (!reader) return tl::unexpected(reader.error());
   Result<std::vector<Arrival>> arrivals = ReadArrivals(*reader);

@@ -9,9 +9,9 @@
 
 namespace vismap {
 
-/// What a log says of how a run went.
+/// The parts of a log that describe a run.
 struct RunRecord {
-  std::string name;  ///< of the log, for sentences
+  std::string name;  ///< path of the log, for messages
   MapHistory history;
   std::vector<Arrival> arrivals;
 };
@@ -19,12 +19,12 @@ struct RunRecord {
 /// Reads a log. Fails when it cannot be read or holds no MAP_COMMIT of an integrated frame.
 Result<RunRecord> ReadRunRecord(const std::string& path);
 
-/// The first frame at which two runs part, and how; empty = they made the same map of the same
-/// inputs. Frames are taken in the order in which they were integrated.
+/// A sentence on the first frame at which two runs differ, in the order of integration; "" = they
+/// built the same map from the same input.
 std::string FirstDifference(const RunRecord& a, const RunRecord& b);
 
-/// Sentences: length of the runs, and whether messages arrived in other orders, which the map must
-/// not depend on.
+/// Sentences on the length of the runs, and on whether the messages arrived in different orders, on
+/// which the map must not depend.
 std::vector<std::string> CompareFacts(const RunRecord& a, const RunRecord& b);
 
 }  // namespace vismap

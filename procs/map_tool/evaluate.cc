@@ -16,14 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFarFromTruth = 0.15;  // [m]; a few cells, and gaps between the truth's points
+// Allows for a few cells and for gaps between the points of the ground truth [m].
+constexpr double kFarFromTruth = 0.15;
 
 struct MapInput {
   EvaluatedMap map;
-  std::optional<OccupancyMap> occupancy;  ///< of saved maps
+  std::optional<OccupancyMap> occupancy;  ///< only of saved maps
 };
 
-// Scores by instance out of an objects.json.
+// Reads the score of each instance from an objects.json.
 Result<std::map<InstanceId, double>> ReadScores(const fs::path& path) {
   const auto bytes = ReadFileBytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
@@ -64,7 +65,7 @@ Result<MapInput> ReadMap(const MapToolArguments& arguments) {
   input.map.mesh = std::move(products.mesh);
   input.map.scores.emplace();
   for (const ObjectSummary& object : products.objects) {
-    // as objects.json has it, so that a map and its mesh get the same figures
+    // Round as objects.json does, so that a map and its mesh get the same results.
     if (!object.discovered() && !object.removed())
       (*input.map.scores)[object.instance] = std::round(object.score * 1e6) / 1e6;
   }
@@ -86,7 +87,7 @@ Result<FreeSpaceEvaluation> ScoreCells(const OccupancyMap& cells, const TruthSou
   return result;
 }
 
-// The map's own voxels, then the larger cells of its octree: what planners get.
+// Evaluates the voxels of the map and the larger cells of its octree, which planners use.
 Result<std::vector<FreeSpaceEvaluation>> ScoreOccupancy(const OccupancyMap& voxels,
                                                         const TruthSource& source,
                                                         const OutputOptions& options) {
@@ -109,7 +110,7 @@ Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthS
   Evaluation evaluation = Evaluate(source.truth, input->map, classes);
   if (!input->occupancy) return evaluation;
   if (!source.depth)
-    LogWarning("free space is not compared with depth images: " + source.depth.error().message);
+    LogWarning("the free space is not compared with depth images: " + source.depth.error().message);
   auto free_space = ScoreOccupancy(*input->occupancy, source, arguments.config);
   if (!free_space) return tl::unexpected(free_space.error());
   evaluation.free_space = std::move(*free_space);

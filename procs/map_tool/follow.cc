@@ -7,6 +7,7 @@
 #include <vismap/object_list_t.hpp>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "exports/ply.h"
 #include "runtime/catch_up.h"
 #include "runtime/clock.h"
@@ -18,31 +19,31 @@ namespace {
 class Viewer {
  public:
   explicit Viewer(Bus* bus) : catch_up_(bus, "mesh") {
-    bus->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
-                                 [this](const mesh_delta_t& message) { return Take(message); });
+    bus->Subscribe<mesh_delta_t>(
+        kMeshDeltaChannel, [this](const mesh_delta_t& message) { return OnMeshDelta(message); });
     bus->Subscribe<object_list_t>(
         kObjectsChannel, [this](const object_list_t& message) { objects_ = message.n_objects; },
         Delivery::kLatest);
     bus->Every(0.25, [this] {
-      if (!mesh_.in_sync()) catch_up_.Ask(mesh_.position());
+      if (!mesh_.in_sync()) catch_up_.Request(mesh_.position());
     });
-    catch_up_.Ask(mesh_.position());
+    catch_up_.Request(mesh_.position());
   }
 
   const MeshFollower& mesh() const { return mesh_; }
 
  private:
-  Result<void> Take(const mesh_delta_t& message) {
-    switch (mesh_.Take(message)) {
+  Result<void> OnMeshDelta(const mesh_delta_t& message) {
+    switch (mesh_.Apply(message)) {
       case FollowOutcome::kApplied:
         Print();
         break;
       case FollowOutcome::kNeedsSnapshot:
-        catch_up_.Ask(mesh_.position());
+        catch_up_.Request(mesh_.position());
         break;
       case FollowOutcome::kBroken:
-        return Fail("update to revision " + std::to_string(message.revision) +
-                    " contradicts itself");
+        return Fail("the update to revision " + std::to_string(message.revision) +
+                    " is inconsistent");
       case FollowOutcome::kWaiting:
       case FollowOutcome::kIgnored:
         break;
@@ -51,10 +52,15 @@ class Viewer {
   }
 
   void Print() const {
-    std::printf("map %s: %lld frames, %zu triangles in %zu blocks, %d objects, %lld gaps closed\n",
-                mesh_.position().map_id.c_str(), static_cast<long long>(mesh_.position().revision),
-                mesh_.triangle_count(), mesh_.block_count(), objects_,
-                static_cast<long long>(mesh_.gaps()));
+    const auto count = [](size_t number, const char* what) {
+      return FormatCount(static_cast<int64_t>(number), what);
+    };
+    std::printf("map %s: %s, %s in %s, %s, %s\n", mesh_.position().map_id.c_str(),
+                FormatCount(mesh_.position().revision, "frame").c_str(),
+                count(mesh_.triangle_count(), "triangle").c_str(),
+                count(mesh_.block_count(), "block").c_str(),
+                FormatCount(objects_, "object").c_str(),
+                FormatCount(mesh_.gaps(), "lost update").c_str());
     std::fflush(stdout);
   }
 
@@ -75,8 +81,9 @@ Outcome RunFollow(const MapToolArguments& arguments, ProcessContext& context) {
            viewer.mesh().position().revision >= arguments.frames;
   });
   if (viewer.mesh().position().revision < 0)
-    return ExitWith(ExitCode::kFailed, "nothing came on MESH_DELTA: is a map server running?");
-  std::printf("mesh %s\n", viewer.mesh().Digest().c_str());
+    return ExitWith(ExitCode::kFailed,
+                    "no MESH_DELTA was received; check that vismap-map-server is running");
+  std::printf("mesh digest %s\n", viewer.mesh().Digest().c_str());
   if (arguments.out.empty()) return {};
   const Result<void> written = WriteFileAtomically(
       arguments.out, EncodePly(viewer.mesh().Joined(), {viewer.mesh().position().map_id, {}}));

@@ -4,9 +4,9 @@
 
 namespace vismap {
 
-/// What a viewer does: keeps a copy of a running server's surface and object list by MESH_DELTA and
-/// OBJECTS until it is stopped, or has `arguments.frames` frames; prints a line when they change,
-/// in the end the surface's digest; writes the surface to `arguments.out` (PLY) when given.
+/// Keeps a copy of the surface of a running server, as a viewer does, until it is stopped or the
+/// map has `arguments.frames` frames. Prints a line after every update, and the digest of the
+/// surface at the end. Writes the surface to `arguments.out` (PLY) if given.
 Outcome RunFollow(const MapToolArguments& arguments, ProcessContext& context);
 
 }  // namespace vismap

@@ -6,26 +6,28 @@
 
 namespace vismap {
 
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, map_request_t request) {
-  // The process number keeps two callers apart, so that each gets its own answer.
+tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
+                                                         ProcessContext& context,
+                                                         map_request_t request) {
+  // The pid in the name makes it unique, so that each caller gets its own answer.
   const auto bus = OpenBus(context.options, context.options.name + "-" + std::to_string(getpid()),
                            &context.stop);
   if (!bus) return ExitWith(ExitCode::kFailed, bus.error().message);
-  Result<map_reply_t> reply = Ask(**bus, std::move(request), arguments.timeout);
+  Result<map_reply_t> reply = SendRequest(**bus, std::move(request), arguments.timeout);
   if (!reply) return ExitWith(ExitCode::kFailed, reply.error().message);
   return std::move(*reply);
 }
 
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, const std::string& verb,
-                                                 const std::string& path,
-                                                 const std::string& argument) {
+tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
+                                                         ProcessContext& context,
+                                                         const std::string& verb,
+                                                         const std::string& path,
+                                                         const std::string& argument) {
   map_request_t request{};
   request.verb = verb;
   request.path = path;
   request.argument = argument;
-  return AskServer(arguments, context, std::move(request));
+  return RequestFromServer(arguments, context, std::move(request));
 }
 
 std::string PayloadText(const map_reply_t& reply) {

@@ -8,16 +8,18 @@
 
 namespace vismap {
 
-/// What stands for a map file when the map of a running server is meant.
+/// Stands for the map of a running server where a map file is expected.
 inline constexpr const char* kLive = "live";
 
-/// The answer of a running server to a request, or why the program ends.
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, map_request_t request);
-tl::expected<map_reply_t, ExitFailure> AskServer(const MapToolArguments& arguments,
-                                                 ProcessContext& context, const std::string& verb,
-                                                 const std::string& path = "",
-                                                 const std::string& argument = "");
+/// Sends a request to the running server and returns its answer, or the reason to exit.
+tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
+                                                         ProcessContext& context,
+                                                         map_request_t request);
+tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments& arguments,
+                                                         ProcessContext& context,
+                                                         const std::string& verb,
+                                                         const std::string& path = "",
+                                                         const std::string& argument = "");
 
 /// The payload of an answer as text.
 std::string PayloadText(const map_reply_t& reply);

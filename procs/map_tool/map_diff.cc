@@ -14,25 +14,26 @@ std::string Text(BlockIndex index) {
          std::to_string(index.z) + ")";
 }
 
-// What of two blocks differs; empty = nothing.
+// What differs between two blocks; "" = nothing.
 std::string DiffBlocks(const Block& a, const Block& b) {
-  if (static_cast<bool>(a.surface) != static_cast<bool>(b.surface)) return "surface in one only";
+  if (static_cast<bool>(a.surface) != static_cast<bool>(b.surface))
+    return "a surface in one map only";
   if (!a.surface) {
     const bool equal = a.all_free == b.all_free && (a.free != nullptr) == (b.free != nullptr) &&
                        (a.free == nullptr || *a.free == *b.free);
-    return equal ? "" : "free space";
+    return equal ? "" : "different free space";
   }
   SurfaceReader reader;
   const SurfaceVoxels& x = *reader.Read(a);
   const SurfaceVoxels& y = *reader.Read(b);
-  if (x.distance != y.distance) return "distances";
-  if (x.weight != y.weight) return "weights";
-  if (x.observations != y.observations) return "observations";
-  if (x.color != y.color) return "colours";
+  if (x.distance != y.distance) return "different distances";
+  if (x.weight != y.weight) return "different weights";
+  if (x.observations != y.observations) return "different observations";
+  if (x.color != y.color) return "different colours";
   for (int voxel = 0; voxel < kBlockVoxels; ++voxel) {
     for (int slot = 0; slot < kVoteSlots; ++slot) {
       const LabelVote v = x.Vote(voxel, slot), w = y.Vote(voxel, slot);
-      if (v.label != w.label || v.votes != w.votes) return "label votes";
+      if (v.label != w.label || v.votes != w.votes) return "different label votes";
     }
   }
   return "";
@@ -45,23 +46,23 @@ struct Difference {
 
 void DiffVoxels(const VoxelMap& a, const VoxelMap& b, std::vector<std::string>& sentences) {
   std::map<std::string, Difference> differences;
-  const auto note = [&](const std::string& what, BlockIndex index) {
+  const auto count = [&](const std::string& what, BlockIndex index) {
     Difference& difference = differences[what];
     if (difference.blocks++ == 0) difference.first = index;
   };
   for (const BlockIndex index : a.SortedIndices()) {
     const Block* other = b.Find(index);
     if (other == nullptr) {
-      note("only in the first map", index);
+      count("exist only in the first map", index);
     } else if (const std::string what = DiffBlocks(*a.Find(index), *other); !what.empty()) {
-      note("with other " + what, index);
+      count("have " + what, index);
     }
   }
   for (const BlockIndex index : b.SortedIndices()) {
-    if (a.Find(index) == nullptr) note("only in the second map", index);
+    if (a.Find(index) == nullptr) count("exist only in the second map", index);
   }
   for (const auto& [what, difference] : differences) {
-    sentences.push_back(std::to_string(difference.blocks) + " blocks " + what + ", the first is " +
+    sentences.push_back(std::to_string(difference.blocks) + " blocks " + what + "; the first is " +
                         Text(difference.first));
   }
 }
@@ -74,18 +75,18 @@ void DiffLabels(const LabelTable& a, const LabelTable& b, std::vector<std::strin
     if (count++ == 0) first = i + 1;
   }
   if (a.records().size() != b.records().size()) {
-    sentences.push_back("segment labels: " + std::to_string(a.records().size()) + " and " +
-                        std::to_string(b.records().size()));
+    sentences.push_back("number of segment labels: " + std::to_string(a.records().size()) +
+                        " and " + std::to_string(b.records().size()));
   }
   if (count > 0) {
     sentences.push_back(std::to_string(count) +
-                        " segment labels have other records, the first is " +
+                        " segment labels have different records; the first is " +
                         std::to_string(first));
   }
   if (a.pairs() != b.pairs()) sentences.push_back("the evidence for merging labels differs");
   if (a.next_instance() != b.next_instance()) {
-    sentences.push_back("instances: " + std::to_string(Raw(a.next_instance()) - 1) + " and " +
-                        std::to_string(Raw(b.next_instance()) - 1));
+    sentences.push_back("number of instances: " + std::to_string(Raw(a.next_instance()) - 1) +
+                        " and " + std::to_string(Raw(b.next_instance()) - 1));
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace vismap {
 
-/// In what two maps differ, one sentence each, the general ones first; empty = they are equal
-/// (equal hashes).
+/// One sentence for each kind of difference between two maps, general ones first; empty = the maps
+/// are equal (equal hashes).
 std::vector<std::string> DiffMaps(const LoadedMap& a, const LoadedMap& b);
 
 }  // namespace vismap

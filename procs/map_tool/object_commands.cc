@@ -11,7 +11,7 @@
 #include "map_tool/object_table.h"
 #include "objects/object_query.h"
 
-// `objects` and `export` of vismap-map.
+// The subcommands `objects` and `export` of vismap-map.
 
 namespace vismap {
 namespace {
@@ -29,7 +29,7 @@ Result<ObjectQuery> QueryOf(const MapToolArguments& arguments) {
   return query;
 }
 
-/// A saved map with what people look at; of the objects only those asked for.
+/// A saved map with its mesh and with the selected objects only.
 struct SelectedObjects {
   LoadedMap loaded;
   MapProducts products;
@@ -50,7 +50,7 @@ tl::expected<std::string, ExitFailure> ObjectsTextOf(const MapToolArguments& arg
                                                      const ObjectQuery& query,
                                                      ProcessContext& context) {
   if (arguments.map == kLive) {
-    const auto reply = AskServer(arguments, context, "objects", "", ToText(query));
+    const auto reply = RequestFromServer(arguments, context, "objects", "", ToText(query));
     if (!reply) return tl::unexpected(reply.error());
     return PayloadText(*reply);
   }
@@ -59,7 +59,7 @@ tl::expected<std::string, ExitFailure> ObjectsTextOf(const MapToolArguments& arg
   return ObjectsText(selected->loaded.metadata, selected->products);
 }
 
-/// The selected objects alone: meshes and points.
+/// Writes meshes and points of the selected objects.
 Outcome ExportObjects(const MapToolArguments& arguments, const ObjectQuery& query) {
   const auto selected = Select(arguments, query);
   if (!selected) return tl::unexpected(selected.error());
@@ -68,7 +68,7 @@ Outcome ExportObjects(const MapToolArguments& arguments, const ObjectQuery& quer
   if (!files) return ExitWith(ExitCode::kFailed, files.error().message);
   if (files->empty()) {
     return ExitWith(ExitCode::kFailed,
-                    arguments.map + ": no object that was asked for has a surface in the map");
+                    arguments.map + ": none of the selected objects has a surface in the map");
   }
   for (const fs::path& file : *files) std::printf("%s\n", fs::absolute(file).c_str());
   return {};

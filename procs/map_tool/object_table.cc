@@ -12,14 +12,14 @@
 namespace vismap {
 namespace {
 
-/// The name that --id takes: an instance, or "s" and a segment.
+/// The id that --id accepts: an instance, or "s" and a segment.
 std::string IdOf(const nlohmann::json& object) {
   const int instance = object.at("instance").get<int>();
   return instance != 0 ? std::to_string(instance)
                        : "s" + std::to_string(object.at("segments").at(0).get<int>());
 }
 
-/// "chair 0.93, couch 0.07": the likeliest first, three at most.
+/// "chair 0.93, couch 0.07": at most three classes, the most probable first.
 std::string Probabilities(const nlohmann::json& object) {
   std::vector<std::pair<double, int>> shares;
   const auto all = object.value("class_probabilities", nlohmann::json::object());
@@ -35,7 +35,7 @@ std::string Probabilities(const nlohmann::json& object) {
   return text;
 }
 
-/// Seconds of a time in us.
+/// A time [s] that is stored in us.
 double Seconds(const nlohmann::json& object, const char* key) {
   return static_cast<double>(object.at(key).get<int64_t>()) * 1e-6;
 }
@@ -55,7 +55,7 @@ void PrintObject(const nlohmann::json& object) {
 }
 
 void PrintRemoved(const nlohmann::json& object) {
-  std::printf("%8s  %-16s removed: last seen at %.1f s, found gone at %.1f s\n",
+  std::printf("%8s  %-16s removed: last seen at %.1f s, found missing at %.1f s\n",
               IdOf(object).c_str(), object.at("class_name").get<std::string>().c_str(),
               Seconds(object, "last_utime"), Seconds(object, "removed_utime"));
 }
@@ -65,7 +65,7 @@ void PrintRemoved(const nlohmann::json& object) {
 void PrintObjects(const std::string& objects_json, bool all) {
   const nlohmann::json list = nlohmann::json::parse(objects_json);
   std::printf("%8s  %-16s %5s  %7s %7s  %-21s  %-24s %7s  %s\n", "id", "class", "score", "points",
-              "m2", "size [m]", "center [m]", "frames", "seen [s]  probabilities");
+              "area m2", "size [m]", "center [m]", "frames", "seen [s]  probabilities");
   for (const auto& object : list.at("objects")) PrintObject(object);
   for (const char* name : {"discovered", "structure"}) {
     for (const auto& segment : list.at(name)) {
@@ -74,8 +74,9 @@ void PrintObjects(const std::string& objects_json, bool all) {
   }
   for (const auto& object : list.at("removed")) PrintRemoved(object);
   if (!all) {
-    std::printf("%zu discovered segments without a class, %zu of structure (--json lists them)\n",
-                list.at("discovered").size(), list.at("structure").size());
+    std::printf(
+        "Not shown (see --json): %zu discovered segments without a class, and %zu of structure.\n",
+        list.at("discovered").size(), list.at("structure").size());
   }
 }
 

@@ -4,8 +4,9 @@
 
 namespace vismap {
 
-/// Prints the text of an objects.json as a table for people: the objects; with `all` also the
-/// discovered segments one by one, structure included, else only their number; what was removed.
+/// Prints the text of an objects.json as a table for people. The table has the objects and the
+/// removed objects. With `all` it also has every discovered segment, including structure; otherwise
+/// only their number is printed.
 void PrintObjects(const std::string& objects_json, bool all);
 
 }  // namespace vismap

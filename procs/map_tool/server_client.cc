@@ -2,15 +2,16 @@
 
 #include <optional>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 
 namespace vismap {
 
 namespace {
-constexpr double kAskAgain = 3.0;  // [s]
+constexpr double kRepeatPeriod = 3.0;  // [s]
 }  // namespace
 
-Result<map_reply_t> Ask(Bus& bus, map_request_t request, double timeout) {
+Result<map_reply_t> SendRequest(Bus& bus, map_request_t request, double timeout) {
   request.utime = WallUtime();
   request.request_id = request.utime;
   std::optional<map_reply_t> answer;
@@ -18,20 +19,21 @@ Result<map_reply_t> Ask(Bus& bus, map_request_t request, double timeout) {
     if (reply.requester == bus.source() && reply.request_id == request.request_id) answer = reply;
   });
   const double give_up = MonotonicSeconds() + timeout;
-  double ask_again = 0;
+  double next_attempt = 0;
   while (!answer && !bus.stop_requested() && MonotonicSeconds() < give_up) {
-    if (MonotonicSeconds() >= ask_again) {
+    if (MonotonicSeconds() >= next_attempt) {
       bus.Publish(kMapRequestChannel, request);
-      ask_again = MonotonicSeconds() + kAskAgain;
+      next_attempt = MonotonicSeconds() + kRepeatPeriod;
     }
     bus.Spin(0.1);
   }
   if (!answer) {
-    return Fail("no answer to '" + request.verb + "' within " +
-                std::to_string(static_cast<int>(timeout)) + " s at " + bus.url() +
-                ": is vismap-map-server running on this bus?");
+    return Fail("no answer to the request '" + request.verb + "' within " +
+                FormatDuration(timeout) + " on " + bus.url() +
+                "; check with vismap-doctor that vismap-map-server is running on this bus");
   }
-  if (!answer->ok) return Fail("the server refused '" + request.verb + "': " + answer->message);
+  if (!answer->ok)
+    return Fail("the server rejected the request '" + request.verb + "': " + answer->message);
   return *answer;
 }
 

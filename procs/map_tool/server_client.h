@@ -9,9 +9,9 @@
 
 namespace vismap {
 
-/// Sends the request on the bus and waits for its answer; sends it again now and then, which a
-/// server carries out only once. Fails when nobody answers within `timeout` [s], naming what should
-/// run, and when the answer is a refusal.
-Result<map_reply_t> Ask(Bus& bus, map_request_t request, double timeout);
+/// Sends a request and waits for the answer. It repeats the request every few seconds; the server
+/// carries it out only once. Fails when there is no answer within `timeout` [s], and when the
+/// server rejects the request.
+Result<map_reply_t> SendRequest(Bus& bus, map_request_t request, double timeout);
 
 }  // namespace vismap

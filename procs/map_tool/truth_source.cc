@@ -5,8 +5,8 @@
 namespace vismap {
 namespace {
 
-constexpr double kSpacing =
-    0.02;  // [m], as dense as ScanNet's meshes, whose sizes in vertices count
+// As dense as the meshes of ScanNet, because its evaluation counts vertices [m].
+constexpr double kSpacing = 0.02;
 
 GroundTruth ToGroundTruth(const Scene& scene, const SeenSurface& seen) {
   GroundTruth truth;
@@ -35,9 +35,9 @@ Result<TruthSource> ComputeTruth(const std::string& path) {
   Result<SyntheticOptions> options = ParseSyntheticPath(path);
   if (!options) return tl::unexpected(options.error());
   TruthSource source;
-  options->pose_noise = 0;  // the truth is seen from where the camera was
+  options->pose_noise = 0;  // the ground truth has exact poses
   source.depth = MakeSyntheticDataset(*options, {});
-  options->tours = 1;  // all tours see the same
+  options->tours = 1;  // all tours see the same surface
   const auto scene = std::make_shared<const Scene>(MakeScene(*options));
   source.truth = ToGroundTruth(*scene, RenderSeenSurface(*options));
   source.distance = [scene](const Eigen::Vector3d& p_W) { return SignedDistance(*scene, p_W); };

@@ -9,16 +9,17 @@
 
 namespace vismap {
 
-/// A ground truth and what else is known beside it.
+/// A ground truth, and the data for evaluating free space.
 struct TruthSource {
   GroundTruth truth;
-  /// The images that a map was made of, or why they are not at hand.
+  /// The depth images of the sequence, or why they are not available.
   Result<std::unique_ptr<Dataset>> depth = nullptr;
-  TrueDistance distance{};  ///< empty = unknown
+  TrueDistance distance{};  ///< distance to the true surface; empty = unknown
 };
 
-/// Opens a folder (see ReadGroundTruth; the images are those inside it) or a computed sequence: the
-/// part of its scene that an ideal camera on one tour sees, in triangles of 2 cm.
+/// Opens the ground truth of a folder (see ReadGroundTruth) with the images in it, or that of a
+/// synthetic sequence, which is the part of the scene that an ideal camera sees on one tour, as
+/// triangles of 2 cm.
 Result<TruthSource> OpenTruth(const std::string& path);
 
 }  // namespace vismap

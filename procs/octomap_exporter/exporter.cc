@@ -19,20 +19,20 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
                                [this](const map_delta_t& message) { return OnDelta(message); });
   HandleRequests();
   bus_->Every(0.2, [this] { OnTimer(); });
-  catch_up_.Ask(follower_.position());
+  catch_up_.Request(follower_.position());
 }
 
 Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const StageTimer timer(status_, "following");
   Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
-  const FollowOutcome outcome = follower_.Take(std::move(*update));
+  const FollowOutcome outcome = follower_.Apply(std::move(*update));
   status_->SetCounter("updates_missed", follower_.gaps());
   status_->SetCounter("map_revision", follower_.position().revision);
   if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
   if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
     status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
-    catch_up_.Ask(follower_.position());
+    catch_up_.Request(follower_.position());
   }
   if (outcome == FollowOutcome::kBroken) {
     return Fail("update to revision " + std::to_string(message.revision) + " of map '" +
@@ -44,17 +44,17 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
 bool Exporter::has_news() const { return follower_.in_sync() && follower_.position() != exported_; }
 
 void Exporter::OnTimer() {
-  if (!follower_.in_sync()) catch_up_.Ask(follower_.position());
+  if (!follower_.in_sync()) catch_up_.Request(follower_.position());
   if (config_.octomap_exporter.period_s <= 0 || !has_news()) return;
   export_pacer_.RunIfDue([&] {
     const Result<std::string> exported = Export();
-    if (!exported) LogWarningSometimes("export", exported.error().message);
+    if (!exported) LogWarningRateLimited("export", exported.error().message);
   });
 }
 
 Result<void> Exporter::UpdateOctree() {
   const OccupancyMap& map = *follower_.occupancy();
-  const OccupancyChanges changes = follower_.TakeChanges();
+  const OccupancyChanges changes = follower_.ConsumeChanges();
   if (octree_ && !changes.everywhere) {
     octree_->Update(map, changes.blocks);
     return {};

@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "octomap-exporter";
   spec.summary =
-      "Follows a map and hands its free and occupied space to planners as OctoMap octrees.";
+      "Publishes the free and occupied space of the map as OctoMap octrees for planners.";
   spec.add_options = [&](CommandLine& line) {
     line.Option("--out", &config.octomap_exporter.output_folder,
                 "Folder for octree.bt and octree.closed.bt");

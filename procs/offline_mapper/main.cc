@@ -31,20 +31,21 @@ struct Arguments {
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
   line.Option("--dataset", &arguments->dataset,
-              "Folder of a posed RGB-D sequence, a log of LCM messages, synthetic:room or "
+              "Folder of an RGB-D sequence with poses, log of LCM messages, synthetic:room or "
               "synthetic:office")
       .Required();
   line.Option("--format", &arguments->format,
-              "Format of the folder; found by looking at it when not given");
+              "Format of the folder; detected automatically if not given");
   line.Option("--detections", &arguments->detections,
-              "COCO results file, folder of instance PNGs, log, or none; when not given, "
-              "what the network of the config sees, else those inside the sequence");
+              "COCO results file, folder of instance PNGs, log, or 'none'; if not given, those of "
+              "the network in the config, else those of the sequence");
   line.Option("--detector-model", &arguments->model,
-              "Network that looks at the frames, see vismap-detector --model; more in the config")
+              "Run this network on the frames, see vismap-detector --model; further options are in "
+              "the config")
       .Excludes("--detections");
-  line.Option("--max-frames", &arguments->frames.max_frames, "Stop after so many frames; 0 = all")
+  line.Option("--max-frames", &arguments->frames.max_frames, "Use at most so many frames; 0 = all")
       .AtLeast(0);
-  line.Option("--stride", &arguments->frames.stride, "Take every n-th frame").Positive();
+  line.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
   line.Option("--out", &arguments->out, "Folder for the results").Required();
   arguments->threads.AddTo(line);
 }
@@ -58,7 +59,7 @@ Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& argumen
   if (const std::optional<std::string> inside = dataset.default_detections_path())
     return OpenRecordedDetections(*inside);
   LogWarning(dataset.name() +
-             " has no detections: mapping geometry alone, so no object gets a class");
+             " has no detections, so only geometry is mapped and no object gets a class");
   return nullptr;
 }
 
@@ -136,8 +137,8 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   const std::unique_ptr<Dataset>& dataset = recording->dataset;
   for (const SkippedFrame& skipped : dataset->skipped()) {
-    LogWarningSometimes("skipped", "frame " + std::to_string(skipped.frame_number) +
-                                       " left out: " + skipped.reason);
+    LogWarningRateLimited("skipped", "frame " + std::to_string(skipped.frame_number) +
+                                         " left out: " + skipped.reason);
   }
   const auto network = FindNetwork(arguments);
   if (!network) return ExitWith(ExitCode::kUnreadable, network.error().message);
@@ -183,8 +184,7 @@ int main(int argc, char** argv) {
   ProcessSpec spec;
   spec.name = "offline-mapper";
   spec.summary =
-      "Maps a recorded sequence in one process, without LCM, and writes everything that comes of "
-      "it.";
+      "Maps a recorded sequence in one process, without LCM, and writes all results to a folder.";
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
   UseConfig(&arguments.config, &spec, [&] {

@@ -8,14 +8,15 @@ namespace {
 constexpr size_t kMaxPatterns = 1024;
 constexpr size_t kMaxKnown = 4096;
 
-// Matching in polynomial time: a pattern from the bus must not be able to stop the hub.
+// Match in polynomial time, so that a pattern from the bus cannot stop the hub.
 constexpr auto kRegexFlags =
     std::regex::ECMAScript | std::regex::nosubs | std::regex_constants::__polynomial;
 
 }  // namespace
 
 Result<void> ChannelPatterns::Add(const std::string& pattern) {
-  if (entries_.size() >= kMaxPatterns) return Fail("too many patterns");
+  if (entries_.size() >= kMaxPatterns)
+    return Fail("there are already " + std::to_string(kMaxPatterns) + " patterns");
   try {
     entries_.push_back({pattern, std::regex(pattern, kRegexFlags)});
   } catch (const std::regex_error& error) {

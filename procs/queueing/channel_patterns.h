@@ -9,14 +9,15 @@
 
 namespace vismap {
 
-/// A set of channels: regular expressions that must match the whole name, as LCM's subscriptions
-/// have it.
+/// A set of channels, given by regular expressions. As in LCM's subscriptions, a pattern must match
+/// the whole name of a channel.
 class ChannelPatterns {
  public:
-  /// Fails when `pattern` is no regular expression, or there are too many.
+  /// Fails when `pattern` is not a valid regular expression, or when there are too many patterns.
   Result<void> Add(const std::string& pattern);
-  /// Takes back one Add of the same pattern, if there is one.
+  /// Removes one pattern that equals `pattern`, if there is one.
   void Remove(const std::string& pattern);
+  /// Whether a pattern matches this channel.
   bool Match(const std::string& channel);
 
  private:
@@ -25,7 +26,7 @@ class ChannelPatterns {
     std::regex regex;
   };
   std::list<Entry> entries_;
-  std::unordered_map<std::string, bool> known_;  // answers so far
+  std::unordered_map<std::string, bool> known_;  // cached results of Match, by channel
 };
 
 }  // namespace vismap

@@ -8,26 +8,27 @@
 
 namespace vismap {
 
-/// What becomes of a channel's messages while their reader is slow.
+/// What happens to the messages of a channel when a reader is too slow.
 enum class QueuePolicy {
-  kLossless,    ///< all are kept; when the queue is full, whoever publishes them has to wait
-  kLatest,      ///< a newer one of the same source takes the place of one that waits
-  kDropNewest,  ///< all are kept; when the queue is full, new ones are dropped
+  kLossless,    ///< no message is dropped: when the queue is full, the publisher has to wait
+  kLatest,      ///< a new message replaces the waiting one of the same source
+  kDropNewest,  ///< when the queue is full, new messages are dropped
 };
 
-/// Patterns of the channels that are treated otherwise than by default.
+/// Patterns of the channels whose policy differs from the default.
 struct PolicyLists {
   std::vector<std::string> lossless, latest, drop_newest;
 };
 
-/// The policy of every channel. By default what a map is made of is lossless (frames, detections,
-/// segmented frames, commits, requests and replies), of what is complete in itself only the latest
-/// counts (status, objects, octrees), and everything else (map and mesh deltas, whose readers ask
-/// for what they missed; channels that are not ours) must not hold up anybody.
+/// The queue policy of every channel. The defaults are: kLossless for the data from which the map
+/// is built (frames, detections, segmented frames, commits) and for requests and replies; kLatest
+/// for messages that each replace the previous one (status, objects, octrees); kDropNewest for all
+/// others, so that their readers never delay a publisher. Among the others are map and mesh deltas,
+/// whose readers request missed updates again.
 class ChannelPolicies {
  public:
-  /// Fails when a pattern is no regular expression. A channel of several lists is treated by the
-  /// first of them.
+  /// Fails when a pattern is not a valid regular expression. If a channel matches several lists,
+  /// the first one counts.
   static Result<ChannelPolicies> Make(const PolicyLists& lists);
 
   QueuePolicy Of(const std::string& channel);

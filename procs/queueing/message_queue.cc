@@ -20,7 +20,8 @@ MessageQueue::Added MessageQueue::Add(const RoutedMessage& message, bool sender_
   size_t* bytes = BytesOf(message);
   const bool latest = message.policy == QueuePolicy::kLatest;
   if (latest) {
-    // In the place of the older one, or a message that is renewed often would never get its turn.
+    // Keep the place of the older message in the queue. At the end of the queue, a message that is
+    // renewed often would never be sent.
     const auto older = latest_.find({message.channel, message.source});
     if (older != latest_.end()) {
       *bytes += message.record->size() - older->second->record->size();

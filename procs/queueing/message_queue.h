@@ -12,44 +12,45 @@
 
 namespace vismap {
 
-/// A message on its way from one connection to others.
+/// A received message and what is needed to queue it for other connections.
 struct RoutedMessage {
   std::string channel;
-  SharedBytes record;  ///< as it travels: a whole tcpq record
+  SharedBytes record;  ///< the whole tcpq record
   QueuePolicy policy = QueuePolicy::kDropNewest;
-  std::string source;  ///< of kLatest: who published it; empty when it is not one of our messages
+  std::string source;  ///< for kLatest: name of the publisher; "" if the message has no vismap head
 };
 
-/// The message with its policy and source looked up.
+/// Determines policy and source of a received message.
 RoutedMessage RouteMessage(const TcpqRecord& record, ChannelPolicies* policies);
 
-/// Messages that wait for one reader, in order. Bounded: lossless ones take up to `max_bytes` (what
-/// comes on top until their sender has stopped, which is asked of it by full(), is kept), the
-/// others as much again. One message always fits.
+/// The messages that wait for one reader, in order. Lossless messages and all others may each take
+/// up to `max_bytes`. A sender of lossless messages must stop while full(); what it has sent before
+/// it stops is still accepted. A single message always fits.
 class MessageQueue {
  public:
   enum class Added { kQueued, kReplacedOlder, kDropped };
 
   explicit MessageQueue(size_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// `sender_waits` = whoever sends this stops sending while full(); otherwise a lossless message
-  /// is dropped, too, when there is no room.
+  /// `sender_waits` says that the sender stops sending while full(). Otherwise a lossless message,
+  /// too, is dropped when there is no room.
   Added Add(const RoutedMessage& message, bool sender_waits);
 
-  /// The lossless messages have reached their limit.
+  /// Whether the lossless messages have reached their limit.
   bool full() const { return lossless_bytes_ >= max_bytes_; }
   bool empty() const { return entries_.empty(); }
+  /// Size of all queued messages [bytes].
   size_t bytes() const { return lossless_bytes_ + other_bytes_; }
-  /// Takes the oldest message out. Not of an empty queue.
+  /// Removes and returns the oldest message. The queue must not be empty.
   SharedBytes Pop();
 
  private:
-  using Key = std::pair<std::string, std::string>;  // channel and source
+  using Key = std::pair<std::string, std::string>;  // channel, source
   size_t* BytesOf(const RoutedMessage& message);
 
   size_t max_bytes_;
   std::list<RoutedMessage> entries_;
-  std::map<Key, std::list<RoutedMessage>::iterator> latest_;  // of kLatest
+  std::map<Key, std::list<RoutedMessage>::iterator> latest_;  // the queued messages of kLatest
   size_t lossless_bytes_ = 0, other_bytes_ = 0;
 };
 

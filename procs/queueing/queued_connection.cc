@@ -44,7 +44,7 @@ void QueuedConnection::Flush() {
   }
 }
 
-// True when all of `bytes` has been sent.
+// Returns true when all of `bytes` has been sent.
 bool QueuedConnection::SendSome(const std::vector<uint8_t>& bytes) {
   while (socket_.open() && sent_ < bytes.size()) {
     const ssize_t sent =

@@ -10,34 +10,36 @@
 
 namespace vismap {
 
-/// One end of a tcpq connection that never waits: what the other end cannot take yet stays in a
-/// queue, also while there is no connection.
+/// One end of a tcpq connection that never blocks. Messages that the other end cannot accept yet
+/// wait in a queue, also while there is no connection.
 class QueuedConnection {
  public:
-  /// Not connected. `max_message_bytes` of what is received; `queue_bytes`: see MessageQueue.
+  /// Starts without a connection. `max_message_bytes` is the limit for received messages,
+  /// `queue_bytes` that of MessageQueue.
   QueuedConnection(size_t max_message_bytes, size_t queue_bytes);
 
-  /// Takes a connected socket over. `reader` = as far as its greeting has been read; `opening` is
-  /// sent before anything else, then a message that an earlier connection had begun.
+  /// Takes over a connected socket. `reader` continues after the part of the greeting that has been
+  /// read. `opening` is sent first, then the message that the previous connection had not sent
+  /// completely.
   void Open(Socket socket, RecordReader reader, std::vector<uint8_t> opening);
   bool open() const { return socket_.open(); }
   int fd() const { return socket_.fd(); }
   void Close() { socket_.Close(); }
 
-  /// Takes what has arrived, up to about `max_bytes`. Fails, and closes, when the connection has
-  /// ended ("" = in good order) or the bytes are not the protocol.
+  /// Reads what has arrived, about `max_bytes` at most. Closes the connection and fails when the
+  /// other end has closed it (message "") or violates the protocol.
   Result<void> Read(size_t max_bytes, const std::function<void(TcpqRecord)>& on_record);
 
   /// See MessageQueue::Add.
   MessageQueue::Added Add(const RoutedMessage& message, bool sender_waits);
-  /// Sends as much as goes without waiting. Closes when the connection has ended.
+  /// Sends as much as possible without blocking. Closes the connection when it has ended.
   void Flush();
 
   const MessageQueue& queue() const { return queue_; }
-  /// Something waits to be sent: poll for POLLOUT.
+  /// Whether data waits to be sent, so that the caller must poll for POLLOUT.
   bool wants_to_send() const { return !opening_.empty() || sending_ != nullptr || !queue_.empty(); }
-  /// Since when something has been waiting without a single byte being taken [s]; 0 when nothing
-  /// waits.
+  /// How long data has been waiting without the other end accepting a single byte [s]; 0 when no
+  /// data waits.
   double SecondsStuck() const;
 
  private:
@@ -46,9 +48,9 @@ class QueuedConnection {
   Socket socket_;
   RecordReader reader_;
   std::vector<uint8_t> opening_;
-  SharedBytes sending_;  // taken from the queue
+  SharedBytes sending_;  // message being sent, already removed from the queue
   MessageQueue queue_;
-  size_t sent_ = 0;  // of opening_, or else of sending_
+  size_t sent_ = 0;  // bytes sent of opening_ or, if that is empty, of sending_
   double last_progress_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/self_check.h"
@@ -15,9 +16,9 @@ namespace vismap {
 namespace {
 
 constexpr double kRejoinPeriod = 0.25;  // [s]
-constexpr double kRound = 0.02;         // handling messages before timers get their turn [s]
+constexpr double kRound = 0.02;         // longest time for messages before timers run [s]
 constexpr size_t kMaxTrackedSources = 1024;
-constexpr int64_t kLargestGap = 1'000'000'000;
+constexpr int64_t kLargestGap = 1'000'000'000;  // a larger one is not a loss, see TrackSequence
 
 }  // namespace
 
@@ -29,7 +30,7 @@ Result<std::unique_ptr<Bus>> Bus::Open(const BusOptions& options) {
   const Result<LcmUrl> url = ParseLcmUrl(options.url);
   if (!url) return tl::unexpected(url.error());
   std::unique_ptr<Bus> bus(new Bus(options, *url));
-  WarnOfBus(*url);
+  WarnAboutBus(*url);
   if (const Result<void> joined = bus->JoinWithin(options.connect_timeout); !joined) {
     return tl::unexpected(joined.error());
   }
@@ -43,14 +44,14 @@ Result<void> Bus::JoinWithin(double timeout) {
     Result<void> joined = Join();
     if (joined || url_.provider != "tcpq") return joined;
     if (MonotonicSeconds() >= deadline) {
-      return Fail("no hub at " + url_.text + " (" + joined.error().message +
+      return Fail("there is no hub at " + url_.text + " (" + joined.error().message +
                   "); start one with: " + HubCommand(url_));
     }
-    if (!told) LogInfo("waiting for a hub at " + url_.text);
+    if (!told) LogInfo("waiting for the hub at " + url_.text);
     told = true;
     const StopSignal never;
     if ((options_.stop != nullptr ? *options_.stop : never).WaitFor(0.1))
-      return Fail("stopped while waiting for a hub");
+      return Fail("stopped while waiting for the hub");
   }
 }
 
@@ -73,11 +74,11 @@ void Bus::Rejoin() {
   const double now = MonotonicSeconds();
   if (now < next_attempt_) return;
   if (transport_ != nullptr)
-    LogWarning("lost the hub at " + url_.text + ", trying to reach it again");
+    LogWarning("the connection to the hub at " + url_.text + " was lost; trying to connect again");
   next_attempt_ = now + kRejoinPeriod;
   if (Join()) {
     ++reconnects_;
-    LogInfo("reached the hub at " + url_.text + " again");
+    LogInfo("connected to the hub at " + url_.text + " again");
   }
 }
 
@@ -90,7 +91,7 @@ void Bus::AddRoute(std::unique_ptr<Route> route) {
   routes_.push_back(std::move(route));
 }
 
-void Bus::Take(const std::string& channel, std::span<const uint8_t> bytes) {
+void Bus::Dispatch(const std::string& channel, std::span<const uint8_t> bytes) {
   try {
     for (size_t i = 0; i < routes_.size(); ++i) {  // a handler may add routes
       Route& route = *routes_[i];
@@ -106,8 +107,9 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
     ChannelCounters& counters = counters_[route.channel.name];
     ++counters.received;
     counters.received_bytes += static_cast<int64_t>(bytes.size());
-    // LCM can claim 4 GB for a packet that it misread: nothing of such a size is looked at.
-    if (bytes.size() <= route.channel.max_bytes) NoteSequence(route, bytes);
+    // LCM may report a size of 4 GB for a packet that it misread, so a message above the limit is
+    // not read at all.
+    if (bytes.size() <= route.channel.max_bytes) TrackSequence(route, bytes);
   }
   if (route.delivery == Delivery::kEvery || bytes.size() > route.channel.max_bytes)
     return Deliver(route, bytes);
@@ -116,20 +118,21 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
   route.has_newest = true;
 }
 
-void Bus::NoteSequence(Route& route, std::span<const uint8_t> bytes) {
+void Bus::TrackSequence(Route& route, std::span<const uint8_t> bytes) {
   const std::optional<MessageHead> head = PeekHead(bytes);
+  // Not a message of this type: the handler will reject it.
   if (!head || head->fingerprint != route.fingerprint || head->seq < 0) return;
   if (route.last_seq.size() >= kMaxTrackedSources && !route.last_seq.contains(head->source)) return;
   const auto [entry, first] = route.last_seq.try_emplace(head->source, head->seq);
-  // A smaller number means that the source was restarted; a leap beyond kLargestGap that it is not
-  // our process.
+  // A smaller number means that the source was restarted. A gap above kLargestGap cannot come from
+  // a process of vismap.
   const int64_t lost = head->seq - entry->second - 1;
   if (!first && lost > 0 && lost <= kLargestGap) {
     counters_[route.channel.name].lost += lost;
-    LogWarningSometimes(std::string("lost ") + route.channel.name,
-                        std::string(route.channel.name) + ": " + std::to_string(lost) +
-                            " messages of " + head->source + " are missing before number " +
-                            std::to_string(head->seq));
+    LogWarningRateLimited(std::string("lost ") + route.channel.name,
+                          std::string(route.channel.name) + ": " + FormatCount(lost, "message") +
+                              " of " + head->source + " were lost before sequence number " +
+                              std::to_string(head->seq));
   }
   entry->second = head->seq;
 }
@@ -138,18 +141,19 @@ void Bus::Deliver(Route& route, std::span<const uint8_t> bytes) {
   const Result<void> handled = route.handle(bytes);
   if (handled) return;
   ++counters_[route.channel.name].rejected;
-  LogWarningSometimes(std::string("rejected ") + route.channel.name,
-                      std::string(route.channel.name) + ": rejected: " + handled.error().message);
+  LogWarningRateLimited(
+      std::string("rejected ") + route.channel.name,
+      std::string(route.channel.name) + ": a message was rejected: " + handled.error().message);
 }
 
 bool Bus::Send(const Channel& channel, const std::vector<uint8_t>& bytes) {
   ChannelCounters& counters = counters_[channel.name];
   const bool fits = bytes.size() <= channel.max_bytes;
   if (!fits) {
-    LogWarningSometimes(std::string("too large ") + channel.name,
-                        std::string(channel.name) + ": a message of " +
-                            std::to_string(bytes.size()) + " bytes was not sent, at most " +
-                            std::to_string(channel.max_bytes) + " are allowed");
+    LogWarningRateLimited(std::string("too large ") + channel.name,
+                          std::string(channel.name) + ": a message of " +
+                              FormatBytes(bytes.size()) + " was not sent; at most " +
+                              FormatBytes(channel.max_bytes) + " are allowed");
   }
   if (!fits || !connected() || !transport_->Publish(channel.name, bytes)) {
     ++counters.unsent;
@@ -164,7 +168,7 @@ void Bus::Every(double period, std::function<void()> action) {
   timers_.push_back({period, MonotonicSeconds() + period, std::move(action)});
 }
 
-// Runs what is due; returns the seconds until the next one.
+// Runs the timers that are due. Returns the time until the next one is due [s].
 double Bus::RunTimers() {
   double wait = 3600;
   for (size_t i = 0; i < timers_.size(); ++i) {  // an action may add timers
@@ -181,10 +185,10 @@ double Bus::RunTimers() {
 bool Bus::HandleWaiting() {
   const double end = MonotonicSeconds() + kRound;
   const Transport::Sink sink = [this](const std::string& channel, std::span<const uint8_t> bytes) {
-    Take(channel, bytes);
+    Dispatch(channel, bytes);
   };
   bool any = false;
-  // What was read before the connection ended is handled, too.
+  // Messages that were read before the connection ended are handled, too.
   while (transport_ != nullptr && !stop_requested() && transport_->Receive(sink)) {
     any = true;
     if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));

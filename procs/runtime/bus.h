@@ -21,70 +21,71 @@
 namespace vismap {
 
 struct BusOptions {
-  std::string url =
-      DefaultLcmUrl();  ///< tcpq://A.B.C.D:PORT, udpm://..., or memq:// (inside one Bus, for tests)
-  std::string source;   ///< name of this process on the bus, in every message it publishes
-  double connect_timeout = 10;       ///< how long Open waits for a hub [s]
+  /// URL of the bus: tcpq://A.B.C.D:PORT, udpm://..., or memq:// (within one Bus, for tests).
+  std::string url = DefaultLcmUrl();
+  std::string source;           ///< name of this process; it is in every message that it publishes
+  double connect_timeout = 10;  ///< how long Open waits for a hub [s]
   const StopSignal* stop = nullptr;  ///< ends waiting and Run; must outlive the bus
 };
 
-/// What happens to messages that arrive while the process is busy.
+/// Which messages a handler gets when several arrive while the process is busy.
 enum class Delivery {
-  kEvery,   ///< all are handled, in order; the hub keeps what waits
-  kLatest,  ///< only the newest is handled when the process gets to it, for viewers
+  kEvery,   ///< every message, in order; the hub queues the waiting ones
+  kLatest,  ///< only the newest message, for viewers
 };
 
 /// Totals of one channel since the process started.
 struct ChannelCounters {
   int64_t received = 0, received_bytes = 0;
-  int64_t rejected = 0;    ///< malformed, or refused by the handler
-  int64_t lost = 0;        ///< numbers missing in the sequences of the sources
-  int64_t superseded = 0;  ///< not looked at because a newer one was there (Delivery::kLatest)
+  int64_t rejected = 0;    ///< malformed, or rejected by the handler
+  int64_t lost = 0;        ///< missing sequence numbers, over all sources
+  int64_t superseded = 0;  ///< replaced by a newer one before it was handled (Delivery::kLatest)
   int64_t published = 0, published_bytes = 0;
-  int64_t unsent = 0;  ///< could not be published: no connection, or too large
+  int64_t unsent = 0;  ///< not published: no connection, or too large
 };
 
-/// Typed messages over LCM, for one thread. Joins the bus, keeps joined when a hub goes and comes
-/// back, gives every message its sequence number, source and checksum, and hands handlers only
-/// messages that decoded completely. What is malformed, refused or missing is counted per channel,
-/// and said in the log now and then.
+/// A connection to the bus with typed messages, for use by one thread. It connects again when the
+/// hub was restarted, fills in sequence number, source and checksum of every message, and calls
+/// handlers only with messages that decoded completely. Malformed, rejected and missing messages
+/// are counted per channel, and reported in the log at a limited rate.
 class Bus {
  public:
-  /// Joins the bus. Fails with the command that mends it when the URL is wrong, no hub answers
-  /// within connect_timeout, there is no multicast route, or stop was requested.
+  /// Connects to the bus. Fails when the URL is wrong, when no hub answers within connect_timeout,
+  /// when there is no multicast route, or when stop was requested. The message names the command
+  /// that solves the problem.
   static Result<std::unique_ptr<Bus>> Open(const BusOptions& options);
   ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  /// Calls `handler(const Message&)` from Spin or Run for every message of the channel. The handler
-  /// returns void, or Result<void> to refuse a message (counted, and said in the log). What it
-  /// throws comes out of Spin. Whatever it refers to must live for as long as the bus is spun.
+  /// Makes Spin and Run call `handler(const Message&)` for messages of the channel. The handler
+  /// returns void, or Result<void> if it may reject a message. An exception from it leaves Spin.
+  /// Everything that the handler refers to must exist as long as Spin or Run is called.
   template <typename Message, typename Handler>
   void Subscribe(const Channel& channel, Handler handler, Delivery delivery = Delivery::kEvery);
 
-  /// Sends a message after filling in seq, source and, where it has one, checksum. False, and
-  /// counted, when it could not be sent: no connection to the hub just now, or larger than the
-  /// channel allows.
+  /// Fills in seq, source and (if the type has one) checksum, and sends the message. Returns false,
+  /// and counts it as unsent, when there is no connection or the message is larger than the channel
+  /// allows.
   template <typename Message>
   bool Publish(const Channel& channel, Message message);
 
-  /// Sends a message with the seq and source that it has: for passing on messages of others, and
-  /// for tests.
+  /// Sends a message without changing its seq and source, to forward messages of other processes
+  /// and for tests.
   template <typename Message>
   bool PublishAsIs(const Channel& channel, Message message) {
     return Send(channel, Pack(message));
   }
 
-  /// Calls `action` from Spin or Run every `period` [s], first after one period.
+  /// Makes Spin and Run call `action` every `period` [s], for the first time after one period.
   void Every(double period, std::function<void()> action);
 
-  /// Waits up to `timeout` [s] for messages, timers or stop; handles what is there. True when it
-  /// handled a message.
+  /// Waits up to `timeout` [s] for a message, a timer or stop, then handles the messages and timers
+  /// that are due. Returns true when it handled a message.
   bool Spin(double timeout);
 
-  /// Spins until `finished` returns true (asked after each round, at least every 0.1 s) or stop is
-  /// requested. Returns false when stopped.
+  /// Calls Spin until `finished` returns true or stop is requested. `finished` is called at least
+  /// every 0.1 s. Returns false when stop was requested.
   bool Run(const std::function<bool()>& finished = [] { return false; });
 
   bool stop_requested() const { return options_.stop != nullptr && options_.stop->requested(); }
@@ -98,11 +99,11 @@ class Bus {
   struct Route {
     Channel channel{};
     Delivery delivery = Delivery::kEvery;
-    bool counts = false;  // the first subscription of a channel keeps its figures
+    bool counts = false;  // the first subscription of a channel updates its counters
     std::function<Result<void>(std::span<const uint8_t>)> handle;
     int64_t fingerprint = 0;
     std::map<std::string, int64_t> last_seq;  // per source
-    std::vector<uint8_t> newest;              // of kLatest, until it is handled
+    std::vector<uint8_t> newest;              // message of kLatest that is not handled yet
     bool has_newest = false;
   };
   struct Timer {
@@ -115,10 +116,10 @@ class Bus {
   Result<void> JoinWithin(double timeout);
   void Rejoin();
   void AddRoute(std::unique_ptr<Route> route);
-  void Take(const std::string& channel, std::span<const uint8_t> bytes);
+  void Dispatch(const std::string& channel, std::span<const uint8_t> bytes);
   void Receive(Route& route, std::span<const uint8_t> bytes);
   void Deliver(Route& route, std::span<const uint8_t> bytes);
-  void NoteSequence(Route& route, std::span<const uint8_t> bytes);
+  void TrackSequence(Route& route, std::span<const uint8_t> bytes);
   bool Send(const Channel& channel, const std::vector<uint8_t>& bytes);
   bool HandleWaiting();
   void DeliverNewest();
@@ -126,14 +127,14 @@ class Bus {
 
   BusOptions options_;
   LcmUrl url_;
-  std::unique_ptr<Transport> transport_;  // none or not connected while there is no hub
+  std::unique_ptr<Transport> transport_;  // nullptr or not connected while there is no hub
   std::vector<std::unique_ptr<Route>> routes_;
   std::vector<Timer> timers_;
   std::map<std::string, int64_t> next_seq_;
   std::map<std::string, ChannelCounters> counters_;
-  std::exception_ptr thrown_;  // by a handler; must not pass through LCM's C code
+  std::exception_ptr thrown_;  // exception of a handler; it must not pass through LCM's C code
   int64_t reconnects_ = 0;
-  double next_attempt_ = 0;
+  double next_attempt_ = 0;  // to connect again, MonotonicSeconds
 };
 
 template <typename Message, typename Handler>

@@ -7,12 +7,12 @@
 namespace vismap {
 
 namespace {
-constexpr double kAskAgain = 2.0;  // [s]
+constexpr double kRepeatPeriod = 2.0;  // [s]
 }  // namespace
 
-void CatchUp::Ask(const FollowerPosition& position) {
-  if (MonotonicSeconds() < due_) return;
-  due_ = MonotonicSeconds() + kAskAgain;
+void CatchUp::Request(const FollowerPosition& position) {
+  if (MonotonicSeconds() < next_request_) return;
+  next_request_ = MonotonicSeconds() + kRepeatPeriod;
   map_request_t request{};
   request.utime = request.request_id = WallUtime();
   request.verb = verb_;

@@ -7,19 +7,20 @@
 
 namespace vismap {
 
-/// Asks a map server for the updates that a follower lacks, and asks again until they come.
+/// Requests missing updates from the map server, for a process that keeps a copy of the map.
 class CatchUp {
  public:
-  /// `verb` of the MAP_REQUEST: "snapshot" for MAP_DELTA, "mesh" for MESH_DELTA.
+  /// `verb` is that of the MAP_REQUEST: "snapshot" for MAP_DELTA, "mesh" for MESH_DELTA.
   CatchUp(Bus* bus, std::string verb) : bus_(bus), verb_(std::move(verb)) {}
 
-  /// Asks for all after `position`, unless it did so in the last two seconds.
-  void Ask(const FollowerPosition& position);
+  /// Requests all updates after `position`. Does nothing within two seconds after the last request,
+  /// so that it may be called again until the updates arrive.
+  void Request(const FollowerPosition& position);
 
  private:
   Bus* bus_;
   std::string verb_;
-  double due_ = 0;  // MonotonicSeconds
+  double next_request_ = 0;  // MonotonicSeconds
 };
 
 }  // namespace vismap

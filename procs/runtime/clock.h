@@ -5,14 +5,15 @@
 
 namespace vismap {
 
-/// Wall clock [us since 1970], for stamping status and requests; never part of a result.
+/// Wall clock [us since 1970], for the utime of status messages and requests. It never influences a
+/// map.
 inline int64_t WallUtime() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 
-/// Seconds of a clock that only goes forward.
+/// Monotonic clock [s], for measuring durations.
 inline double MonotonicSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

@@ -16,20 +16,20 @@ class App;
 
 namespace vismap {
 
-/// What a process answers to its caller.
+/// The exit code of a program.
 enum class ExitCode : int { kOk = 0, kFailed = 1, kUsage = 2, kUnreadable = 3 };
 
-/// One option or positional argument, to add what holds for it. Each function returns the same
+/// One option or positional argument, for setting its conditions. Each function returns the same
 /// option.
 class CommandLineOption {
  public:
   CommandLineOption& Required();
-  CommandLineOption& Range(double least, double most);  ///< both bounds are allowed
+  CommandLineOption& Range(double least, double most);  ///< including both bounds
   CommandLineOption& AtLeast(double least);
   CommandLineOption& Positive();
   CommandLineOption& OneOf(const std::vector<std::string>& words);
-  CommandLineOption& Needs(const std::string& other);     ///< another option, defined before
-  CommandLineOption& Excludes(const std::string& other);  ///< another option, defined before
+  CommandLineOption& Needs(const std::string& other);     ///< an option that was added before
+  CommandLineOption& Excludes(const std::string& other);  ///< an option that was added before
 
  private:
   friend class CommandLine;
@@ -40,18 +40,19 @@ class CommandLineOption {
   Entry* entry_;
 };
 
-/// The options of a program. Each is bound to a variable that holds its default, which --help
-/// shows. Parse only keeps the values; Apply writes those that were given to their variables. It
-/// may be called again after a config file was read into the same variables: the command line wins.
-/// A copy is the same command line. This header keeps the parser's library out of the programs.
+/// The options of a program. Each option is bound to a variable that has the default, which --help
+/// shows. Parse only stores the values of the given options; Apply writes them to the variables.
+/// Call Apply again after a config file was read into the same variables, so that the command line
+/// overrides the file. A copy refers to the same command line. This header hides the library of the
+/// parser from the programs.
 class CommandLine {
  public:
-  /// Where a value goes. A list takes A,B as well as A B.
+  /// The variable of an option. A list accepts both "A,B" and "A B".
   using Target = std::variant<std::string*, int*, int64_t*, double*, std::optional<std::string>*,
                               std::optional<int>*, std::optional<double>*,
                               std::vector<std::string>*, std::vector<double>*>;
 
-  /// `program` = name in the help text; `version` = what --version prints; empty = there is no
+  /// `program` is the name in the help text, `version` the output of --version; "" = there is no
   /// --version.
   CommandLine(const std::string& program, const std::string& summary,
               const std::string& version = "");
@@ -59,28 +60,28 @@ class CommandLine {
   /// `name` = "--name", or "NAME" for a positional argument.
   CommandLineOption Option(const std::string& name, Target target, const std::string& help);
 
-  /// True when given.
+  /// Adds a flag, which sets `target` to true.
   void Flag(const std::string& name, bool* target, const std::string& help);
 
-  /// One of some words, each of which stands for a value.
+  /// Adds an option whose value is one of several words, each of which stands for a value.
   template <typename T>
   CommandLineOption Choice(const std::string& name, T* target,
                            std::vector<std::pair<std::string, T>> choices, const std::string& help);
 
-  /// One of the names of an enum (see EnumName), in lower case.
+  /// Adds an option whose value is one of the names of an enum (see EnumName), in lower case.
   template <typename Enum>
   CommandLineOption Choice(const std::string& name, Enum* target, const std::string& help);
 
-  /// A subcommand with options of its own. Exactly one subcommand must be given then; `chosen` is
-  /// called by Parse when it is this one.
+  /// Adds a subcommand with its own options. A program with subcommands needs exactly one of them;
+  /// Parse calls `chosen` if it is this one.
   CommandLine Command(const std::string& name, const std::string& help,
                       std::function<void()> chosen);
 
-  /// Returns the exit code if the program is to end here: after --help or --version, or after wrong
-  /// usage, which is printed to stderr.
+  /// Returns an exit code if the program must end: after --help or --version, or after wrong usage,
+  /// which it reports on stderr.
   std::optional<ExitCode> Parse(int argc, char** argv);
 
-  /// Writes the values that were given to their variables.
+  /// Writes the values of the given options to their variables.
   void Apply() const;
 
  private:

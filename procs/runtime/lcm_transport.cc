@@ -18,8 +18,7 @@ class LcmTransport : public Transport {
   void Subscribe(const std::string& channel) override {
     lcm::Subscription* subscription =
         lcm_.subscribeFunction(channel, &LcmTransport::OnMessage, this);
-    // No message may be dropped here; without a limit, LCM's reader keeps what the process has not
-    // yet taken.
+    // 0 = no limit: LCM queues all messages that the process has not handled yet and drops none.
     if (subscription != nullptr) subscription->setQueueCapacity(0);
   }
 
@@ -55,8 +54,8 @@ Result<std::unique_ptr<Transport>> OpenLcmTransport(const LcmUrl& url) {
   if (transport->connected()) return transport;
   return Fail("LCM cannot open " + url.text +
               (url.provider == "udpm"
-                   ? "; without a multicast route run: sudo ip route add 224.0.0.0/4 dev lo"
-                   : "; is the URL right?"));
+                   ? "; if there is no multicast route, run: sudo ip route add 224.0.0.0/4 dev lo"
+                   : "; check the URL"));
 }
 
 }  // namespace vismap

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/format.h"
 #include "runtime/tcp_socket.h"
 
 namespace vismap {
@@ -34,7 +35,8 @@ Result<TcpAddress> ParseTcpAddress(const std::string& text) {
   in_addr parsed{};
   if (inet_pton(AF_INET, address.host.c_str(), &parsed) != 1) {
     return Fail("address '" + text +
-                "': expected numbers such as 127.0.0.1:7700 (LCM takes names for this computer)");
+                "': expected a numeric address such as 127.0.0.1:7700 (LCM does not resolve host "
+                "names, but connects to this computer instead)");
   }
   if (colon != std::string::npos &&
       !ParseWhole(std::string_view(text).substr(colon + 1), &address.port)) {
@@ -68,7 +70,7 @@ Result<LcmUrl> ParseLcmUrl(const std::string& url) {
       const std::string number =
           rest.substr(given + key.size(), rest.find('&', given) - given - key.size());
       if (!ParseWhole(number, &parsed.receive_buffer)) {
-        return Fail("--lcm-url '" + url + "': recv_buf_size is not a number");
+        return Fail("--lcm-url '" + url + "': recv_buf_size must be a number");
       }
     }
   }
@@ -84,13 +86,13 @@ Result<void> ProbeHub(const TcpAddress& hub, double timeout) {
 Result<void> ProbeReceiveBuffer(int bytes) {
   const Socket probe(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   setsockopt(probe.fd(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
-  int effective = 0;  // the kernel reports twice what it grants
+  int effective = 0;  // the kernel reports twice the granted size
   socklen_t size = sizeof(effective);
   getsockopt(probe.fd(), SOL_SOCKET, SO_RCVBUF, &effective, &size);
   if (effective / 2 >= bytes) return {};
-  return Fail("the kernel grants a receive buffer of " + std::to_string(effective / 2) +
-              " bytes instead of " + std::to_string(bytes) +
-              ", large messages will be lost; run: sudo sysctl -w net.core.rmem_max=33554432");
+  return Fail("the kernel grants a receive buffer of " + FormatBytes(effective / 2) +
+              " instead of " + FormatBytes(bytes) +
+              ", so large messages will be lost; run: sudo sysctl -w net.core.rmem_max=33554432");
 }
 
 }  // namespace vismap

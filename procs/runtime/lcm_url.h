@@ -7,36 +7,37 @@
 
 namespace vismap {
 
-/// Where the bus is when nobody says otherwise: $LCM_DEFAULT_URL, else the local hub.
+/// The URL of the bus when none is given: $LCM_DEFAULT_URL, else tcpq://127.0.0.1:7700.
 std::string DefaultLcmUrl();
 
-/// IPv4 address and port, numeric.
+/// A numeric IPv4 address and a port.
 struct TcpAddress {
-  std::string host;  ///< dotted numbers
+  std::string host;  ///< for example "127.0.0.1"
   uint16_t port = 0;
 };
 
-/// Reads "127.0.0.1:7700" or "127.0.0.1" (port 7700). Refuses host names: LCM would take them for
-/// this computer.
+/// Parses "127.0.0.1:7700" or "127.0.0.1" (port 7700). Fails on host names, because LCM replaces a
+/// name that it cannot parse by the address of this computer.
 Result<TcpAddress> ParseTcpAddress(const std::string& text);
 
-/// An LCM URL, checked.
+/// A checked LCM URL.
 struct LcmUrl {
-  std::string text;        ///< as LCM takes it, options that we need added
+  std::string text;        ///< for LCM, with the options that vismap needs
   std::string provider;    ///< "tcpq", "udpm", "memq", ...
-  TcpAddress hub;          ///< of tcpq
-  int receive_buffer = 0;  ///< of udpm: bytes asked for
+  TcpAddress hub;          ///< address of the hub, only for tcpq
+  int receive_buffer = 0;  ///< requested size [bytes], only for udpm
 };
 
-/// Fails on an URL that LCM would misunderstand in silence. udpm gets a receive buffer of 4 MB
-/// unless it names one: with the system's default LCM loses messages above 130 kB.
+/// Parses an LCM URL. Fails on a URL that LCM would misinterpret without an error. Adds a receive
+/// buffer of 4 MB to a udpm URL that has none: with the system's default, LCM loses messages above
+/// 130 kB.
 Result<LcmUrl> ParseLcmUrl(const std::string& url);
 
-/// Succeeds when a hub that speaks LCM's tcpq protocol answers within `timeout` [s].
+/// Succeeds when a hub with LCM's tcpq protocol answers within `timeout` [s].
 Result<void> ProbeHub(const TcpAddress& hub, double timeout);
 
-/// Succeeds when a socket of this computer can have a receive buffer of `bytes`; else names the one
-/// command that mends it.
+/// Succeeds when the kernel grants a receive buffer of `bytes`. Otherwise the error names the
+/// command that raises the limit.
 Result<void> ProbeReceiveBuffer(int bytes);
 
 }  // namespace vismap

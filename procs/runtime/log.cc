@@ -7,6 +7,8 @@
 #include <map>
 #include <mutex>
 
+#include "base/format.h"
+
 namespace vismap {
 namespace {
 
@@ -14,7 +16,7 @@ spdlog::logger& Logger() {
   static const std::shared_ptr<spdlog::logger> logger = [] {
     auto made = std::make_shared<spdlog::logger>(
         "vismap", std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
-    made->set_pattern("%^%-7l%$ %n %E%f %v");
+    made->set_pattern("%^%-7l%$ %n %Y-%m-%d %H:%M:%S.%e %v");
     made->flush_on(spdlog::level::debug);
     return made;
   }();
@@ -38,7 +40,7 @@ spdlog::level::level_enum ToSpdlog(LogLevel level) {
 }  // namespace
 
 void SetUpLog(const std::string& process, LogLevel level) {
-  Logger().set_pattern("%^%-7l%$ " + process + " %E%f %v");
+  Logger().set_pattern("%^%-7l%$ " + process + " %Y-%m-%d %H:%M:%S.%e %v");
   Logger().set_level(ToSpdlog(level));
 }
 
@@ -47,10 +49,10 @@ void LogInfo(std::string_view sentence) { Logger().info("{}", sentence); }
 void LogWarning(std::string_view sentence) { Logger().warn("{}", sentence); }
 void LogError(std::string_view sentence) { Logger().error("{}", sentence); }
 
-void LogWarningSometimes(const std::string& key, std::string_view sentence) {
+void LogWarningRateLimited(const std::string& key, std::string_view sentence) {
   struct Past {
     std::chrono::steady_clock::time_point last;
-    int held_back = 0;
+    int left_out = 0;
   };
   static std::mutex mutex;
   static std::map<std::string, Past> pasts;
@@ -59,12 +61,13 @@ void LogWarningSometimes(const std::string& key, std::string_view sentence) {
   const auto [entry, first] = pasts.try_emplace(key, Past{now, 0});
   Past& past = entry->second;
   if (!first && now - past.last < std::chrono::seconds(5)) {
-    ++past.held_back;
+    ++past.left_out;
     return;
   }
   const std::string more =
-      past.held_back == 0 ? ""
-                          : " (and " + std::to_string(past.held_back) + " more like this before)";
+      past.left_out == 0
+          ? ""
+          : " (" + FormatCount(past.left_out, "similar warning") + " left out before)";
   past = {now, 0};
   LogWarning(std::string(sentence) + more);
 }

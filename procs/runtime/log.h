@@ -7,8 +7,8 @@ namespace vismap {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
-/// Sets where log lines come from ("depth-segmenter") and which are shown. Lines go to stderr:
-/// level, process, utime [us], sentence.
+/// Sets the name of the process ("depth-segmenter") and the lowest level that is shown. Log lines
+/// go to stderr and consist of level, process, local time and sentence.
 void SetUpLog(const std::string& process, LogLevel level);
 
 void LogDebug(std::string_view sentence);
@@ -16,8 +16,8 @@ void LogInfo(std::string_view sentence);
 void LogWarning(std::string_view sentence);
 void LogError(std::string_view sentence);
 
-/// Like LogWarning, but lines with the same key come at most every 5 s; the next one then says how
-/// many were kept back.
-void LogWarningSometimes(const std::string& key, std::string_view sentence);
+/// Like LogWarning, but at most one line per key in 5 s; that line then says how many similar ones
+/// were left out before it.
+void LogWarningRateLimited(const std::string& key, std::string_view sentence);
 
 }  // namespace vismap

@@ -12,9 +12,9 @@
 namespace vismap {
 namespace {
 
-/// What one frame or message frees, the next needs again. Without this the C library gives it back
-/// to the system, whenever the end of the heap happens to be free, and gets it again page by page:
-/// a viewer's updates then cost twice as much, or not, by chance.
+/// Keeps freed memory in the process, because the next frame or message needs it again. By default
+/// the C library returns it to the system when the end of the heap is free, and gets it back page
+/// by page, which sometimes doubles the cost of an update.
 void KeepFreedMemory() {
 #ifdef __GLIBC__
   constexpr int kKept = 32 << 20;  // [bytes]
@@ -32,19 +32,20 @@ struct Arguments {
 void AddCommonOptions(CommandLine& line, Arguments* arguments) {
   CommonOptions& common = arguments->common;
   line.Option("--lcm-url", &common.lcm_url,
-              "The bus: tcpq://A.B.C.D:PORT of a vismap-hub, or udpm://...; when not given, "
-              "$LCM_DEFAULT_URL counts");
+              "URL of the bus: tcpq://A.B.C.D:PORT of a vismap-hub, or udpm://...; if not given, "
+              "$LCM_DEFAULT_URL");
   line.Option("--name", &common.name, "Name of this instance on the bus");
-  line.Option("--connect-timeout", &common.connect_timeout, "Seconds to wait for the hub")
+  line.Option("--connect-timeout", &common.connect_timeout, "Longest wait for the hub [s]")
       .AtLeast(0);
-  line.Option("--config", &common.config_path, "Options from a file, protobuf text (.txtpb)");
+  line.Option("--config", &common.config_path,
+              "Read options from this file (protobuf text, .txtpb)");
   line.Flag("--print-config", &arguments->print_config, "Print the effective config and exit");
   line.Choice("--log-level", &arguments->log_level,
               {{"debug", LogLevel::kDebug},
                {"info", LogLevel::kInfo},
                {"warning", LogLevel::kWarning},
                {"error", LogLevel::kError}},
-              "The least important messages to write");
+              "Lowest level of log messages to write");
 }
 
 Result<std::string> ReadConfig(const std::string& path) {
@@ -58,7 +59,7 @@ Result<std::string> ReadConfig(const std::string& path) {
 Result<std::string> Configure(const ProcessSpec& spec, const CommandLine& line,
                               const CommonOptions& options) {
   if (!spec.read_config && !options.config_path.empty())
-    return Fail("--config: vismap-" + spec.name + " takes no config file");
+    return Fail("--config: vismap-" + spec.name + " does not use a config file");
   if (spec.read_config) {
     const Result<std::string> text = ReadConfig(options.config_path);
     if (!text) return text;
@@ -77,7 +78,7 @@ int Report(const Outcome& outcome) {
 
 Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop,
                  ServiceManager* service) {
-  service->Say("starting: joining the bus at " + options.lcm_url);
+  service->SetStatus("starting: connecting to the bus at " + options.lcm_url);
   const Result<std::unique_ptr<Bus>> bus = OpenBus(options, options.name, stop);
   if (!bus) {
     if (stop->requested()) return {};
@@ -100,7 +101,8 @@ Outcome RunGuarded(const ProcessSpec& spec, const CommonOptions& options, StopSi
     ProcessContext context{options, *stop, service};
     return spec.run(context);
   } catch (const std::exception& error) {
-    return ExitWith(ExitCode::kFailed, std::string("this is a bug: ") + error.what());
+    return ExitWith(ExitCode::kFailed,
+                    std::string("internal error (please report it): ") + error.what());
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kMaxPeers = 1024;
 
-bool IsAlive(const Peer& peer) {
+bool PeerIsAlive(const Peer& peer) {
   return peer.state != "stopping" && MonotonicSeconds() - peer.last_heard < Peers::kMaxSilence;
 }
 
@@ -24,31 +24,31 @@ Peers::Peers(Bus* bus) {
     peers_[status.source] = {status.process, status.state, status.message, status.start_utime,
                              MonotonicSeconds()};
     if (status.types_fingerprint != TypesFingerprint()) {
-      LogWarningSometimes("fingerprint " + status.source,
-                          status.source + " on " + status.host +
-                              " has other message types (version " + status.version +
-                              "); it cannot understand all that is said here");
+      LogWarningRateLimited("fingerprint " + status.source,
+                            status.source + " on " + status.host +
+                                " uses other message types (version " + status.version +
+                                ") than this process; they cannot exchange all messages");
     }
   });
 }
 
-bool Peers::Alive(const std::string& process) const {
+bool Peers::IsAlive(const std::string& process) const {
   return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
-    return entry.second.process == process && IsAlive(entry.second);
+    return entry.second.process == process && PeerIsAlive(entry.second);
   });
 }
 
-bool Peers::Ready(const std::string& process) const {
+bool Peers::IsReady(const std::string& process) const {
   return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
-    return entry.second.process == process && IsAlive(entry.second) &&
+    return entry.second.process == process && PeerIsAlive(entry.second) &&
            entry.second.state != "starting";
   });
 }
 
-std::vector<std::string> Peers::Missing(const std::vector<std::string>& processes) const {
+std::vector<std::string> Peers::NotReady(const std::vector<std::string>& processes) const {
   std::vector<std::string> missing;
   std::copy_if(processes.begin(), processes.end(), std::back_inserter(missing),
-               [this](const std::string& process) { return !Ready(process); });
+               [this](const std::string& process) { return !IsReady(process); });
   return missing;
 }
 

@@ -9,32 +9,32 @@
 
 namespace vismap {
 
-/// What another process last said of itself on STATUS.
+/// The latest STATUS of another process.
 struct Peer {
-  std::string process;  ///< which program
+  std::string process;  ///< name of the program, for example "map-server"
   std::string state;    ///< "starting", "ready", "waiting", "running" or "stopping"
   std::string message;
-  int64_t start_utime = 0;  ///< a new one means that it was restarted
+  int64_t start_utime = 0;  ///< changes when the process is restarted [us]
   double last_heard = 0;    ///< MonotonicSeconds
 };
 
-/// Who else is on the bus, from their STATUS messages.
+/// The other processes on the bus, known by their STATUS messages.
 class Peers {
  public:
-  /// A peer silent for longer than this counts as gone [s]; long work in one handler delays its
-  /// status.
+  /// A process without STATUS for longer than this counts as not alive [s]. It is long, because a
+  /// handler that works for long delays the STATUS.
   static constexpr double kMaxSilence = 5.0;
 
   /// Subscribes to STATUS. `bus` must outlive it.
   explicit Peers(Bus* bus);
 
-  /// Some instance of this program has spoken lately and is not stopping.
-  bool Alive(const std::string& process) const;
-  /// Some instance of this program is alive and past kStarting.
-  bool Ready(const std::string& process) const;
-  /// Those of `processes` that are not ready.
-  std::vector<std::string> Missing(const std::vector<std::string>& processes) const;
-  /// By name of the instance.
+  /// Whether an instance of this program has published STATUS lately and is not stopping.
+  bool IsAlive(const std::string& process) const;
+  /// Whether an instance of this program is alive and has left kStarting.
+  bool IsReady(const std::string& process) const;
+  /// The programs of `processes` of which no instance is ready.
+  std::vector<std::string> NotReady(const std::vector<std::string>& processes) const;
+  /// All peers, by the name of their instance.
   const std::map<std::string, Peer>& all() const { return peers_; }
 
  private:

@@ -5,16 +5,17 @@
 
 namespace vismap {
 
-/// One line on stderr that shows how far long work has come; nothing when stderr is no terminal.
+/// A line on stderr that shows the progress of long work. Shows nothing when stderr is not a
+/// terminal.
 class Progress {
  public:
-  /// `total` = steps of the work; 0 = unknown.
+  /// `total` is the number of steps; 0 = unknown.
   Progress(std::string title, int64_t total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Redraws the line, at most ten times a second. `note` stands at its end.
+  /// Redraws the line, at most ten times a second. `note` is appended to it.
   void Show(int64_t done, const std::string& note = "");
 
  private:

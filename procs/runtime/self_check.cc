@@ -10,19 +10,20 @@
 #include <optional>
 #include <sstream>
 
+#include "base/format.h"
 #include "runtime/log.h"
 #include "runtime/tcp_socket.h"
 
 namespace vismap {
 namespace {
 
-/// The interface that the routing table has for an address: of the most special route.
+/// The network interface of the most specific route to an address in the routing table.
 std::optional<std::string> InterfaceFor(in_addr address) {
   std::ifstream table("/proc/net/route");
   std::optional<std::string> best;
   uint32_t best_mask = 0;
   std::string line;
-  std::getline(table, line);  // the titles
+  std::getline(table, line);  // the header line
   while (std::getline(table, line)) {
     std::istringstream words(line);
     std::string name, ignored;
@@ -49,12 +50,12 @@ CheckResult CheckRoute(const LcmUrl& url) {
   }
   const Socket probe(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (connect(probe.fd(), reinterpret_cast<sockaddr*>(&group), sizeof(group)) != 0) {
-    result.found = std::string("none (") + std::strerror(errno) +
+    result.found = std::string("there is none (") + std::strerror(errno) +
                    "); run: sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo";
     return result;
   }
   result.ok = true;
-  result.found = "by " + InterfaceFor(group.sin_addr).value_or("an interface unknown to us");
+  result.found = "through " + InterfaceFor(group.sin_addr).value_or("an unknown interface");
   return result;
 }
 
@@ -64,7 +65,7 @@ std::string HubCommand(const LcmUrl& url) {
   return "vismap-hub --listen " + url.hub.host + ":" + std::to_string(url.hub.port);
 }
 
-void WarnOfBus(const LcmUrl& url) {
+void WarnAboutBus(const LcmUrl& url) {
   if (url.provider == "tcpq") return;
   for (const CheckResult& check : CheckBus(url, 0)) {
     if (!check.ok) LogWarning(check.what + ": " + check.found);
@@ -73,17 +74,18 @@ void WarnOfBus(const LcmUrl& url) {
 
 std::vector<CheckResult> CheckBus(const LcmUrl& url, double timeout) {
   if (url.provider == "tcpq") {
-    const Result<void> hub = ProbeHub(url.hub, timeout);
+    const Result<Socket> hub = ConnectToHub(url.hub, timeout);
     return {{"hub", hub.has_value(),
-             hub ? "answers at " + url.text
-                 : "none at " + url.text + " (" + hub.error().message +
+             hub ? "it answers at " + url.text
+                 : "there is none at " + url.text + " (" + hub.error().message +
                        "); start one with: " + HubCommand(url)}};
   }
   if (url.provider != "udpm") return {};
   const Result<void> buffer = ProbeReceiveBuffer(url.receive_buffer);
-  return {CheckRoute(url),
-          {"receive buffer", buffer.has_value(),
-           buffer ? std::to_string(url.receive_buffer) + " bytes" : buffer.error().message}};
+  return {
+      CheckRoute(url),
+      {"receive buffer", buffer.has_value(),
+       buffer ? "the kernel grants " + FormatBytes(url.receive_buffer) : buffer.error().message}};
 }
 
 }  // namespace vismap

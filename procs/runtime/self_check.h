@@ -7,21 +7,23 @@
 
 namespace vismap {
 
-/// One thing that a bus needs of this computer.
+/// The result of checking one thing that the bus needs on this computer.
 struct CheckResult {
-  std::string what;  ///< for example "multicast route"
+  std::string what;  ///< what was checked, for example "multicast route"
   bool ok = false;
-  std::string found;  ///< when not ok, ends with the one command that mends it
+  /// What was found; when not ok, it ends with the command that solves the problem.
+  std::string found;
 };
 
-/// What can be known without joining: for tcpq whether a hub answers within `timeout` [s], for udpm
-/// the multicast route and the receive buffer.
+/// Checks what can be checked without connecting: for tcpq whether a hub answers within `timeout`
+/// [s], for udpm the multicast route and the receive buffer.
 std::vector<CheckResult> CheckBus(const LcmUrl& url, double timeout);
 
-/// Says in the log what of that is wrong for a bus without a hub; a hub is waited for instead.
-void WarnOfBus(const LcmUrl& url);
+/// Logs a warning for each of these checks that fails. Does nothing for tcpq, because Bus waits for
+/// the hub.
+void WarnAboutBus(const LcmUrl& url);
 
-/// "vismap-hub --listen A.B.C.D:PORT" of a tcpq URL.
+/// The command that starts the hub of a tcpq URL: "vismap-hub --listen A.B.C.D:PORT".
 std::string HubCommand(const LcmUrl& url);
 
 }  // namespace vismap

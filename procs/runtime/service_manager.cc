@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-// What cannot be sent is not an error of ours: the manager's own time limits deal with it.
+// Errors are ignored: the time limits of the service manager detect a process that does not report.
 void Send(const std::string& message) { sd_notify(0, message.c_str()); }
 
 }  // namespace
@@ -21,26 +21,26 @@ ServiceManager::ServiceManager() {
   }
 }
 
-void ServiceManager::Ready() {
+void ServiceManager::SetReady() {
   if (ready_) return;
   ready_ = true;
   Send("READY=1");
 }
 
-void ServiceManager::Say(const std::string& sentence) {
-  // A line end would begin another assignment, and sentences may quote what came over the bus.
+void ServiceManager::SetStatus(const std::string& sentence) {
+  // A line break would start another assignment, and the sentence may contain text from the bus.
   std::string line = sentence;
   std::replace(line.begin(), line.end(), '\n', ' ');
   Send("STATUS=" + line);
 }
 
-void ServiceManager::Alive() {
+void ServiceManager::KeepAlive() {
   const double now = MonotonicSeconds();
   if (alive_period_ <= 0 || now < next_alive_) return;
   next_alive_ = now + alive_period_;
   Send("WATCHDOG=1");
 }
 
-void ServiceManager::Stopping() { Send("STOPPING=1"); }
+void ServiceManager::SetStopping() { Send("STOPPING=1"); }
 
 }  // namespace vismap

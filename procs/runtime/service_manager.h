@@ -4,24 +4,27 @@
 
 namespace vismap {
 
-/// Tells the service manager that started this process (systemd, Type=notify) how it fares. Without
-/// one, that is without $NOTIFY_SOCKET, nothing happens. Not for several threads.
+/// Reports the state of this process to the service manager that started it (systemd with
+/// Type=notify, or scripts/launch). Does nothing when $NOTIFY_SOCKET is not set. For use by one
+/// thread.
 class ServiceManager {
  public:
   ServiceManager();
 
-  /// Able to take work: units that are ordered after this one start. Sent once.
-  void Ready();
-  /// One sentence for `systemctl status`.
-  void Say(const std::string& sentence);
-  /// The loop of the process goes round; to be called at least every alive_period(). Sends no more
-  /// than one message in that time. When none comes for two periods, the manager restarts the
-  /// process.
-  void Alive();
-  /// Ending on request: no longer watched by the watchdog's time, but by that for stopping.
-  void Stopping();
+  /// Reports that the process is ready, so that units ordered after this one start. Only the first
+  /// call sends a message.
+  void SetReady();
+  /// Sets the sentence that `systemctl status` shows.
+  void SetStatus(const std::string& sentence);
+  /// Tells the watchdog that the main loop still runs. Call it at least every alive_period(); it
+  /// sends at most one message in that time. The service manager restarts the process after two
+  /// periods without a message.
+  void KeepAlive();
+  /// Reports that the process is stopping. From then on the time limit for stopping applies instead
+  /// of the watchdog.
+  void SetStopping();
 
-  /// Half the watchdog's time [s]; 0 = there is no watchdog.
+  /// Half of the watchdog's time limit [s]; 0 = there is no watchdog.
   double alive_period() const { return alive_period_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxTimings = 10000;  // per stage between two status messages
+constexpr size_t kMaxTimings = 10000;  // per stage and STATUS
 
 double Median(std::vector<double>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
@@ -54,7 +54,7 @@ Status::Status(Bus* bus, std::string process, ServiceManager* service)
     : bus_(bus), service_(service), process_(std::move(process)), start_utime_(WallUtime()) {
   bus_->Every(1.0, [this] { Publish(); });
   if (service_ != nullptr && service_->alive_period() > 0)
-    bus_->Every(service_->alive_period(), [this] { service_->Alive(); });
+    bus_->Every(service_->alive_period(), [this] { service_->KeepAlive(); });
 }
 
 void Status::Set(ProcessState state, const std::string& message) {
@@ -62,18 +62,18 @@ void Status::Set(ProcessState state, const std::string& message) {
   const bool changed = state != state_;
   state_ = state;
   message_ = message;
-  TellService();
-  if (changed) Publish();  // a mere change of words waits for the next second
+  UpdateServiceManager();
+  if (changed) Publish();  // a change of the message alone is published with the next STATUS
 }
 
-void Status::TellService() {
+void Status::UpdateServiceManager() {
   if (service_ == nullptr) return;
-  service_->Say(message_.empty() ? StateName(state_)
-                                 : std::string(StateName(state_)) + ": " + message_);
+  service_->SetStatus(message_.empty() ? StateName(state_)
+                                       : std::string(StateName(state_)) + ": " + message_);
   if (state_ == ProcessState::kStopping) {
-    service_->Stopping();
+    service_->SetStopping();
   } else if (state_ != ProcessState::kStarting) {
-    service_->Ready();
+    service_->SetReady();
   }
 }
 

@@ -11,40 +11,40 @@
 
 namespace vismap {
 
-/// How a process fares, as people and other processes see it.
+/// The state of a process, as published on STATUS.
 enum class ProcessState {
-  kStarting,  ///< not yet able to take work
-  kReady,     ///< subscribed and able, nothing has come yet
-  kWaiting,   ///< has work that lacks an input; the message says which
-  kRunning,   ///< at work
+  kStarting,  ///< cannot accept work yet
+  kReady,     ///< can accept work, but has received none yet
+  kWaiting,   ///< has work, but an input is missing; the message says which
+  kRunning,   ///< working
   kStopping,
 };
 const char* StateName(ProcessState state);
 
-/// Publishes STATUS once a second and at every change of state: state, what it waits for, counters,
-/// timings. The figures of the bus (CHANNEL.received, .rejected, .lost, .unsent ...) are added by
-/// themselves.
+/// Publishes STATUS once a second and at every change of state: state, message, counters and
+/// timings. It adds the counters of the bus (CHANNEL.received, .rejected, .lost, .unsent ...)
+/// itself.
 class Status {
  public:
-  /// `process` = which program, for example "depth-segmenter". Starts in kStarting. `service`, when
-  /// there is one, hears the same. Both must outlive it.
+  /// `process` is the name of the program, for example "depth-segmenter". The first state is
+  /// kStarting. `service` may be nullptr; else it gets the same state and message. `bus` and
+  /// `service` must outlive the object.
   Status(Bus* bus, std::string process, ServiceManager* service = nullptr);
 
-  /// `message` = one sentence, for example "waiting for DETECTIONS: none in 5 s"; empty = all is
-  /// well.
+  /// `message` is one sentence, for example "waiting for DETECTIONS: none in 5 s"; "" = no problem.
   void Set(ProcessState state, const std::string& message = "");
   ProcessState state() const { return state_; }
 
   void Count(const std::string& counter, int64_t amount = 1) { counters_[counter] += amount; }
   void SetCounter(const std::string& counter, int64_t value) { counters_[counter] = value; }
   int64_t counter(const std::string& name) const;
-  /// Adds a duration [ms] to those of which the next status gives median and maximum.
+  /// Adds a duration [ms]. The next STATUS has median and maximum of the durations of a stage.
   void AddTiming(const std::string& stage, double ms);
 
   void Publish();
 
  private:
-  void TellService();
+  void UpdateServiceManager();
 
   Bus* bus_;
   ServiceManager* service_;
@@ -56,11 +56,11 @@ class Status {
   std::map<std::string, std::vector<double>> timings_ms_;
 };
 
-/// Adds the durations that it measures to `status`, which must outlive it.
+/// A stopwatch that adds the durations of stages to `status`, which must outlive it.
 Stopwatch StageTimings(Status* status);
 
-/// Adds the time from its making to its end to `status`: `StageTimer timer(status,
-/// "segmentation");`
+/// Measures the time from its construction to its destruction and adds it to `status`: `const
+/// StageTimer timer(status, "segmentation");`
 class StageTimer {
  public:
   StageTimer(Status* status, std::string stage);

@@ -6,11 +6,11 @@
 
 namespace vismap {
 
-/// A status of this process with all that does not change filled in: time, host, pid, version,
-/// types. `process` = which program; `start_utime` = when it was started [us].
+/// A STATUS message of this process with time, host, pid, version and types_fingerprint filled in.
+/// `process` is the name of the program, `start_utime` the time of its start [us].
 process_status_t MakeStatus(const std::string& process, int64_t start_utime);
 
-/// Name of this computer.
+/// The host name of this computer.
 std::string HostName();
 
 void AddCounter(process_status_t* message, const std::string& name, int64_t value);

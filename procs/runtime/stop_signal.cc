@@ -42,7 +42,7 @@ StopSignal::~StopSignal() {
 void StopSignal::Request() {
   if (requested_.exchange(true)) return;
   const char byte = 1;
-  // The pipe is empty before and nobody reads it, so this cannot fail; it stays readable.
+  // The pipe is empty before, so this cannot fail. It is never read, so that it stays readable.
   [[maybe_unused]] const ssize_t written = write(pipe_[1], &byte, 1);
 }
 
@@ -54,14 +54,15 @@ bool StopSignal::WaitFor(double seconds) const {
 
 void StopSignal::InstallHandlers(StopSignal* stop) {
   installed.store(stop);
-  // No SA_RESTART: a signal must get a process out of a blocking send to a hub that has stopped.
+  // Without SA_RESTART, so that a signal interrupts a blocking send to a hub that no longer reads.
   struct sigaction action = {};
   action.sa_handler = OnSignal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);
-  signal(SIGXFSZ,
-         SIG_IGN);  // a file beyond the limit is a failed write, not the end of the process
+  signal(
+      SIGXFSZ,
+      SIG_IGN);  // exceeding the file size limit makes write() fail instead of ending the process
 }
 
 }  // namespace vismap

@@ -4,8 +4,8 @@
 
 namespace vismap {
 
-/// The wish that the process ends: a flag and a file descriptor that becomes readable with it, so
-/// that loops which wait in poll() wake up.
+/// A request that the process ends: a flag, and a file descriptor that becomes readable with it, so
+/// that loops that wait in poll() wake up.
 class StopSignal {
  public:
   StopSignal();
@@ -13,16 +13,16 @@ class StopSignal {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  /// From any thread or signal handler; may be called again.
+  /// May be called from any thread or signal handler, and more than once.
   void Request();
   bool requested() const { return requested_.load(); }
   int fd() const { return pipe_[0]; }
 
-  /// Waits up to `seconds` or until requested; returns requested().
+  /// Waits until requested, at most `seconds`; returns requested().
   bool WaitFor(double seconds) const;
 
-  /// SIGINT and SIGTERM request `stop`, a second one of them ends the process at once; SIGPIPE is
-  /// ignored. Once per process; `stop` must outlive it.
+  /// Makes SIGINT and SIGTERM request `stop`; a second signal ends the process immediately. SIGPIPE
+  /// and SIGXFSZ are ignored. Call it once per process; `stop` must outlive all signals.
   static void InstallHandlers(StopSignal* stop);
 
  private:

@@ -45,14 +45,15 @@ Result<void> Greet(int fd, double timeout) {
   std::array<uint32_t, 2> answer{};
   size_t have = 0;
   while (have < sizeof(answer)) {
-    if (!WaitUntil(fd, POLLIN, timeout)) return Fail("connected, but no LCM hub answers there");
+    if (!WaitUntil(fd, POLLIN, timeout))
+      return Fail("the connection was accepted, but no LCM hub answers");
     const ssize_t got =
         recv(fd, reinterpret_cast<char*>(answer.data()) + have, sizeof(answer) - have, 0);
-    if (got <= 0) return Fail("closed the connection");
+    if (got <= 0) return Fail("the connection was closed");
     have += static_cast<size_t>(got);
   }
   if (ntohl(answer[0]) == static_cast<uint32_t>(TcpqMagic::kHub)) return {};
-  return Fail("something that is no LCM hub answers there");
+  return Fail("the program that answers is not an LCM hub");
 }
 
 void SetOption(int fd, int level, int option, int value) {

@@ -7,7 +7,7 @@
 
 namespace vismap {
 
-/// A file descriptor that closes itself; -1 = none.
+/// Owns the file descriptor of a socket and closes it; -1 = none.
 class Socket {
  public:
   Socket() = default;
@@ -27,12 +27,12 @@ class Socket {
   int fd_ = -1;
 };
 
-/// A non-blocking connection to a hub that has greeted us and has our greeting, without delay of
-/// small pieces and with a watch for peers that vanish. Fails with the reason when that takes
-/// longer than `timeout` [s].
+/// Opens a non-blocking connection to a hub, exchanges the greetings of the tcpq protocol, and
+/// applies TuneTcp. Fails with the reason, or when it takes longer than `timeout` [s].
 Result<Socket> ConnectToHub(const TcpAddress& hub, double timeout);
 
-/// Options that both ends of a connection set: TCP_NODELAY and keep-alive within half a minute.
+/// Sets the options for both ends of a connection: TCP_NODELAY, and a keep-alive that detects a
+/// vanished peer within half a minute.
 void TuneTcp(int fd);
 
 }  // namespace vismap

@@ -9,12 +9,15 @@
 #include <cstring>
 #include <utility>
 
+#include "base/format.h"
+
 namespace vismap {
 namespace {
 
 constexpr uint32_t kMaxChannelName = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
 constexpr uint32_t kMaxPattern = 1024;
-constexpr size_t kGrowth = size_t{4} << 20;  // largest step ahead of what has arrived [bytes]
+constexpr size_t kGrowth =
+    size_t{4} << 20;  // largest growth of the buffer ahead of the arrived bytes [bytes]
 
 void AppendWord(std::vector<uint8_t>* bytes, size_t value) {
   for (int shift = 24; shift >= 0; shift -= 8)
@@ -77,11 +80,12 @@ Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
     if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
     const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return {};
-    if (got < 0 && errno == ECONNRESET) return Fail("");  // it left without reading all
+    if (got < 0 && errno == ECONNRESET)
+      return Fail("");  // it closed the connection before it had read everything
     if (got < 0) return Fail(std::strerror(errno));
     if (got == 0) return Fail("");
-    // LCM's client sends one message in five small writes and waits for the acknowledgement of
-    // each.
+    // LCM's own client sends a message in five small writes and waits for the acknowledgement of
+    // each, so acknowledge immediately.
     const int on = 1;
     setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof(on));
     have_ += static_cast<size_t>(got);
@@ -99,7 +103,7 @@ Result<void> RecordReader::Advance(const std::function<void(TcpqRecord)>& on_rec
   switch (stage_) {
     case Stage::kHello:
       if (Word(0) != static_cast<uint32_t>(magic_) || Word(4) >> 8 != kTcpqVersion >> 8) {
-        return Fail("does not speak LCM's tcpq protocol");
+        return Fail("does not use LCM's tcpq protocol");
       }
       have_ = 0;
       Expect(Stage::kHead, 8);
@@ -143,8 +147,8 @@ Result<void> RecordReader::StartName() {
 Result<void> RecordReader::StartData() {
   const uint32_t size = Word(have_ - 4);
   if (size > max_message_bytes_) {
-    return Fail("sent a message of " + std::to_string(size) + " bytes on " + Name() + ", at most " +
-                std::to_string(max_message_bytes_) + " are allowed");
+    return Fail("sent a message of " + FormatBytes(size) + " on " + Name() + "; at most " +
+                FormatBytes(max_message_bytes_) + " are allowed");
   }
   Expect(Stage::kData, size);
   return {};

@@ -12,24 +12,24 @@
 
 namespace vismap {
 
-// LCM's tcpq protocol. All numbers are 32 bits, big-endian. Each side first sends its magic number
-// and the version of the protocol; then records follow: (1, name size, name, data size, data)
-// publishes, in both directions; (2, size, pattern) subscribes and (3, size, pattern) takes that
-// back, from client to hub.
+// LCM's tcpq protocol. All numbers have 32 bits and are big-endian. Each side first sends a
+// greeting: its magic number and the version of the protocol. Then records follow. A record (1,
+// name size, name, data size, data) publishes a message, in both directions. From client to hub,
+// (2, size, pattern) subscribes, and (3, size, pattern) cancels a subscription.
 
-/// What each side sends first.
+/// The magic number in the greeting of each side.
 enum class TcpqMagic : uint32_t { kHub = 0x287617fa, kClient = 0x287617fb };
 inline constexpr uint32_t kTcpqVersion = 0x0100;
 
-/// Bytes that many queues share.
+/// A byte string that several queues share.
 using SharedBytes = std::shared_ptr<const std::vector<uint8_t>>;
 
-/// One record, as it was received.
+/// One record of the protocol.
 struct TcpqRecord {
   enum class Kind { kPublish = 1, kSubscribe = 2, kUnsubscribe = 3 };
   Kind kind = Kind::kPublish;
-  std::string name;   ///< channel, or regular expression of channels
-  SharedBytes bytes;  ///< of kPublish: the whole record, ready to be passed on
+  std::string name;   ///< channel, or pattern (regular expression)
+  SharedBytes bytes;  ///< of kPublish: the whole record, ready to be forwarded
 
   /// Of kPublish: the message in `bytes`.
   std::span<const uint8_t> data() const {
@@ -39,26 +39,27 @@ struct TcpqRecord {
 
 /// The bytes of a greeting.
 std::vector<uint8_t> TcpqHello(TcpqMagic magic);
-/// The bytes of a record of kind 2 or 3, or, up to where the data begins, of kind 1.
+/// The bytes of a record of kind 2.
 std::vector<uint8_t> TcpqSubscribe(const std::string& pattern);
+/// The bytes of a record of kind 1 up to its data.
 std::vector<uint8_t> TcpqPublishHead(const std::string& channel, size_t data_size);
 /// A record of kind 1 with its message.
 TcpqRecord TcpqPublish(const std::string& channel, std::span<const uint8_t> data);
 
-/// Puts records together from what arrives on a socket. Memory follows what has arrived, not what a
-/// sender claims.
+/// Reads records from a socket, from any sequence of partial reads. The buffer grows with the bytes
+/// that have arrived, not with the size that the sender announces.
 class RecordReader {
  public:
-  /// `magic` = what the other side must send first.
+  /// `magic` is the magic number that the other side must send.
   RecordReader(TcpqMagic magic, size_t max_message_bytes)
       : magic_(magic), max_message_bytes_(max_message_bytes) {}
 
-  /// The greeting of the other side was read elsewhere.
+  /// Call it when the greeting of the other side has been read already.
   void SkipHello() { Expect(Stage::kHead, 8); }
 
-  /// Reads at most about `max_bytes` from a non-blocking socket and calls `on_record` for each
-  /// record that is complete. Fails when the connection has ended ("" = in good order) or the bytes
-  /// are not the protocol.
+  /// Reads about `max_bytes` at most from a non-blocking socket and calls `on_record` for each
+  /// complete record. Fails when the other side has closed the connection (message "") and when the
+  /// bytes violate the protocol.
   Result<void> ReadFrom(int fd, size_t max_bytes, const std::function<void(TcpqRecord)>& on_record);
 
  private:
@@ -74,8 +75,8 @@ class RecordReader {
   size_t max_message_bytes_;
   Stage stage_ = Stage::kHello;
   std::vector<uint8_t> buffer_;
-  size_t have_ = 0;
-  size_t need_ = 8;
+  size_t have_ = 0;  // bytes of the current record that have arrived
+  size_t need_ = 8;  // bytes needed to finish the current stage
 };
 
 }  // namespace vismap

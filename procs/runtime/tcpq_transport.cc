@@ -15,10 +15,12 @@
 namespace vismap {
 namespace {
 
-constexpr double kConnectTimeout = 1.0;      // [s]
-constexpr double kSendTimeout = 90.0;        // without any progress; more than a hub's patience [s]
+constexpr double kConnectTimeout = 1.0;  // [s]
+// Without any progress; longer than the patience of a hub [s].
+constexpr double kSendTimeout = 90.0;
 constexpr size_t kReadPerTurn = 256 * 1024;  // [bytes]
-constexpr size_t kMaxInboxBytes = 256 * kMegabyte;  // read ahead while sending
+// Largest amount read ahead while sending [bytes].
+constexpr size_t kMaxInboxBytes = 256 * kMegabyte;
 
 class TcpqTransport : public Transport {
  public:
@@ -59,7 +61,8 @@ class TcpqTransport : public Transport {
     if (!read) socket_.Close();
   }
 
-  // A record must go out whole or the connection is of no use any more.
+  // Sends a whole record, or closes the connection: after a partial record the hub could not find
+  // the next one.
   bool Send(std::span<const uint8_t> head, std::span<const uint8_t> data) {
     double last_progress = MonotonicSeconds();
     while (socket_.open() && head.size() + data.size() > 0) {
@@ -87,7 +90,8 @@ class TcpqTransport : public Transport {
     return sendmsg(socket_.fd(), &message, MSG_NOSIGNAL | MSG_DONTWAIT);
   }
 
-  // Waits until there is room again, receiving meanwhile. False when it has been too long.
+  // Waits until the socket accepts data, and receives meanwhile. Returns false when there was no
+  // progress for too long.
   bool WaitToSend(double last_progress) {
     const bool room = inbox_bytes_ < kMaxInboxBytes;
     pollfd waiting{socket_.fd(), static_cast<short>(POLLOUT | (room ? POLLIN : 0)), 0};

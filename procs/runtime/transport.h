@@ -12,34 +12,34 @@
 
 namespace vismap {
 
-/// One connection to a bus that carries named byte strings. For one thread; Publish may be called
-/// from within the sink.
+/// A connection to a bus that carries byte strings on named channels. For use by one thread; the
+/// sink may call Publish.
 class Transport {
  public:
   using Sink = std::function<void(const std::string& channel, std::span<const uint8_t> data)>;
 
   virtual ~Transport() = default;
-  /// False after the connection has ended; it then stays so.
+  /// False once the connection has ended; it is not opened again.
   virtual bool connected() const = 0;
-  /// Readable when something has arrived; -1 when not connected.
+  /// File descriptor that is readable when data has arrived; -1 when not connected.
   virtual int fd() const = 0;
-  /// Something has been read and waits for Receive, whatever fd() says.
+  /// A message has been read already and waits for Receive, even if fd() is not readable.
   virtual bool pending() const = 0;
-  /// Messages of this channel are to come.
+  /// Subscribes to a channel (a regular expression).
   virtual void Subscribe(const std::string& channel) = 0;
-  /// False when the message could not be handed over.
+  /// Returns false when the message could not be sent.
   virtual bool Publish(const std::string& channel, std::span<const uint8_t> data) = 0;
-  /// Takes what has arrived, without waiting, and gives at most one message to `sink`, which must
-  /// not throw. True when it gave one.
+  /// Reads the data that has arrived, without waiting, and calls `sink` with at most one message.
+  /// `sink` must not throw. Returns true when it was called.
   virtual bool Receive(const Sink& sink) = 0;
 };
 
-/// Our own client of a hub (tcpq): sends a message in one piece, never waits without limit, and
-/// goes on receiving while it sends, so that a hub which waits for us cannot lock us up. `stop`
-/// (may be nullptr) cuts waiting short.
+/// vismap's own client for a hub (tcpq). It sends a message with one call, bounds every wait, and
+/// receives while it sends, so that hub and client cannot wait for each other forever. `stop` (may
+/// be nullptr) shortens the waits.
 Result<std::unique_ptr<Transport>> OpenTcpqTransport(const TcpAddress& hub, const StopSignal* stop);
 
-/// LCM's own implementation, for udpm, memq and the others.
+/// LCM's own implementation, for udpm, memq and all other providers.
 Result<std::unique_ptr<Transport>> OpenLcmTransport(const LcmUrl& url);
 
 }  // namespace vismap

@@ -6,39 +6,40 @@
 
 namespace vismap {
 
-bool LockstepWindow::MayGo(const FrameKey& key) const {
-  return HasRoom() && std::all_of(open_.begin(), open_.end(), [&](const Open& open) {
-           return open.key.camera_id == key.camera_id;
+bool LockstepWindow::MaySend(const FrameKey& key) const {
+  return HasRoom() && std::all_of(in_flight_.begin(), in_flight_.end(), [&](const Frame& frame) {
+           return frame.key.camera_id == key.camera_id;
          });
 }
 
 void LockstepWindow::Sent(size_t index, const FrameKey& key, double now) {
   Require(HasRoom(), "a frame is sent only when the window has room");
-  if (open_.empty()) last_progress_ = now;
-  open_.push_back({index, key, now});
+  if (in_flight_.empty()) last_progress_ = now;
+  in_flight_.push_back({index, key, now});
 }
 
 bool LockstepWindow::Commit(const FrameKey& key, double now) {
-  const auto found =
-      std::find_if(open_.begin(), open_.end(), [&](const Open& open) { return open.key == key; });
-  if (found == open_.end()) return false;
-  open_.erase(found);
+  const auto found = std::find_if(in_flight_.begin(), in_flight_.end(),
+                                  [&](const Frame& frame) { return frame.key == key; });
+  if (found == in_flight_.end()) return false;
+  in_flight_.erase(found);
   last_progress_ = now;
   return true;
 }
 
 std::optional<size_t> LockstepWindow::NextResend(double now) {
   if (now - last_progress_ < resend_after_) return std::nullopt;
-  for (Open& open : open_) {
-    if (now - open.sent < resend_after_) continue;
-    open.sent = now;
-    return open.index;
+  for (Frame& frame : in_flight_) {
+    if (now - frame.sent < resend_after_) continue;
+    frame.sent = now;
+    return frame.index;
   }
   return std::nullopt;
 }
 
-bool LockstepWindow::IsOpen(const FrameKey& key) const {
-  return std::any_of(open_.begin(), open_.end(), [&](const Open& open) { return open.key == key; });
+bool LockstepWindow::IsInFlight(const FrameKey& key) const {
+  return std::any_of(in_flight_.begin(), in_flight_.end(),
+                     [&](const Frame& frame) { return frame.key == key; });
 }
 
 }  // namespace vismap

@@ -8,50 +8,55 @@
 
 namespace vismap {
 
-/// Which frames of a lockstep replay are on their way: at most `window` frames are sent ahead of
-/// the oldest that the map server has not committed, and when no commit comes for `resend_after`,
-/// those are sent again. Does not look at a clock: times [s] are passed in.
+/// The frames in flight of a lockstep replay: those that were sent and not yet committed by the map
+/// server. At most `window` frames are in flight. When no commit arrives for `resend_after` [s],
+/// they are due to be sent again. It has no clock of its own: callers pass the current time `now`
+/// [s].
 class LockstepWindow {
  public:
   LockstepWindow(int window, double resend_after) : window_(window), resend_after_(resend_after) {}
 
-  /// Whether another new frame may be sent.
-  bool HasRoom() const { return static_cast<int>(open_.size()) < window_; }
+  /// Whether fewer than `window` frames are in flight.
+  bool HasRoom() const { return static_cast<int>(in_flight_.size()) < window_; }
 
-  /// Whether this new frame may be sent: there is room, and no frame of another camera is open. The
-  /// map server keeps the order of one camera's frames by after_utime; across cameras only this
-  /// does.
-  bool MayGo(const FrameKey& key) const;
+  /// Whether this new frame may be sent: there is room, and no frame of another camera is in
+  /// flight. after_utime preserves the order of the frames of one camera only, so this rule
+  /// preserves it across cameras.
+  bool MaySend(const FrameKey& key) const;
 
-  /// A new frame `index` is sent now. The window must have room.
+  /// Adds the new frame number `index`, which is sent now. The window must have room.
   void Sent(size_t index, const FrameKey& key, double now);
 
-  /// A commit came. True when the frame was waited for; false for repeats and strangers.
+  /// Removes a committed frame. Returns false when it was not in flight, as for a repeated commit
+  /// or a frame of another source.
   bool Commit(const FrameKey& key, double now);
 
-  /// The next frame to send again, if one is due; ask until none is. Frames come in their order.
+  /// The number of the next frame that is due to be sent again; nullopt when none is. Call it until
+  /// it returns nullopt; it returns the frames in the order of sending.
   std::optional<size_t> NextResend(double now);
 
-  /// Forgets all frames that are on their way: they will be sent as new ones.
-  void Clear() { open_.clear(); }
+  /// Removes all frames, so that they can be sent as new ones.
+  void Clear() { in_flight_.clear(); }
 
-  /// Whether commits have been missing for so long that frames are due again.
-  bool Stalled(double now) const { return !open_.empty() && now - last_progress_ >= resend_after_; }
-  bool IsOpen(const FrameKey& key) const;
+  /// Whether no commit has arrived for `resend_after` although frames are in flight.
+  bool Stalled(double now) const {
+    return !in_flight_.empty() && now - last_progress_ >= resend_after_;
+  }
+  bool IsInFlight(const FrameKey& key) const;
 
-  bool empty() const { return open_.empty(); }
-  size_t open() const { return open_.size(); }
+  bool empty() const { return in_flight_.empty(); }
+  size_t in_flight() const { return in_flight_.size(); }
 
  private:
-  struct Open {
+  struct Frame {
     size_t index;
     FrameKey key;
-    double sent;
+    double sent;  // [s]
   };
   int window_;
   double resend_after_;
   double last_progress_ = 0;
-  std::deque<Open> open_;  // in the order of sending
+  std::deque<Frame> in_flight_;  // in the order of sending
 };
 
 }  // namespace vismap

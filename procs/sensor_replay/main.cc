@@ -22,36 +22,40 @@ struct Arguments {
 void AddInput(CommandLine& line, Arguments* arguments) {
   DatasetOptions& sequence = arguments->sequence;
   line.Option("--dataset", &arguments->dataset,
-              "Folder of the sequence, a log of LCM messages, synthetic:room or synthetic:office")
+              "Folder of a sequence, log of LCM messages, synthetic:room or synthetic:office")
       .Required();
   line.Option("--format", &arguments->format,
-              "Layout of the folder; found by looking when not given");
+              "Format of the folder; detected automatically if not given");
   line.Option("--camera-id", &arguments->camera_id,
-              "Given to every frame; those of a log keep theirs")
+              "Camera id of all frames; frames of a log keep their own")
       .AtLeast(0);
-  line.Option("--stride", &sequence.stride, "Every n-th frame").Positive();
-  line.Option("--max-frames", &sequence.max_frames, "At most so many frames; 0 = all").AtLeast(0);
+  line.Option("--stride", &sequence.stride, "Use every n-th frame only").Positive();
+  line.Option("--max-frames", &sequence.max_frames, "Use at most so many frames; 0 = all")
+      .AtLeast(0);
 }
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
   AddInput(line, arguments);
   SensorReplayOptions& config = arguments->config.sensor_replay;
   line.Choice("--mode", &config.lockstep, {{"realtime", false}, {"lockstep", true}},
-              "realtime, or lockstep: at the pace of the map server; a log is played in lockstep "
-              "unless you say otherwise");
-  line.Option("--speed", &config.speed, "Of real time; 0 = as fast as possible").AtLeast(0);
+              "realtime: as recorded; lockstep: wait for the commits of the map server; logs use "
+              "lockstep by default");
+  line.Option("--speed", &config.speed, "Speed relative to real time; 0 = as fast as possible")
+      .AtLeast(0);
   line.Option("--window", &config.window_frames,
-              "Lockstep: frames sent before the oldest is committed")
+              "Lockstep: largest number of sent frames that are not committed yet")
       .Range(1, 1000);
   line.Option("--resend-s", &config.resend_s,
-              "Lockstep: seconds without a commit before frames are repeated")
+              "Lockstep: seconds without a commit after which frames are sent again")
       .Positive();
-  line.Option("--wait-for", &arguments->bounds.wait_for,
-              "Programs that must be ready first: depth-segmenter,map-server");
-  line.Flag("--loop", &arguments->bounds.loop, "Begin again at the end, with utimes that go on");
+  line.Option(
+      "--wait-for", &arguments->bounds.wait_for,
+      "Programs that must be ready before the first frame, for example depth-segmenter,map-server");
+  line.Flag("--loop", &arguments->bounds.loop, "Start again at the end, with increasing utimes");
 }
 
-// A log is played in lockstep, whatever the file says, unless the command line says otherwise.
+// A log is replayed in lockstep unless the command line requests another mode; the config file does
+// not count.
 Result<void> ReadOptions(const std::string& text, const std::string& path, Arguments* arguments) {
   const Result<void> read = ReadConfig(text, path, &arguments->config);
   if (IsLog(arguments->dataset)) arguments->config.sensor_replay.lockstep = true;

@@ -9,7 +9,7 @@
 namespace vismap {
 
 namespace {
-constexpr double kAskAgain = 1.0;  // [s]
+constexpr double kRepeatPeriod = 1.0;  // [s]
 }  // namespace
 
 MapContents::MapContents(Bus* bus, const Peers* peers) : bus_(bus), peers_(peers) {
@@ -30,11 +30,11 @@ bool MapContents::ServerRestarted() {
   return restarted;
 }
 
-void MapContents::Ask() {
+void MapContents::Request() {
   const double now = MonotonicSeconds();
-  if (asked_ && now - asked_at_ < kAskAgain) return;
-  asked_ = true;
-  asked_at_ = now;
+  if (requested_ && now - request_time_ < kRepeatPeriod) return;
+  requested_ = true;
+  request_time_ = now;
   map_request_t request{};
   request.utime = WallUtime();
   request.request_id = request_id_ = request.utime;
@@ -44,13 +44,15 @@ void MapContents::Ask() {
 
 Result<void> MapContents::OnReply(const std::string& requester, int64_t request_id, bool ok,
                                   const std::string& payload) {
-  if (!asked_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
+  if (!requested_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
   const auto json = nlohmann::json::parse(payload, nullptr, false);
   std::set<FrameKey> frames;
   for (const auto& frame : json) {
     if (!frame.is_array() || frame.size() != 2 || !frame[0].is_number_integer() ||
         !frame[1].is_number_integer()) {
-      return Fail("answer to 'frames': expected [camera_id, utime], found " + frame.dump());
+      return Fail(
+          "the answer to the request 'frames' must consist of [camera_id, utime], but has " +
+          frame.dump());
     }
     frames.insert({CameraId{frame[0].get<int32_t>()}, frame[1].get<int64_t>()});
   }
@@ -59,9 +61,9 @@ Result<void> MapContents::OnReply(const std::string& requester, int64_t request_
   return {};
 }
 
-bool MapContents::TakeAnswer() {
+bool MapContents::ConsumeAnswer() {
   if (!answered_) return false;
-  answered_ = asked_ = false;
+  answered_ = requested_ = false;
   return true;
 }
 

@@ -11,23 +11,27 @@
 
 namespace vismap {
 
-/// Asks the map server which frames its map holds: after a restart it may lack frames that it had
-/// committed.
+/// Requests from the map server the list of frames in its map. After a restart, the map may lack
+/// frames that were committed before.
 class MapContents {
  public:
-  /// Subscribes. `bus` and `peers` must outlive it.
+  /// Subscribes to MAP_REPLY. `bus` and `peers` must outlive the object.
   MapContents(Bus* bus, const Peers* peers);
 
-  /// True once after each restart of a map server, as its STATUS tells.
+  /// Returns true once after each restart of a map server, which is detected by its STATUS.
   bool ServerRestarted();
 
-  /// Sends the question, unless the last one is younger than a second.
-  void Ask();
-  bool asked() const { return asked_; }
+  /// Sends the request. Does nothing within a second after an unanswered one.
+  void Request();
+  /// Whether a request has not been answered yet.
+  bool requested() const { return requested_; }
 
-  /// True once for each answer to Ask; `Holds` then speaks of the map at that time.
-  bool TakeAnswer();
+  /// Returns true once for each answer; Holds() and size() then describe the map at the time of the
+  /// answer.
+  bool ConsumeAnswer();
+  /// Whether the map has this frame.
   bool Holds(const FrameKey& frame) const { return frames_.contains(frame); }
+  /// Number of frames in the map.
   size_t size() const { return frames_.size(); }
 
  private:
@@ -36,9 +40,9 @@ class MapContents {
 
   Bus* bus_;
   const Peers* peers_;
-  std::map<std::string, int64_t> start_utimes_;  // of the map servers, by name
-  bool asked_ = false, answered_ = false;
-  double asked_at_ = 0;  // MonotonicSeconds
+  std::map<std::string, int64_t> start_utimes_;  // start_utime of each map server, by name
+  bool requested_ = false, answered_ = false;
+  double request_time_ = 0;  // MonotonicSeconds
   int64_t request_id_ = 0;
   std::set<FrameKey> frames_;
 };

@@ -1,12 +1,12 @@
 #include "sensor_replay/replay.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <vismap/frame_commit_t.hpp>
 
+#include "base/format.h"
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
 #include "runtime/peers.h"
@@ -24,10 +24,11 @@ std::string Join(const std::vector<std::string>& words) {
   return text;
 }
 
-constexpr int64_t kLongestRound = int64_t{1} << 60;  // [us], against overflow
+constexpr int64_t kLongestRound = int64_t{1}
+                                  << 60;  // bounds the shift of utimes, against overflow [us]
 
-/// The frames of a sequence, once or again and again; in later rounds utimes are shifted so that
-/// they go on.
+/// The frames of a sequence, played once or in a loop. In later rounds the utimes are shifted, so
+/// that they keep increasing.
 class Frames {
  public:
   Frames(const Dataset& dataset, bool loop) : dataset_(dataset), loop_(loop) {
@@ -47,7 +48,7 @@ class Frames {
     return {dataset_.Header(i % dataset_.size()).camera_id, utime(i)};
   }
 
-  /// The frame of the same camera before frame i; none for its first.
+  /// The previous frame of the same camera; nullopt for the first one.
   std::optional<FrameKey> Predecessor(size_t i) const {
     const CameraId camera = key(i).camera_id;
     while (i-- > 0) {
@@ -59,7 +60,8 @@ class Frames {
   Result<rgbd_frame_t> Message(size_t i) const {
     Result<SensorFrame> frame = dataset_.Read(i % dataset_.size());
     if (!frame) return tl::unexpected(frame.error());
-    // A frame that nobody can decode would be waited for in vain.
+    // Check the images: in lockstep, the commit of a frame that cannot be decoded would never
+    // arrive.
     if (const Result<RgbdFrame> decoded = DecodeFrame(*frame); !decoded) {
       return Fail(dataset_.name() + ", frame " + std::to_string(frame->header.frame_number) + ": " +
                   decoded.error().message);
@@ -76,7 +78,7 @@ class Frames {
   int64_t round_us_ = 0;
 };
 
-/// What both ways of playing need.
+/// Replays a sequence, in lockstep or in real time.
 class Player {
  public:
   Player(const Dataset& dataset, const SensorReplayOptions& options, const ReplayBounds& bounds,
@@ -106,7 +108,7 @@ class Player {
   bool WaitForPeers() {
     status_.Set(ProcessState::kReady);
     return bus_.Run([this] {
-      const std::vector<std::string> missing = peers_.Missing(wait_for_);
+      const std::vector<std::string> missing = peers_.NotReady(wait_for_);
       if (!missing.empty()) {
         if (status_.state() != ProcessState::kWaiting) LogInfo("waiting for " + Join(missing));
         status_.Set(ProcessState::kWaiting, "waiting for " + Join(missing));
@@ -141,8 +143,8 @@ class Player {
     return {};
   }
 
-  // Always after its predecessor: a map server that went on from an older map after a crash holds
-  // the frame back until it has all before it.
+  // Always names the predecessor: a map server that continues an older map after a crash then holds
+  // the frame until the missing ones before it have been sent again.
   Outcome SendInOrder(size_t i) {
     const std::optional<FrameKey> predecessor = frames_.Predecessor(i);
     return Send(i, predecessor ? predecessor->utime : -1);
@@ -153,34 +155,36 @@ class Player {
     status_.Count("frames_committed");
     if (commit.status == frame_commit_t::STATUS_SKIPPED) {
       status_.Count("frames_not_integrated");
-      LogWarningSometimes(
-          "skipped", "the map server left out " + ToText(KeyOf(commit)) + ": " + commit.reason);
+      LogWarningRateLimited("skipped", "the map server skipped the frame of " +
+                                           ToText(KeyOf(commit)) + ": " + commit.reason);
     }
   }
 
-  // A restarted map server may lack frames that were committed: goes back to the first of them.
-  void GoBackIfLacking(LockstepWindow* window, size_t* next) {
-    if (contents_.ServerRestarted() || window->Stalled(MonotonicSeconds()) || contents_.asked())
-      contents_.Ask();
-    if (!contents_.TakeAnswer()) return;
+  // A restarted map server may lack committed frames. In this case, continues with the first
+  // missing frame.
+  void RewindIfFramesAreMissing(LockstepWindow* window, size_t* next) {
+    if (contents_.ServerRestarted() || window->Stalled(MonotonicSeconds()) || contents_.requested())
+      contents_.Request();
+    if (!contents_.ConsumeAnswer()) return;
     size_t first = 0;
     while (first < *next &&
-           (contents_.Holds(frames_.key(first)) || window->IsOpen(frames_.key(first))))
+           (contents_.Holds(frames_.key(first)) || window->IsInFlight(frames_.key(first))))
       ++first;
-    if (first == *next) return;
-    LogInfo("the map server has " + std::to_string(contents_.size()) +
-            " frames: going back from frame " + std::to_string(*next) + " to " +
-            std::to_string(first));
-    status_.Count("frames_gone_back", static_cast<int64_t>(*next - first));
+    if (first == *next) return;  // the map has all sent frames
+    LogInfo("the map server lost frames and now has " +
+            FormatCount(static_cast<int64_t>(contents_.size())) + "; sending again from frame " +
+            std::to_string(first) + " instead of frame " + std::to_string(*next));
+    status_.Count("frames_rewound", static_cast<int64_t>(*next - first));
     status_.SetCounter("frames_committed", static_cast<int64_t>(first));
     window->Clear();
     *next = first;
   }
 
-  // One round: fills the window with new frames, repeats what is overdue, then waits for commits.
+  // One round: sends new frames until the window is full, repeats overdue frames, then waits for
+  // commits.
   Outcome Step(LockstepWindow* window, size_t* next) {
-    GoBackIfLacking(window, next);
-    while (frames_.Has(*next) && window->MayGo(frames_.key(*next)) && bus_.connected()) {
+    RewindIfFramesAreMissing(window, next);
+    while (frames_.Has(*next) && window->MaySend(frames_.key(*next)) && bus_.connected()) {
       window->Sent(*next, frames_.key(*next), MonotonicSeconds());
       if (const Outcome sent = SendInOrder(*next); !sent) return sent;
       ++*next;
@@ -189,7 +193,8 @@ class Player {
     while (const std::optional<size_t> again = window->NextResend(MonotonicSeconds())) {
       if (const Outcome sent = SendInOrder(*again); !sent) return sent;
       status_.Count("frames_resent");
-      LogInfo("no commit for a while: sent frame " + std::to_string(*again) + " again");
+      LogInfo("no commit arrived for " + FormatDuration(options_.resend_s) + ", so frame " +
+              std::to_string(*again) + " was sent again");
     }
     bus_.Spin(0.05);
     return {};
@@ -204,7 +209,9 @@ class Player {
     while (frames_.Has(next) || !window->empty()) {
       if (bus_.stop_requested()) {
         return ExitWith(ExitCode::kFailed,
-                        "stopped with " + std::to_string(window->open()) + " frames not committed");
+                        "stopped before " +
+                            FormatCount(static_cast<int64_t>(window->in_flight()), "sent frame") +
+                            " had been committed");
       }
       if (const Outcome stepped = Step(window.get(), &next); !stepped) return stepped;
       ShowState(*window);
@@ -223,19 +230,17 @@ class Player {
   void Summarize() {
     const double seconds = MonotonicSeconds() - started_;
     const auto sent = status_.counter("frames_sent") - status_.counter("frames_resent");
-    char text[256];
-    std::snprintf(text, sizeof(text), "%lld frames in %.2f s (%.1f per second), %lld sent again, ",
-                  static_cast<long long>(sent), seconds,
-                  static_cast<double>(sent) / std::max(seconds, 1e-9),
-                  static_cast<long long>(status_.counter("frames_resent")));
-    const std::string result =
-        options_.lockstep
-            ? std::to_string(status_.counter("frames_committed")) + " committed, " +
-                  std::to_string(status_.counter("frames_not_integrated")) +
-                  " of them not integrated"
-            : "at most " + std::to_string(static_cast<int>(std::ceil(worst_delay_ * 1000))) +
-                  " ms late";
-    LogInfo(text + result);
+    char rate[32];
+    std::snprintf(rate, sizeof(rate), "%.1f", static_cast<double>(sent) / std::max(seconds, 1e-9));
+    const int64_t skipped = status_.counter("frames_not_integrated");
+    LogInfo("sent " + FormatCount(sent, "frame") + " in " + FormatDuration(seconds) + " (" + rate +
+            " per second)" +
+            (options_.lockstep
+                 ? " with " + FormatCount(status_.counter("frames_resent"), "repetition") +
+                       "; the map server integrated " +
+                       FormatCount(status_.counter("frames_committed") - skipped) +
+                       " and skipped " + FormatCount(skipped)
+                 : ", at most " + FormatDuration(worst_delay_) + " late"));
   }
 
   Frames frames_;
@@ -255,7 +260,7 @@ class Player {
 Outcome Replay(const Dataset& dataset, const SensorReplayOptions& options,
                const ReplayBounds& bounds, ProcessContext& context) {
   if (dataset.size() == 0)
-    return ExitWith(ExitCode::kUnreadable, dataset.name() + ": no usable frames");
+    return ExitWith(ExitCode::kUnreadable, dataset.name() + ": the sequence has no usable frame");
   return Player(dataset, options, bounds, &context).Play();
 }
 

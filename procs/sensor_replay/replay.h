@@ -9,14 +9,14 @@
 
 namespace vismap {
 
-/// When a replay starts and ends; only the command line says it.
+/// When a replay starts and ends. These options exist on the command line only.
 struct ReplayBounds {
   std::vector<std::string> wait_for;  ///< programs that must be ready before the first frame
-  bool loop = false;                  ///< begin again at the end; utimes go on increasing
+  bool loop = false;                  ///< start again at the end; utimes keep increasing
 };
 
-/// Publishes the frames of `dataset` as RGBD_FRAME. In lockstep it succeeds only when every frame
-/// was committed.
+/// Publishes the frames of `dataset` as RGBD_FRAME. In lockstep it succeeds only when all frames
+/// were committed.
 Outcome Replay(const Dataset& dataset, const SensorReplayOptions& options,
                const ReplayBounds& bounds, ProcessContext& context);
 

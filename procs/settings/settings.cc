@@ -33,7 +33,7 @@ Result<void> ReadConfig(const std::string& text, const std::string& path, Vismap
 }
 
 void ThreadOption::AddTo(CommandLine& line) {
-  line.Option("--threads", &threads_, "Threads to use; 0 = all processors").AtLeast(0);
+  line.Option("--threads", &threads_, "Number of threads; 0 = all processors").AtLeast(0);
 }
 
 std::unique_ptr<ThreadLimit> ThreadOption::Limit() const {

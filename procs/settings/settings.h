@@ -11,22 +11,23 @@
 
 namespace vismap {
 
-// What the processes that take a vismap config file share.
+// Shared by the processes that use a vismap config file.
 
-/// Lets `config` be what --config and the options of the command line say: fills read_config and
-/// check_config of the spec. `check` = what else must hold, or must be done, after both were read.
+/// Fills read_config and check_config of the spec, so that --config and the command line set
+/// `config`. `check` is called after both were read, for further checks.
 void UseConfig(
     VismapConfig* config, ProcessSpec* spec,
     const std::function<Result<void>()>& check = [] { return Result<void>(); });
 
-/// Reads and checks the text of a config file (empty = defaults).
+/// Reads and checks the text of a config file ("" = defaults).
 Result<void> ReadConfig(const std::string& text, const std::string& path, VismapConfig* config);
 
-/// `--threads N`: limits the parallel loops of the process while the limit lives.
+/// The option --threads N, which limits the parallel loops of a process as long as the limit
+/// exists.
 class ThreadOption {
  public:
   void AddTo(CommandLine& line);
-  /// The limit that the user asked for; none when all processors may be used.
+  /// The limit that the user has set; nullptr when all processors may be used.
   std::unique_ptr<ThreadLimit> Limit() const;
 
  private:

@@ -9,19 +9,20 @@
 
 namespace vismap {
 
-/// What is known of one of our channels without knowing its message type in C++.
+/// One of the channels in kAllChannels and its message type, for code that handles all channels
+/// alike and does not name the C++ type.
 struct ChannelType {
   Channel channel;
-  const char* type;     ///< name of the message type
-  int64_t fingerprint;  ///< of the type
-  /// Fails when the bytes are not such a message, as a reader on the bus would say.
+  const char* type;     ///< name of the message type, for example "rgbd_frame_t"
+  int64_t fingerprint;  ///< of the message type, from LCM
+  /// Decodes the bytes as a message of this type. Fails with the sentence that Unpack gives.
   Result<void> (*check)(std::span<const uint8_t> bytes, const Channel& channel);
 };
 
-/// All of ours, in the order of kAllChannels.
+/// All channels, in the order of kAllChannels.
 std::span<const ChannelType> ChannelTypes();
 
-/// None for a channel that is not ours.
+/// The entry of a channel by name; nullptr when vismap does not define this channel.
 const ChannelType* FindChannelType(const std::string& channel);
 
 }  // namespace vismap

@@ -6,12 +6,11 @@
 
 namespace vismap {
 
-/// A channel of the bus: its name, which carries one message type, and the largest message [bytes]
-/// that a reader accepts on it. Names are plain (capital letters and underscores), since LCM
-/// subscribes by regular expression.
+/// A channel of the bus. It carries one message type. LCM subscribes by regular expression, so a
+/// name has only capital letters and underscores.
 struct Channel {
   const char* name;
-  size_t max_bytes;
+  size_t max_bytes;  ///< readers reject a larger message [bytes]
 };
 
 inline constexpr size_t kMegabyte = size_t{1} << 20;
@@ -34,10 +33,11 @@ inline constexpr std::array kAllChannels = {
     kMapDeltaChannel,   kMeshDeltaChannel,  kObjectsChannel,        kOctomapChannel,
     kMapRequestChannel, kMapReplyChannel,   kStatusChannel};
 
-/// No message of any channel is larger.
+/// The largest message of any channel [bytes].
 inline constexpr size_t kMaxMessageBytes = 192 * kMegabyte;
 
-/// The largest message of a channel [bytes], also of one that is not ours.
+/// The largest message of a channel [bytes]; kMaxMessageBytes for a channel that vismap does not
+/// define.
 constexpr size_t MaxBytesOf(std::string_view channel) {
   for (const Channel& known : kAllChannels) {
     if (channel == known.name) return known.max_bytes;

@@ -56,7 +56,7 @@ detections_t Encode(const DetectionSet& set, int image_width, int image_height) 
   return message;
 }
 
-detections_t EncodeNotLooked(const FrameHeader& header) {
+detections_t EncodeDetectorDidNotRun(const FrameHeader& header) {
   detections_t message{};
   message.utime = header.utime;
   message.camera_id = Raw(header.camera_id);
@@ -64,7 +64,7 @@ detections_t EncodeNotLooked(const FrameHeader& header) {
   return message;
 }
 
-bool Looked(const detections_t& message) {
+bool DetectorRan(const detections_t& message) {
   return message.image_width != 0 || message.image_height != 0 || message.n_detections != 0;
 }
 

@@ -9,24 +9,26 @@
 
 namespace vismap {
 
-/// More detections of one frame, or masks whose boxes cover more pixels together, are refused.
+/// Limits of one message: number of detections, and sum of the pixels of all mask boxes. Decode
+/// rejects a message that exceeds one of them.
 inline constexpr int kMaxDetections = 4096;
 inline constexpr size_t kMaxMaskPixels = size_t{1} << 27;
 
-/// The detections of one frame as a message. `image_width`, `image_height` [px] of the frame; every
-/// mask must have this size.
+/// Encodes the detections of one frame. `image_width` and `image_height` [px] are those of the
+/// frame; every mask must have this size.
 detections_t Encode(const DetectionSet& set, int image_width, int image_height);
 
-/// The message that says that no detector looked at a frame, nor will: it need not be waited for.
-/// The frame then goes on without detections, which is not the same as with none found.
-detections_t EncodeNotLooked(const FrameHeader& header);
-/// Whether a detector looked at the frame of this message.
-bool Looked(const detections_t& message);
+/// A message for a frame on which no detector has run or will run, so that no process waits for its
+/// detections. It is not the same as a message with zero detections, which says that a detector ran
+/// and found nothing.
+detections_t EncodeDetectorDidNotRun(const FrameHeader& header);
+/// Whether a detector ran on the frame of this message; false for what EncodeDetectorDidNotRun
+/// made.
+bool DetectorRan(const detections_t& message);
 
-/// The detections in a message, masks cropped to their boxes. Fails, naming the field, on a
-/// negative utime or camera_id, an image size outside [1, 16384] (also when no detector looked, see
-/// Looked), a class outside [0, 65535], a
-/// score outside [0, 1], and runs that do not fill the image exactly.
+/// Decodes detections and crops each mask to its box. Fails, naming the field, on a negative utime
+/// or camera_id, an image size outside [1, 16384], a class outside [0, 65535], a score outside [0,
+/// 1], and runs that do not add up to the image size. Fails, too, when DetectorRan is false.
 Result<DetectionSet> Decode(const detections_t& message);
 
 }  // namespace vismap

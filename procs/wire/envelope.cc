@@ -46,14 +46,15 @@ std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, i
   const uint64_t found = ReadBigEndian(bytes.first(std::min<size_t>(8, bytes.size())));
   if (bytes.size() >= 8 && static_cast<int64_t>(found) != expected) {
     char text[160];
-    std::snprintf(
-        text, sizeof(text),
-        "%s: type fingerprint %016llx, expected %016llx; the sender has another version or type",
-        type, static_cast<unsigned long long>(found), static_cast<unsigned long long>(expected));
+    std::snprintf(text, sizeof(text),
+                  "%s: the type fingerprint is %016llx, expected %016llx; the sender uses another "
+                  "version or type",
+                  type, static_cast<unsigned long long>(found),
+                  static_cast<unsigned long long>(expected));
     return text;
   }
-  return std::string(type) + ": truncated, or a length in it is impossible, in " +
-         std::to_string(bytes.size()) + " bytes";
+  return std::string(type) + ": the message of " + std::to_string(bytes.size()) +
+         " bytes is truncated, or it contains an impossible length";
 }
 
 }  // namespace envelope

@@ -12,7 +12,8 @@
 
 namespace vismap {
 
-/// Messages that carry a checksum: the bulky ones.
+/// A message type with a checksum field; the types that carry images, meshes and other large data
+/// have one.
 template <typename Message>
 concept Checksummed = requires(Message message) {
   message.checksum;
@@ -20,32 +21,35 @@ concept Checksummed = requires(Message message) {
 
 namespace envelope {
 
-/// Bytes of an encoded message before its checksum field: fingerprint, utime, seq, source.
+/// Offset of the checksum field in an encoded message [bytes]. Before it stand fingerprint, utime,
+/// seq and source.
 inline size_t ChecksumOffset(const std::string& source) {
   return 8 + 8 + 8 + 4 + source.size() + 1;
 }
 
-/// XXH3-64 of all that follows the checksum field; never 0, which stands for "not computed".
+/// XXH3-64 of all bytes after the checksum field. Never 0, since 0 means "not computed".
 int64_t ChecksumAfter(std::span<const uint8_t> bytes, size_t checksum_offset);
 void WriteBigEndian(int64_t value, uint8_t* destination);
+/// The sentence for bytes that LCM cannot decode as `type`: wrong fingerprint, or too short.
 std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, int64_t expected);
 
 }  // namespace envelope
 
-/// What every message begins with.
+/// The fields with which every message begins.
 struct MessageHead {
-  int64_t fingerprint = 0;  ///< of its type
+  int64_t fingerprint = 0;  ///< of the message type
   int64_t utime = 0;        ///< [us]
-  int64_t seq = 0;          ///< 0, 1, ... per source and channel
-  std::string source;       ///< the process that published it
+  int64_t seq = 0;          ///< counts 0, 1, ... per source and channel
+  std::string source;       ///< name of the process that published the message
 };
 
-/// Reads the head of an encoded message without looking at the rest; none when it is cut short.
+/// Reads the head of an encoded message without decoding the rest; nullopt when the bytes are too
+/// short or the source is no valid string.
 std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes);
 
-/// The bytes of a message as they travel, with its checksum computed and filled in where the type
-/// has one. Throws when an array of the message has not the length that its size field states, a
-/// bug of ours.
+/// Encodes a message for the bus. Computes the checksum and stores it in the message where the type
+/// has one. Throws when an array does not have the length that its size field states, which is a
+/// programming error.
 template <typename Message>
 std::vector<uint8_t> Pack(Message& message) {
   std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
@@ -59,28 +63,29 @@ std::vector<uint8_t> Pack(Message& message) {
   return bytes;
 }
 
-/// The message in `bytes`. Fails on another type (or version of it), on more than `max_bytes`, on
-/// lengths that do not fit, on trailing bytes, and on a checksum that does not match. Never throws.
+/// Decodes a message. Fails on a different type or version of the type, on more than `max_bytes`,
+/// on impossible array lengths, on trailing bytes, and on a checksum that does not match. Never
+/// throws.
 template <typename Message>
 Result<Message> Unpack(std::span<const uint8_t> bytes, size_t max_bytes) {
   const std::string type = Message::getTypeName();
   if (bytes.size() > max_bytes) {
-    return Fail(type + ": " + std::to_string(bytes.size()) + " bytes, at most " +
-                std::to_string(max_bytes) + " are allowed");
+    return Fail(type + ": " + std::to_string(bytes.size()) + " bytes are more than the allowed " +
+                std::to_string(max_bytes));
   }
   Message message{};
   const int read = message.decode(bytes.data(), 0, static_cast<int>(bytes.size()));
   if (read < 0)
     return Fail(envelope::FingerprintError(bytes, Message::getTypeName(), Message::getHash()));
   if (read != static_cast<int>(bytes.size())) {
-    return Fail(type + ": " + std::to_string(bytes.size()) + " bytes, its fields end after " +
-                std::to_string(read));
+    return Fail(type + ": " + std::to_string(bytes.size()) +
+                " bytes, but its fields end after byte " + std::to_string(read));
   }
   if constexpr (Checksummed<Message>) {
     const size_t offset = envelope::ChecksumOffset(message.source);
     if (message.checksum != 0 && message.checksum != envelope::ChecksumAfter(bytes, offset)) {
       return Fail(type +
-                  ": checksum does not match the content, the message was damaged on its way");
+                  ": the checksum does not match the content; the message was damaged in transit");
     }
   }
   return message;

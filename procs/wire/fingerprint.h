@@ -4,8 +4,8 @@
 
 namespace vismap {
 
-/// One number for the layout of all message types: processes with different ones cannot talk to
-/// each other.
+/// One number for the layouts of all message types. Two processes with different numbers cannot
+/// decode all of each other's messages.
 int64_t TypesFingerprint();
 
 }  // namespace vismap

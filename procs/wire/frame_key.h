@@ -8,14 +8,14 @@
 
 namespace vismap {
 
-/// Names one frame on the bus: detections, commits and repeats are matched by it.
+/// Identifies one frame on the bus. Detections, commits and repeated frames are matched by it.
 struct FrameKey {
   CameraId camera_id{0};
   int64_t utime = 0;  ///< [us]
   friend auto operator<=>(const FrameKey&, const FrameKey&) = default;
 };
 
-/// The key of any message that has camera_id and utime.
+/// The key of a message that has the fields camera_id and utime.
 template <typename Message>
 FrameKey KeyOf(const Message& message) {
   return {CameraId{message.camera_id}, message.utime};

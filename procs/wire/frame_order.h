@@ -10,17 +10,19 @@
 
 namespace vismap {
 
-/// Puts frames into the order that their source asks for (rgbd_frame_t::after_utime): a frame whose
-/// predecessor is not committed yet is held until it is. So a frame that was lost on its way and
-/// sent again is still integrated in its place, and the map is the same. Memory is bounded: when
-/// `capacity` frames are held, further ones are not taken; their source sends them again.
+/// Restores the order of frames that their source requires (rgbd_frame_t::after_utime). A frame is
+/// held until its predecessor has been committed. When a frame is lost and sent again later, it is
+/// therefore still integrated at its place in the sequence, and the map does not depend on the
+/// loss. At most `capacity` frames are held; further frames are rejected, and their source sends
+/// them again.
 template <typename Frame>
 class FrameOrder {
  public:
   explicit FrameOrder(size_t capacity) : capacity_(capacity) {}
 
-  /// Takes a frame. `after_utime` = the predecessor, -1 = none. A frame that is held already is
-  /// replaced, since what it waits for may have changed. False when there is no room.
+  /// Adds a frame. `after_utime` is the utime of its predecessor; -1 = it has none. A held frame
+  /// with the same key is replaced, because its predecessor may have changed. Returns false when
+  /// `capacity` frames are held.
   bool Add(const FrameKey& key, int64_t after_utime, Frame frame) {
     const auto known =
         std::find_if(held_.begin(), held_.end(), [&](const Held& held) { return held.key == key; });
@@ -33,8 +35,9 @@ class FrameOrder {
     return true;
   }
 
-  /// The next frame that may be integrated, oldest arrival first. `committed(key)` = that frame is
-  /// done with. Ask again after each, since it may be what the next one waits for.
+  /// Removes and returns the earliest arrived frame whose predecessor is committed; nullopt when
+  /// there is none. `committed(key)` says whether that frame has been committed. Call it again
+  /// after each commit, since that frame may be the predecessor of a held one.
   template <typename IsCommitted>
   std::optional<Frame> Next(const IsCommitted& committed) {
     for (auto held = held_.begin(); held != held_.end(); ++held) {
@@ -47,6 +50,7 @@ class FrameOrder {
     return std::nullopt;
   }
 
+  /// Number of frames that are held.
   size_t held() const { return held_.size(); }
   void Clear() { held_.clear(); }
 

@@ -13,23 +13,23 @@ void SortUnique(std::vector<BlockIndex>* blocks) {
 
 }  // namespace
 
-FollowOutcome MapFollower::Take(MapUpdate update) {
+FollowOutcome MapFollower::Apply(MapUpdate update) {
   const bool complete = update.delta.complete;
   const double voxel_size = update.delta.voxel_size;
   const int64_t utime = update.utime;
   const UpdateHead head{update.map_id, update.revision, complete ? -1 : update.base_revision,
                         complete,      update.part,     update.parts};
-  const FollowOutcome outcome = sequence_.Take(head, std::move(update));
+  const FollowOutcome outcome = sequence_.AddPart(head, std::move(update));
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (complete) {
     occupancy_.emplace(voxel_size);
     changes_ = {true, {}};
   }
-  for (MapUpdate& part : sequence_.TakeReady()) {
+  for (MapUpdate& part : sequence_.ReleaseParts()) {
     part.delta.complete = false;
-    NoteChanges(part.delta);
+    RecordChanges(part.delta);
     if (!occupancy_->Apply(part.delta)) {
-      sequence_.Distrust();
+      sequence_.RequireSnapshot();
       return FollowOutcome::kBroken;
     }
   }
@@ -37,18 +37,19 @@ FollowOutcome MapFollower::Take(MapUpdate update) {
   return outcome;
 }
 
-void MapFollower::NoteChanges(const OccupancyDelta& delta) {
+void MapFollower::RecordChanges(const OccupancyDelta& delta) {
   if (changes_.everywhere) return;
   for (const auto& entry : delta.blocks) changes_.blocks.push_back(entry.first);
   if (changes_.blocks.size() <= changes_limit_) return;
-  // A camera that stands still changes the same blocks again and again.
+  // A camera that does not move changes the same blocks in every update.
   SortUnique(&changes_.blocks);
   changes_limit_ = std::max<size_t>(65536, 2 * changes_.blocks.size());
-  // More places than the map has blocks: they came and went.
+  // More changed blocks than the map has: many of them were created and deleted. The list would
+  // only grow.
   if (changes_.blocks.size() > occupancy_->size() + 65536) changes_ = {true, {}};
 }
 
-OccupancyChanges MapFollower::TakeChanges() {
+OccupancyChanges MapFollower::ConsumeChanges() {
   SortUnique(&changes_.blocks);
   changes_limit_ = 0;
   return std::exchange(changes_, {!occupancy_, {}});

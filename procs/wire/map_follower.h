@@ -10,37 +10,39 @@
 
 namespace vismap {
 
-/// Where a map's occupancy may differ from what it was at an earlier time.
+/// The region of a map whose occupancy may have changed since an earlier time.
 struct OccupancyChanges {
-  bool everywhere = false;         ///< also where there is nothing any more
-  std::vector<BlockIndex> blocks;  ///< ascending; empty when everywhere
+  bool everywhere = false;         ///< the whole map, also blocks that no longer exist
+  std::vector<BlockIndex> blocks;  ///< in ascending order; empty when `everywhere`
 };
 
-/// A copy of a map's occupancy, kept equal to the server's by its updates. Knows when it has missed
-/// one, and then asks for what it lacks; until that has come completely, it stays at the last
-/// consistent state.
+/// A copy of the occupancy of the server's map, built from its MAP_DELTA updates. It detects a
+/// missing update and then reports kNeedsSnapshot; it keeps the last consistent state until the
+/// missing data has arrived completely.
 class MapFollower {
  public:
-  FollowOutcome Take(MapUpdate update);
+  /// Adds one part of an update; the copy changes when the last part has arrived.
+  FollowOutcome Apply(MapUpdate update);
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }
   int64_t utime() const { return utime_; }  ///< of the newest frame contained [us]
-  /// None before the first snapshot.
+  /// nullopt before the first snapshot.
   const std::optional<OccupancyMap>& occupancy() const { return occupancy_; }
-  int64_t gaps() const { return sequence_.gaps(); }  ///< how often updates were missing
+  int64_t gaps() const { return sequence_.gaps(); }  ///< how often an update was missing
 
-  /// What became different since the last call; at first, and after a snapshot, everywhere.
-  OccupancyChanges TakeChanges();
+  /// The changes since the last call, which it then forgets. `everywhere` at the first call and
+  /// after a snapshot.
+  OccupancyChanges ConsumeChanges();
 
  private:
-  void NoteChanges(const OccupancyDelta& delta);
+  void RecordChanges(const OccupancyDelta& delta);
 
   UpdateSequence<MapUpdate> sequence_;
   std::optional<OccupancyMap> occupancy_;
   int64_t utime_ = 0;
   OccupancyChanges changes_{true, {}};
-  size_t changes_limit_ = 0;  // at which repetitions are dropped
+  size_t changes_limit_ = 0;  // number of entries at which duplicates are removed
 };
 
 }  // namespace vismap

@@ -28,26 +28,27 @@ Result<MapUpdate> Decode(const map_delta_t& message) {
                             std::to_string(message.revision) + ": ";
   if (message.revision < 0) return Fail(where + "revision is negative");
   if (message.parts < 1 || message.part < 0 || message.part >= message.parts) {
-    return Fail(where + "is part " + std::to_string(message.part) + " of " +
+    return Fail(where + "it is part " + std::to_string(message.part) + " of " +
                 std::to_string(message.parts));
   }
   if (message.encoding != map_delta_t::PAYLOAD_STATES_ZSTD) {
     return Fail(where + "payload encoding is " + std::to_string(message.encoding) + ", expected 1");
   }
   if (message.n_blocks < 0 || message.n_blocks > kMaxBlocksPerUpdate) {
-    return Fail(where + std::to_string(message.n_blocks) + " blocks, expected 0 to " +
+    return Fail(where + std::to_string(message.n_blocks) + " blocks, expected from 0 to " +
                 std::to_string(kMaxBlocksPerUpdate));
   }
   Result<OccupancyDelta> delta = DecodeOccupancyDelta(
       message.payload, MaxOccupancyDeltaBytes(static_cast<size_t>(message.n_blocks)));
   if (!delta) return Fail(where + delta.error().message);
   if (delta->complete != static_cast<bool>(message.full))
-    return Fail(where + "header and payload disagree on being full");
+    return Fail(where + "the header says full = " + std::to_string(message.full) +
+                ", the payload says the opposite");
   if (delta->voxel_size != message.voxel_size_m)
-    return Fail(where + "header and payload disagree on the voxel size");
+    return Fail(where + "the voxel sizes in header and payload differ");
   if (static_cast<int64_t>(delta->blocks.size()) != message.n_blocks) {
-    return Fail(where + "payload has " + std::to_string(delta->blocks.size()) +
-                " blocks, header says " + std::to_string(message.n_blocks));
+    return Fail(where + "the payload has " + std::to_string(delta->blocks.size()) +
+                " blocks, the header says " + std::to_string(message.n_blocks));
   }
   return MapUpdate{message.utime, message.map_id, message.revision, message.base_revision,
                    message.part,  message.parts,  std::move(*delta)};

@@ -35,7 +35,7 @@ std::string MeshDigest::Hex() const {
   return digest.Hex();
 }
 
-FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
+FollowOutcome MeshFollower::Apply(const mesh_delta_t& message) {
   if (!Check(message)) return FollowOutcome::kBroken;
   Part received;
   size_t bytes = 0;
@@ -54,16 +54,16 @@ FollowOutcome MeshFollower::Take(const mesh_delta_t& message) {
     to += size;
   }
   const FollowOutcome outcome =
-      sequence_.Take({message.map_id, message.revision, message.base_revision,
-                      static_cast<bool>(message.full), message.part, message.parts},
-                     std::move(received));
+      sequence_.AddPart({message.map_id, message.revision, message.base_revision,
+                         static_cast<bool>(message.full), message.part, message.parts},
+                        std::move(received));
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (message.full) {
     blocks_.clear();
     triangles_ = 0;
     digest_.Clear();
   }
-  for (const Part& part : sequence_.TakeReady()) {
+  for (const Part& part : sequence_.ReleaseParts()) {
     std::span<const uint8_t> left = part.bytes;
     for (const Part::Block& block : part.blocks) {
       Set(block, left.first(block.size));
@@ -86,7 +86,7 @@ void MeshFollower::Set(const Part::Block& block, std::span<const uint8_t> bytes)
   EncodedBlock& held = blocks_[block.index];
   triangles_ += block.triangles - held.triangles;
   held.triangles = block.triangles;
-  // With room to grow: a block changes often, by little.
+  // Reserve in steps: a block changes often, and its size changes little.
   constexpr size_t kStep = 512;
   if (held.bytes.capacity() < bytes.size())
     held.bytes.reserve((bytes.size() + kStep - 1) / kStep * kStep);
@@ -102,7 +102,7 @@ Mesh MeshFollower::Joined() const {
     const std::vector<uint8_t>& bytes = blocks_.at(index).bytes;
     mesh_block_t message;
     message.decode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    const Mesh mesh = Decode(message)->mesh;  // it was checked when it came
+    const Mesh mesh = Decode(message)->mesh;  // Apply has checked it
     const auto first = static_cast<uint32_t>(joined.vertices.size());
     joined.vertices.insert(joined.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& triangle : mesh.triangles) {

@@ -13,54 +13,59 @@
 
 namespace vismap {
 
-/// Digest of a surface by blocks, as it travels: equal for equal surfaces, whatever way they came
-/// about.
+/// Digest of a surface, computed from its encoded blocks. Equal surfaces have equal digests,
+/// independent of the order of the updates that produced them.
 class MeshDigest {
  public:
-  /// Of the surface of a block; 0 = it has none.
+  /// Hash of the surface of one block; 0 when the block has no surface.
   static uint64_t HashOf(const mesh_block_t& block);
-  /// The same, of a block's bytes.
+  /// The same for an encoded block that has a surface.
   static uint64_t HashOf(std::span<const uint8_t> encoded_block);
-  /// The surface of this block is now the one with that hash.
+  /// Sets the hash of a block and replaces its old one; 0 removes the block.
   void Set(BlockIndex index, uint64_t hash);
   void Clear() { *this = {}; }
   std::string Hex() const;
 
  private:
-  tsl::robin_map<BlockIndex, uint64_t, BlockIndexHash> blocks_;  // hash of each
-  uint64_t sum_ = 0;  // of the hashes, so that order cannot matter
+  tsl::robin_map<BlockIndex, uint64_t, BlockIndexHash>
+      blocks_;        // hash of each block with a surface
+  uint64_t sum_ = 0;  // of all hashes; a sum does not depend on the order
 };
 
-/// A copy of a map's surface, kept equal to the server's by its MESH_DELTAs: what a viewer holds.
+/// A copy of the surface of the server's map, built from its MESH_DELTA updates; a viewer holds
+/// one.
 class MeshFollower {
  public:
-  /// kBroken when the message contradicts itself; the copy is then as before.
-  FollowOutcome Take(const mesh_delta_t& message);
+  /// Adds one part of an update; the copy changes when the last part has arrived. Returns kBroken
+  /// when the message is inconsistent; the copy then stays as it was.
+  FollowOutcome Apply(const mesh_delta_t& message);
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }
-  int64_t utime() const { return utime_; }  ///< of the newest frame contained [us]
-  int64_t gaps() const { return sequence_.gaps(); }
-  /// How many blocks have a surface, and triangles that has.
+  int64_t utime() const { return utime_; }           ///< of the newest frame contained [us]
+  int64_t gaps() const { return sequence_.gaps(); }  ///< how often an update was missing
+  /// Number of blocks that have a surface, and of their triangles.
   size_t block_count() const { return blocks_.size(); }
   size_t triangle_count() const { return triangles_; }
   std::string Digest() const { return digest_.Hex(); }
-  /// All blocks as one mesh, ascending; blocks do not share vertices.
+  /// All blocks joined into one mesh, in ascending order of their index. Blocks do not share
+  /// vertices.
   Mesh Joined() const;
 
  private:
-  // A block as it travels: a third less memory than decoded, and one piece of it.
+  // A block in its encoded form, which takes a third less memory than a decoded one, in a single
+  // allocation.
   struct EncodedBlock {
     size_t triangles = 0;
     std::vector<uint8_t> bytes;
   };
-  // Blocks of an update, their bytes behind each other: thousands of pieces of memory that come and
-  // go would tear the heap, and a torn heap is slow.
+  // Blocks of an update; their encoded bytes are stored one after the other. One allocation per
+  // block would fragment the heap, which makes it slow.
   struct Part {
     struct Block {
       BlockIndex index;
       size_t triangles = 0;
-      size_t size = 0;  // in bytes; 0 = it has no surface
+      size_t size = 0;  // [bytes]; 0 = the block has no surface
     };
     std::vector<Block> blocks;
     std::vector<uint8_t> bytes;

@@ -8,12 +8,12 @@
 namespace vismap {
 namespace {
 
-// To the nearest whole number, halves away from zero; exact for any float that fits.
+// Rounds to the nearest integer, halves away from zero.
 int32_t Round(float value) {
   return static_cast<int32_t>(static_cast<double>(value) + (value < 0 ? -0.5 : 0.5));
 }
 
-int16_t Quantise(float offset_in_edges) {  // of the block's lower corner, in [-0.5, 1.5]
+int16_t Quantise(float offset_in_edges) {  // from the lower corner of the block, in [-0.5, 1.5]
   const float steps = std::clamp((offset_in_edges + 0.5F) / 2.0F * 65535.0F, 0.0F, 65535.0F);
   return static_cast<int16_t>(static_cast<uint16_t>(Round(steps)));
 }
@@ -26,7 +26,7 @@ int8_t QuantiseNormal(float component) {
   return static_cast<int8_t>(Round(std::clamp(component, -1.0F, 1.0F) * 127.0F));
 }
 
-// One array of a message from one field of each element.
+// Fills one array of a message with get(element) of each element.
 template <typename Element, typename Number, typename Get>
 void Fill(const std::vector<Element>& elements, std::vector<Number>* numbers, const Get& get) {
   numbers->resize(elements.size());
@@ -95,12 +95,12 @@ Result<void> Check(const mesh_block_t& message) {
            ", " + std::to_string(message.index[2]) + "): ";
   };
   const double edge = message.edge_m;
-  if (!(edge > 0 && edge < 1e3)) return Fail(where() + "edge_m is not a positive length");
+  if (!(edge > 0 && edge < 1e3)) return Fail(where() + "edge_m must be in (0, 1000) m");
   for (const std::vector<int32_t>* corners : {&message.a, &message.b, &message.c}) {
     for (const int32_t index : *corners) {
       if (index < 0 || index >= message.n_vertices) {
-        return Fail(where() + "a triangle has vertex " + std::to_string(index) + " of " +
-                    std::to_string(message.n_vertices));
+        return Fail(where() + "a triangle refers to vertex " + std::to_string(index) +
+                    ", but there are " + std::to_string(message.n_vertices) + " vertices");
       }
     }
   }
@@ -156,7 +156,7 @@ Result<void> Check(const mesh_delta_t& message) {
            std::to_string(message.revision) + ": ";
   };
   if (message.parts < 1 || message.part < 0 || message.part >= message.parts) {
-    return Fail(where() + "is part " + std::to_string(message.part) + " of " +
+    return Fail(where() + "it is part " + std::to_string(message.part) + " of " +
                 std::to_string(message.parts));
   }
   const mesh_block_t* last = nullptr;
@@ -164,7 +164,7 @@ Result<void> Check(const mesh_delta_t& message) {
     if (Result<void> checked = Check(block); !checked)
       return Fail(where() + checked.error().message);
     if (last != nullptr && !(IndexOf(*last) < IndexOf(block)))
-      return Fail(where() + "blocks are not in ascending order");
+      return Fail(where() + "the blocks are not in ascending order");
     last = &block;
   }
   return {};

@@ -11,26 +11,28 @@
 
 namespace vismap {
 
-/// Surface that changed between two revisions of a map, or all of it, as MESH_DELTA carries it.
+/// The content of one MESH_DELTA: the surface of the blocks that changed between two revisions of a
+/// map, or of all blocks.
 struct MeshUpdate {
   int64_t utime = 0;           ///< of the newest frame contained [us]
-  std::string map_id;          ///< changes on reset and load
-  int64_t base_revision = -1;  ///< what the receiver must have; -1 with a full mesh
-  bool full = false;           ///< part of everything: forget blocks that no part names
-  int32_t part = 0;
+  std::string map_id;          ///< a reset and a load change it
+  int64_t base_revision = -1;  ///< revision that the receiver must have; -1 = full mesh
+  bool full = false;  ///< the update has the whole surface: blocks that are in no part are deleted
+  int32_t part = 0;   ///< index of this part, 0 to parts - 1
   int32_t parts = 1;
   double block_size = 0;  ///< edge of a block [m]
   MeshDelta mesh;
 };
 
-/// Positions are kept to 1/65535 of two block edges, normals to 1/127.
+/// Rounds positions to 1/65535 of two block edges, and components of normals to 1/127.
 mesh_delta_t Encode(const MeshUpdate& update);
 
-/// The surface of one block. Fails, naming it, on indices out of range.
+/// Decodes the surface of one block. Fails, naming the block, on vertex indices out of range.
 Result<BlockMesh> Decode(const mesh_block_t& message);
-/// Fails, naming the block, on indices out of range and on blocks out of order.
+/// Checks a message without decoding it. Fails, naming the block, on vertex indices out of range
+/// and on blocks that are not in ascending order.
 Result<void> Check(const mesh_delta_t& message);
-/// The same, with its content.
+/// Checks and decodes a message.
 Result<MeshUpdate> Decode(const mesh_delta_t& message);
 
 }  // namespace vismap

@@ -44,7 +44,7 @@ Result<std::map<ClassId, double>> DecodeProbabilities(const object_t& message) {
   for (size_t i = 0; i < message.class_ids.size(); ++i) {
     const int32_t id = message.class_ids[i];
     const float probability = message.class_probabilities[i];
-    if (id < 1 || id > 65535) return Fail("a class of its probabilities is outside [1, 65535]");
+    if (id < 1 || id > 65535) return Fail("a class id in class_ids is outside [1, 65535]");
     if (!(probability >= 0 && probability <= 1)) return Fail("a probability is outside [0, 1]");
     probabilities[static_cast<ClassId>(id)] = static_cast<double>(probability);
   }
@@ -54,7 +54,7 @@ Result<std::map<ClassId, double>> DecodeProbabilities(const object_t& message) {
 Result<ObjectSummary> DecodeObject(const object_t& message) {
   const std::string where = "object with instance " + std::to_string(message.instance) + ": ";
   if (message.instance < 0 || message.instance > UINT32_MAX)
-    return Fail(where + "instance is not a 32-bit id");
+    return Fail(where + "the instance is not in [0, 2^32)");
   if (message.class_id < 0 || message.class_id > 65535) {
     return Fail(where + "class_id is " + std::to_string(message.class_id) +
                 ", expected [0, 65535]");
@@ -68,10 +68,10 @@ Result<ObjectSummary> DecodeObject(const object_t& message) {
   object.class_probability = std::move(*probabilities);
   object.score = message.score;
   for (const int64_t label : message.segments) {
-    if (label < 1 || label > UINT32_MAX) return Fail(where + "a segment is not a 32-bit label");
+    if (label < 1 || label > UINT32_MAX) return Fail(where + "a segment label is not in [1, 2^32)");
     object.segments.push_back(static_cast<SegmentLabel>(label));
   }
-  if (!(message.area_m2 >= 0)) return Fail(where + "area is negative or no number");
+  if (!(message.area_m2 >= 0)) return Fail(where + "area_m2 is negative or not a number");
   object.points = message.points;
   object.area = message.area_m2;
   object.box.center_W = Eigen::Vector3d(message.center_W);
@@ -80,7 +80,8 @@ Result<ObjectSummary> DecodeObject(const object_t& message) {
                                         message.orientation[2], message.orientation[3]);
   const bool finite = object.box.center_W.allFinite() && object.box.size.allFinite() &&
                       std::abs(object.box.R_W_B.norm() - 1) < 1e-3;
-  if (!finite) return Fail(where + "its box is not finite, or its orientation no unit quaternion");
+  if (!finite)
+    return Fail(where + "its box is not finite, or its orientation is not a unit quaternion");
   object.frames = static_cast<uint32_t>(std::max(message.frames, 0));
   object.first_utime = message.first_utime;
   object.last_utime = message.last_utime;

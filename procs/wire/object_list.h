@@ -12,19 +12,19 @@
 
 namespace vismap {
 
-/// All objects of a map, as OBJECTS carries them.
+/// The content of one OBJECTS message: all objects of a map.
 struct ObjectList {
   int64_t utime = 0;  ///< of the newest frame contained [us]
   std::string map_id;
   int64_t revision = 0;
-  std::vector<ObjectSummary> objects;  ///< instances ascending, then discovered, then removed ones
+  /// Instances by ascending id, then discovered segments, then removed objects.
+  std::vector<ObjectSummary> objects;
 };
 
-/// Structure (floor, walls) is left out: the message lists things.
+/// Leaves out structure (floor, walls): the message lists movable things only.
 object_list_t Encode(const ObjectList& list, const ClassNamer& class_name);
 
-/// Fails, naming the object, on ids and scores out of range and boxes that are not finite.
-/// Structure does not travel.
+/// Fails, naming the object, on ids and scores out of range and on boxes that are not finite.
 Result<ObjectList> Decode(const object_list_t& message);
 
 }  // namespace vismap

@@ -39,11 +39,12 @@ Result<OctreeMessage> Decode(const octree_t& message) {
   const std::string where = "octree_t of map '" + message.map_id + "', revision " +
                             std::to_string(message.revision) + ": ";
   if (message.encoding != octree_t::ENCODING_BT) {
-    return Fail(where + "encoding is " + std::to_string(message.encoding) + ", expected 0 (.bt)");
+    return Fail(where + "the encoding is " + std::to_string(message.encoding) +
+                ", expected 0 (.bt)");
   }
   if (message.unknown != octree_t::UNKNOWN_ABSENT &&
       message.unknown != octree_t::UNKNOWN_OCCUPIED) {
-    return Fail(where + "unknown policy is " + std::to_string(message.unknown) +
+    return Fail(where + "the policy for unknown space is " + std::to_string(message.unknown) +
                 ", expected 0 or 1");
   }
   if (!(message.min_observations >= 0 && message.min_observations <= kMaxObservations)) {
@@ -53,10 +54,10 @@ Result<OctreeMessage> Decode(const octree_t& message) {
   if (!octree) return tl::unexpected(octree.error());
   if (!(std::abs(octree->resolution - message.resolution_m) < 1e-6)) {
     return Fail(where + "resolution_m is " + std::to_string(message.resolution_m) +
-                ", the stream's is " + std::to_string(octree->resolution));
+                ", but the stream has " + std::to_string(octree->resolution));
   }
   if (octree->nodes != message.n_nodes) {
-    return Fail(where + "n_nodes is " + std::to_string(message.n_nodes) + ", the stream has " +
+    return Fail(where + "n_nodes is " + std::to_string(message.n_nodes) + ", but the stream has " +
                 std::to_string(octree->nodes));
   }
   OctreeMessage value{

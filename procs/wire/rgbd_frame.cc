@@ -21,7 +21,7 @@ std::string Where(const rgbd_frame_t& message) {
 Result<std::vector<uint8_t>> DecodeColor(const rgbd_frame_t& message) {
   if (message.color_encoding == rgbd_frame_t::COLOR_NONE) {
     if (message.color_size != 0)
-      return Fail(Where(message) + "color_encoding is none, but color has bytes");
+      return Fail(Where(message) + "color_encoding is COLOR_NONE, but color is not empty");
     return std::vector<uint8_t>();
   }
   if (message.color_encoding != rgbd_frame_t::COLOR_JPEG) {
@@ -31,8 +31,8 @@ Result<std::vector<uint8_t>> DecodeColor(const rgbd_frame_t& message) {
   const Result<JpegSize> size = ReadJpegSize(message.color);
   if (!size) return Fail(Where(message) + "color: " + size.error().message);
   if (size->width != message.width || size->height != message.height) {
-    return Fail(Where(message) + "color is " + std::to_string(size->width) + "x" +
-                std::to_string(size->height) + ", expected the size of depth, " +
+    return Fail(Where(message) + "the colour image is " + std::to_string(size->width) + "x" +
+                std::to_string(size->height) + ", expected the size of the depth image, " +
                 std::to_string(message.width) + "x" + std::to_string(message.height));
   }
   return message.color;
@@ -92,19 +92,19 @@ Result<FrameHeader> PeekFrameHeader(std::span<const uint8_t> bytes) {
     return Fail(
         envelope::FingerprintError(bytes, rgbd_frame_t::getTypeName(), rgbd_frame_t::getHash()));
   }
-  // The message up to its images, closed with two empty ones.
+  // Decodes the message up to its images, followed by two empty images.
   static const rgbd_frame_t kEmpty{};
   constexpr size_t kSizeOfDepth = 4, kColor = 1 + 4;
   const size_t images_at =
       static_cast<size_t>(kEmpty.getEncodedSize()) - kSizeOfDepth - kColor + head->source.size();
   if (bytes.size() < images_at)
-    return Fail("rgbd_frame_t: cut short at " + std::to_string(bytes.size()) + " bytes");
+    return Fail("rgbd_frame_t: truncated after " + std::to_string(bytes.size()) + " bytes");
   std::vector<uint8_t> prefix(bytes.begin(),
                               bytes.begin() + static_cast<std::ptrdiff_t>(images_at));
   prefix.resize(images_at + kSizeOfDepth + kColor, 0);
   rgbd_frame_t message{};
   if (message.decode(prefix.data(), 0, static_cast<int>(prefix.size())) < 0)
-    return Fail("rgbd_frame_t: its header cannot be read");
+    return Fail("rgbd_frame_t: its header cannot be decoded");
   return DecodeHeader(message);
 }
 

@@ -10,25 +10,24 @@
 
 namespace vismap {
 
-/// A sensor's frame as a message; seq, source and checksum are left for the bus to fill,
-/// after_utime is -1.
+/// Encodes a sensor frame. The bus fills in seq, source and checksum later; after_utime is -1.
 rgbd_frame_t Encode(const SensorFrame& frame);
 
-/// The frame in a message. Fails, naming the field, on a negative utime or camera_id, an
-/// implausible camera, a pose that is not finite and rigid, a depth unit outside (0, 1] m, an
-/// unknown encoding, depth bytes that are not an image of the stated size, and a JPEG header of
-/// another size. The JPEG's pixels are not looked at: DecodeFrame does that.
+/// Decodes a frame. Fails, naming the field, on a negative utime or camera_id, an implausible
+/// camera, a pose that is not finite and rigid, a depth unit outside (0, 1] m, an unknown encoding,
+/// depth bytes that are not an image of the stated size, and a JPEG header with another size. The
+/// colour stays a JPEG; DecodeFrame decodes it.
 Result<SensorFrame> Decode(const rgbd_frame_t& message);
 
-/// The header alone, checked as above, without decoding the images.
+/// Decodes and checks the header only, as above; the images are not decoded.
 Result<FrameHeader> DecodeHeader(const rgbd_frame_t& message);
 
-/// Bytes at the beginning of an encoded rgbd_frame_t that PeekFrameHeader looks at, at most.
+/// PeekFrameHeader needs at most so many bytes from the beginning of an encoded rgbd_frame_t.
 inline constexpr size_t kFramePeekBytes = 1024;
 
-/// The header alone from the first bytes (kFramePeekBytes are enough) of an encoded message, for
-/// going through many fast; checked as DecodeHeader does. The checksum is not looked at. Fails on
-/// another type, and on bytes cut short.
+/// Decodes the header from the first kFramePeekBytes of an encoded message, to scan many messages
+/// fast. Checks it as DecodeHeader does, but does not verify the checksum. Fails on another type,
+/// and when there are too few bytes.
 Result<FrameHeader> PeekFrameHeader(std::span<const uint8_t> bytes);
 
 }  // namespace vismap

@@ -24,7 +24,7 @@ frame_segment_t EncodeSegment(const FrameSegment& segment) {
 
 Result<FrameSegment> DecodeSegment(const frame_segment_t& message) {
   const auto fraction = [](float value) { return value >= 0 && value <= 1; };
-  if (message.detection < -1) return Fail("detection index is below -1");
+  if (message.detection < -1) return Fail("the index of a detection is below -1");
   if (message.class_id < 0 || message.class_id > 65535) {
     return Fail("class_id is " + std::to_string(message.class_id) + ", expected [0, 65535]");
   }
@@ -52,8 +52,8 @@ Result<std::vector<FrameSegment>> DecodeSegments(const segmented_frame_t& messag
     const Result<FrameSegment> segment = DecodeSegment(element);
     if (!segment) return Fail("segment " + std::to_string(i) + ": " + segment.error().message);
     if (segment->pixels != counts[i]) {
-      return Fail("segment " + std::to_string(i) + " claims " + std::to_string(segment->pixels) +
-                  " pixels, the label image has " + std::to_string(counts[i]));
+      return Fail("segment " + std::to_string(i) + " lists " + std::to_string(segment->pixels) +
+                  " pixels, but the label image has " + std::to_string(counts[i]));
     }
     segments.push_back(*segment);
   }
@@ -67,7 +67,7 @@ Result<SegmentImage> DecodeLabels(const segmented_frame_t& message) {
   Result<SegmentImage> image =
       DecodeSegmentImage(message.labels, message.frame.width, message.frame.height);
   if (image && image->segment_count != message.n_segments) {
-    return Fail("the label image has " + std::to_string(image->segment_count) + " segments, " +
+    return Fail("the label image has " + std::to_string(image->segment_count) + " segments, but " +
                 std::to_string(message.n_segments) + " are listed");
   }
   return image;
@@ -91,7 +91,8 @@ segmented_frame_t Encode(const SegmentedFrame& frame, const rgbd_frame_t& sensor
 
 Result<SegmentedFrame> Decode(const segmented_frame_t& message) {
   const std::string where = "segmented_frame_t of utime " + std::to_string(message.utime) + ": ";
-  if (message.utime != message.frame.utime) return Fail(where + "its frame has another utime");
+  if (message.utime != message.frame.utime)
+    return Fail(where + "the utime of its frame is different");
   const Result<SensorFrame> sensor = Decode(message.frame);
   if (!sensor) return Fail(where + sensor.error().message);
   Result<RgbdFrame> frame = DecodeFrame(*sensor);

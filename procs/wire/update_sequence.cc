@@ -18,7 +18,7 @@ Result<FollowerPosition> ParseFollowerPosition(const std::string& text) {
     position.map_id = text.substr(0, at);
     if (error == std::errc() && stop == end && position.revision >= 0) return position;
   }
-  return Fail("position '" + text + "': expected MAP_ID@REVISION, or nothing");
+  return Fail("position '" + text + "': expected MAP_ID@REVISION or an empty string");
 }
 
 }  // namespace vismap

@@ -11,45 +11,49 @@
 
 namespace vismap {
 
-/// Where a follower of a map stands: which map, and up to which revision it has all updates.
+/// The state of a copy of a map: which map it is, and the revision up to which all updates were
+/// applied.
 struct FollowerPosition {
   std::string map_id;
-  int64_t revision = -1;  ///< -1 = it has nothing
+  int64_t revision = -1;  ///< -1 = the copy is empty
   friend bool operator==(const FollowerPosition&, const FollowerPosition&) = default;
 };
 
-/// "MAP_ID@REVISION", as requests for what was missed carry it; empty when it has nothing.
+/// "MAP_ID@REVISION", the form used in requests for missing updates; "" when the copy is empty.
 std::string ToText(const FollowerPosition& position);
+/// The inverse of ToText.
 Result<FollowerPosition> ParseFollowerPosition(const std::string& text);
 
-/// What became of an update.
+/// What happened to an update, or to one part of it.
 enum class FollowOutcome {
-  kApplied,        ///< the copy is one step further
-  kWaiting,        ///< a part of an update; others are missing
-  kIgnored,        ///< nothing new: an old update, or a snapshot of what is here already
-  kNeedsSnapshot,  ///< an update is missing, or nothing is known yet: ask for what is missing
-  kBroken,         ///< the update contradicts itself or the copy; a snapshot is needed
+  kApplied,        ///< all its parts have arrived; the copy has advanced to its revision
+  kWaiting,        ///< stored; other parts of the update have not arrived yet
+  kIgnored,        ///< not needed: the copy already has this revision
+  kNeedsSnapshot,  ///< cannot be applied: an earlier update is missing, or the copy is empty;
+                   ///< request it
+  kBroken,         ///< the update is inconsistent in itself or with the copy
 };
 
-/// What the updates of a stream (MAP_DELTA, MESH_DELTA) say of their place in it.
+/// The position of one update in its stream (MAP_DELTA or MESH_DELTA).
 struct UpdateHead {
   std::string map_id;
-  int64_t revision = 0;       ///< of the stream after the update
-  int64_t base_revision = 0;  ///< what the receiver must have; of no meaning when full
-  bool full = false;          ///< replaces everything
-  int32_t part = 0;           ///< this is part 0..parts-1 of the update
+  int64_t revision = 0;       ///< of the map after the update
+  int64_t base_revision = 0;  ///< revision that the receiver must have; unused if `full`
+  bool full = false;          ///< a snapshot: it replaces the whole copy
+  int32_t part = 0;           ///< index of this part, 0 to parts - 1
   int32_t parts = 1;
   friend bool operator==(const UpdateHead&, const UpdateHead&) = default;
 };
 
-/// Brings the parts of updates together, in any order, and says when they may be applied: on top of
-/// exactly what they were made for, so that a copy is always some state of the original.
+/// Collects the parts of an update, which may arrive in any order, and decides whether the update
+/// can be applied. An update applies only to its base revision, so that the copy always equals some
+/// earlier state of the original.
 template <typename Update>
 class UpdateSequence {
  public:
-  /// Takes one part. With kApplied, TakeReady() returns all parts of the update, ascending, and
-  /// the position is that after it.
-  FollowOutcome Take(const UpdateHead& head, Update update) {
+  /// Adds one part. When it returns kApplied, position() is that of the update, and ReleaseParts()
+  /// returns all of its parts in ascending order, for the caller to apply.
+  FollowOutcome AddPart(const UpdateHead& head, Update update) {
     ready_.clear();
     const bool same_map = head.map_id == position_.map_id;
     if (same_map && in_sync_ && head.revision <= position_.revision) return FollowOutcome::kIgnored;
@@ -58,7 +62,7 @@ class UpdateSequence {
     if (!staged_ || *staged_ != whole) {
       const bool fits = head.full || (same_map && position_.revision >= 0 &&
                                       head.base_revision == position_.revision);
-      if (!fits) return Missed();
+      if (!fits) return OnMissingUpdate();
       staged_ = whole;
       parts_.clear();
     }
@@ -72,21 +76,21 @@ class UpdateSequence {
     return FollowOutcome::kApplied;
   }
 
-  std::vector<Update> TakeReady() { return std::exchange(ready_, {}); }
+  std::vector<Update> ReleaseParts() { return std::exchange(ready_, {}); }
 
-  /// The copy cannot be trusted any more: only a full update helps.
-  void Distrust() {
-    Missed();
+  /// Marks the copy as wrong: only a snapshot can be applied next.
+  void RequireSnapshot() {
+    OnMissingUpdate();
     position_.revision = -1;
   }
 
   bool in_sync() const { return in_sync_; }
   const FollowerPosition& position() const { return position_; }
-  int64_t gaps() const { return gaps_; }  ///< how often updates were missing
+  int64_t gaps() const { return gaps_; }  ///< how often an update was missing
 
  private:
-  // What is staged stays: its other parts may come yet.
-  FollowOutcome Missed() {
+  // Keeps the staged parts, because the other parts of that update may still arrive.
+  FollowOutcome OnMissingUpdate() {
     if (in_sync_) ++gaps_;
     in_sync_ = false;
     return FollowOutcome::kNeedsSnapshot;
@@ -95,9 +99,9 @@ class UpdateSequence {
   FollowerPosition position_;
   bool in_sync_ = false;
   int64_t gaps_ = 0;
-  std::optional<UpdateHead> staged_;  // with part = 0
-  std::map<int32_t, Update> parts_;
-  std::vector<Update> ready_;
+  std::optional<UpdateHead> staged_;  // head of the update being collected, with part = 0
+  std::map<int32_t, Update> parts_;   // of the staged update, by index
+  std::vector<Update> ready_;         // parts of the update that was just completed
 };
 
 }  // namespace vismap

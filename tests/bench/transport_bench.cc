@@ -139,7 +139,7 @@ int main(int argc, char** argv) {
   std::printf("ready\n");
   std::fflush(stdout);
   if (argc == 5) {
-    while (!peers.Ready("map-server")) (*bus)->Spin(0.05);
+    while (!peers.IsReady("map-server")) (*bus)->Spin(0.05);
     watch.SendAll(std::strtod(argv[4], nullptr));
   } else {
     watch.SubscribeToSensor();

@@ -7,19 +7,20 @@ namespace {
 
 constexpr BridgeSide kHere = BridgeSide::kLocal, kThere = BridgeSide::kRemote;
 
-TEST(SourceSides, ASourceLivesWhereItWasHeardFirst) {
+TEST(SourceSides, SourceLivesWhereItWasReceivedFirst) {
   SourceSides sides;
   EXPECT_TRUE(sides.LivesOn(kHere, "a", 0));
   EXPECT_TRUE(sides.LivesOn(kThere, "b", 0));
   for (const double now : {0.0, 1.0, 20.0, 40.0, 60.0}) {
-    EXPECT_FALSE(sides.LivesOn(kThere, "a", now)) << "its echo";
+    EXPECT_FALSE(sides.LivesOn(kThere, "a", now))
+        << "a message that the bridge itself has forwarded";
     EXPECT_TRUE(sides.LivesOn(kHere, "a", now));
     EXPECT_FALSE(sides.LivesOn(kHere, "b", now));
     EXPECT_TRUE(sides.LivesOn(kThere, "b", now));
   }
 }
 
-TEST(SourceSides, ASourceMayMoveAfterASilence) {
+TEST(SourceSides, SilentSourceMayMove) {
   SourceSides sides;
   EXPECT_TRUE(sides.LivesOn(kHere, "a", 0));
   EXPECT_FALSE(sides.LivesOn(kThere, "a", 29));
@@ -27,7 +28,7 @@ TEST(SourceSides, ASourceMayMoveAfterASilence) {
   EXPECT_FALSE(sides.LivesOn(kHere, "a", 32));
 }
 
-TEST(SourceSides, ManyInventedSourcesAreNotRemembered) {
+TEST(SourceSides, NumberOfSourcesIsLimited) {
   SourceSides sides;
   EXPECT_TRUE(sides.LivesOn(kHere, "known", 0));
   int taken = 0;

@@ -24,7 +24,7 @@ detections_t Detections(int64_t utime, int camera = 0) {
   return detections;
 }
 
-/// What leaves now, as utimes; negative = without detections.
+/// Utimes of the frames that are released now; negative = without detections.
 std::vector<int64_t> Leaving(FrameDetectionJoin* join, double now, double patience) {
   std::vector<int64_t> utimes;
   while (const auto joined = join->Next(now, patience)) {
@@ -47,14 +47,14 @@ TEST(FrameDetectionJoin, FrameWaitsForItsDetections) {
   EXPECT_EQ(join.waiting(), 0U);
 }
 
-TEST(FrameDetectionJoin, DetectionsMayComeFirst) {
+TEST(FrameDetectionJoin, DetectionsMayArriveFirst) {
   FrameDetectionJoin join(10);
   join.AddDetections(Detections(1));
   join.AddFrame(Frame(1), 0);
   EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{1});
 }
 
-TEST(FrameDetectionJoin, FramesLeaveInTheirOrderWhateverTheDetectionsDo) {
+TEST(FrameDetectionJoin, FramesAreReleasedInTheirOrder) {
   FrameDetectionJoin join(10);
   for (const int64_t utime : {5, 3, 9}) join.AddFrame(Frame(utime), 0);
   join.AddDetections(Detections(9));
@@ -72,7 +72,7 @@ TEST(FrameDetectionJoin, DetectionsOfAnotherCameraOrTimeDoNotCount) {
   EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{});
 }
 
-TEST(FrameDetectionJoin, PatienceEnds) {
+TEST(FrameDetectionJoin, FrameIsReleasedWhenPatienceEnds) {
   FrameDetectionJoin join(10);
   join.AddFrame(Frame(1), 100);
   join.AddFrame(Frame(2), 101);
@@ -84,7 +84,7 @@ TEST(FrameDetectionJoin, PatienceEnds) {
   EXPECT_EQ(join.counters().detections_late, 1);
 }
 
-TEST(FrameDetectionJoin, WithoutPatienceDetectionsThatAreThereAreStillUsed) {
+TEST(FrameDetectionJoin, WithoutPatienceArrivedDetectionsAreUsed) {
   FrameDetectionJoin join(10);
   join.AddDetections(Detections(2));
   join.AddFrame(Frame(1), 0);
@@ -103,7 +103,7 @@ TEST(FrameDetectionJoin, MemoryIsBoundedAndLossIsCounted) {
   EXPECT_EQ(Leaving(&join, 0, kForever), (Utimes{8, 9, 10}));
 }
 
-TEST(FrameDetectionJoin, RepeatsAreCountedNotDoubled) {
+TEST(FrameDetectionJoin, RepeatedMessagesAreCountedAndIgnored) {
   FrameDetectionJoin join(10);
   join.AddFrame(Frame(1), 0);
   join.AddFrame(Frame(1), 0);
@@ -114,7 +114,7 @@ TEST(FrameDetectionJoin, RepeatsAreCountedNotDoubled) {
   EXPECT_EQ(join.counters().detections_repeated, 1);
 }
 
-TEST(FrameDetectionJoin, FrameThatComesAgainAfterItLeftJoinsAgain) {
+TEST(FrameDetectionJoin, FrameThatIsSentAgainAfterReleaseIsJoinedAgain) {
   FrameDetectionJoin join(10);
   join.AddFrame(Frame(1), 0);
   EXPECT_EQ(Leaving(&join, 0, 0), Utimes{-1});

@@ -15,18 +15,18 @@ DetectorOptions With(DetectorBackend backend, const std::string& model) {
   return config;
 }
 
-TEST(ChooseBackend, AutoGoesByWhatIsGiven) {
+TEST(ChooseBackend, AutoDependsOnTheGivenInput) {
   constexpr auto kAuto = DetectorBackend::kAuto;
   EXPECT_EQ(*ChooseBackend(With(kAuto, ""), true), DetectorBackend::kRecorded);
   EXPECT_EQ(*ChooseBackend(With(kAuto, "m.onnx"), false), DetectorBackend::kDnn);
   EXPECT_EQ(*ChooseBackend(With(kAuto, "m.onnx"), true), DetectorBackend::kRecorded)
-      << "the command line goes before the config's model";
+      << "the command line overrides the model of the config";
   const auto none = ChooseBackend(With(kAuto, ""), false);
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("--model"));
 }
 
-TEST(ChooseBackend, WhatIsAskedForNeedsItsInput) {
+TEST(ChooseBackend, ChosenBackendNeedsItsInput) {
   EXPECT_FALSE(ChooseBackend(With(DetectorBackend::kRecorded, "m.onnx"), false));
   EXPECT_FALSE(ChooseBackend(With(DetectorBackend::kDnn, ""), false));
   EXPECT_FALSE(ChooseBackend(With(DetectorBackend::kDnn, "m.onnx"), true));

@@ -12,7 +12,7 @@ rgbd_frame_t Frame(int camera, int64_t utime) {
   return frame;
 }
 
-TEST(NewestFrames, ANewerFrameReplacesTheOneThatWaits) {
+TEST(NewestFrames, NewerFrameReplacesTheWaitingOne) {
   NewestFrames frames;
   EXPECT_FALSE(frames.Next());
   EXPECT_FALSE(frames.Add(Frame(0, 1)));
@@ -27,18 +27,18 @@ TEST(NewestFrames, ANewerFrameReplacesTheOneThatWaits) {
   EXPECT_FALSE(frames.Next());
 }
 
-TEST(NewestFrames, CamerasTakeTurnsHoweverFastOneIs) {
+TEST(NewestFrames, CamerasTakeTurns) {
   NewestFrames frames;
   EXPECT_FALSE(frames.Add(Frame(0, 1)));
   EXPECT_FALSE(frames.Add(Frame(1, 1)));
   for (int64_t utime = 2; utime < 10; ++utime) EXPECT_TRUE(frames.Add(Frame(0, utime)));
   EXPECT_EQ(frames.Next()->utime, 9);
-  EXPECT_FALSE(frames.Add(Frame(0, 10))) << "its turn is over, so it waits behind the other";
+  EXPECT_FALSE(frames.Add(Frame(0, 10))) << "it had its turn, so it waits after the other camera";
   EXPECT_EQ(frames.Next()->camera_id, 1);
   EXPECT_EQ(frames.Next()->utime, 10);
 }
 
-TEST(NewestFrames, TooManyCamerasAreTurnedAway) {
+TEST(NewestFrames, NumberOfCamerasIsLimited) {
   NewestFrames frames(2);
   EXPECT_FALSE(frames.Add(Frame(0, 1)));
   EXPECT_FALSE(frames.Add(Frame(1, 1)));

@@ -5,13 +5,14 @@
 namespace vismap {
 namespace {
 
-TEST(Pace, SaysWhatCameSinceItWasAsked) {
+TEST(Pace, SummarizesTheFramesSinceTheLastCall) {
   Pace pace(100);
-  EXPECT_FALSE(pace.Take(110)) << "no frames, nothing to say";
-  for (int i = 0; i < 48; ++i) pace.Looked(147);
-  for (int i = 0; i < 252; ++i) pace.PassedOver();
-  EXPECT_EQ(pace.Take(120), "looks at 4.8 of 30.0 frames per second, median 147 ms each");
-  EXPECT_FALSE(pace.Take(130));
+  EXPECT_FALSE(pace.Summarize(110)) << "there were no frames";
+  for (int i = 0; i < 48; ++i) pace.AddProcessed(147);
+  for (int i = 0; i < 252; ++i) pace.AddSkipped();
+  EXPECT_EQ(pace.Summarize(120),
+            "runs on 4.8 of 30.0 frames per second, 147 ms per frame (median)");
+  EXPECT_FALSE(pace.Summarize(130));
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ using testing::IsEmpty;
 
 constexpr int64_t kUtime = 1'700'000'000'000'000;
 
-/// A bus that is listened to for five seconds, from time 0 on.
+/// A bus that is observed for five seconds, from time 0 on.
 struct Scene {
   BusPicture picture;
   Listening listening{{{"hub", true, "answers"}}, 5, 5, "tcpq://127.0.0.1:7700"};
@@ -43,37 +43,37 @@ struct Scene {
     status.start_utime = 1;
     return status;
   }
-  /// Says it once a second.
-  void Says(process_status_t status) {
+  /// Receives this status once a second.
+  void PublishesStatus(process_status_t status) {
     for (int second = 0; second < 5; ++second) {
       status.utime =
           status.utime == 0 || second > 0 ? kUtime + second * 1'000'000 + offset : status.utime;
       status.seq = second;
-      Heard("STATUS", Pack(status), second);
+      Receives("STATUS", Pack(status), second);
     }
   }
   template <typename Message>
-  void Flows(const Channel& channel, Message message) {
+  void PublishesChannel(const Channel& channel, Message message) {
     for (int i = 0; i < 50; ++i) {
       message.seq = i;
       message.source = "somebody";
-      Heard(channel.name, Pack(message), i / 10);
+      Receives(channel.name, Pack(message), i / 10);
     }
   }
-  void Heard(const std::string& channel, const std::vector<uint8_t>& bytes, int second) {
-    picture.Note(channel, bytes, second, kUtime + second * 1'000'000);
+  void Receives(const std::string& channel, const std::vector<uint8_t>& bytes, int second) {
+    picture.AddMessage(channel, bytes, second, kUtime + second * 1'000'000);
   }
   void FullPipeline() {
     for (const char* name : {"hub", "map-server", "depth-segmenter", "detector"}) {
-      Says(Status(name));
+      PublishesStatus(Status(name));
     }
     for (const Channel& channel : {kSegmentedFrameChannel, kMapCommitChannel}) {
       std::vector<uint8_t> bytes = Pack(frame_);
       envelope::WriteBigEndian(FindChannelType(channel.name)->fingerprint, bytes.data());
-      Heard(channel.name, bytes, 4);
+      Receives(channel.name, bytes, 4);
     }
-    Flows(kRgbdFrameChannel, rgbd_frame_t{});
-    Flows(kDetectionsChannel, detections_t{});
+    PublishesChannel(kRgbdFrameChannel, rgbd_frame_t{});
+    PublishesChannel(kDetectionsChannel, detections_t{});
   }
   /// "what; todo" of all findings.
   std::vector<std::string> Findings() {
@@ -96,86 +96,87 @@ TEST(Doctor, HealthyBusHasNoFindings) {
   EXPECT_THAT(scene.Findings(), IsEmpty());
 }
 
-TEST(Doctor, MissingHubIsNamedWithItsCommandAndNothingElse) {
+TEST(Doctor, MissingHubIsTheOnlyFindingAndNamesTheCommand) {
   Scene scene;
   scene.listening.checks = {{"hub", false, "none; start one with: vismap-hub"}};
   EXPECT_THAT(scene.Findings(), ElementsAre(HasSubstr("start one with: vismap-hub")));
 }
 
-TEST(Doctor, EmptyBusIsSaid) {
+TEST(Doctor, EmptyBusIsAFinding) {
   Scene scene;
-  EXPECT_THAT(scene.Findings(),
-              ElementsAre(AllOf(HasSubstr("nobody is on the bus"), HasSubstr("127.0.0.1:7700"))));
+  EXPECT_THAT(scene.Findings(), ElementsAre(AllOf(HasSubstr("no process is on the bus"),
+                                                  HasSubstr("127.0.0.1:7700"))));
 }
 
-TEST(Doctor, MissingDetectorIsNamed) {
+TEST(Doctor, MissingDetectorIsAFinding) {
   Scene scene;
-  scene.Says(scene.Status("map-server", "ready"));
+  scene.PublishesStatus(scene.Status("map-server", "ready"));
   process_status_t segmenter = scene.Status("depth-segmenter", "waiting");
-  segmenter.message = "waiting for DETECTIONS: none for the oldest frame in 5 s";
-  scene.Says(segmenter);
-  scene.Flows(kRgbdFrameChannel, rgbd_frame_t{});
-  EXPECT_THAT(
-      scene.Findings(),
-      ElementsAre("depth-segmenter waits for DETECTIONS: none in 5 s; start vismap-detector, "
-                  "or run vismap-depth-segmenter with --detections none"));
+  segmenter.message = "waiting for DETECTIONS: the oldest frame has waited for 5 s";
+  scene.PublishesStatus(segmenter);
+  scene.PublishesChannel(kRgbdFrameChannel, rgbd_frame_t{});
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre("depth-segmenter waits for DETECTIONS, but no DETECTIONS was received in "
+                          "5 s; start vismap-detector, "
+                          "or run vismap-depth-segmenter with --detections none"));
 }
 
-TEST(Doctor, MissingSensorSegmenterAndServerAreNamed) {
+TEST(Doctor, MissingSensorSegmenterAndServerAreFindings) {
   Scene no_sensor;
-  no_sensor.Says(no_sensor.Status("map-server", "ready"));
+  no_sensor.PublishesStatus(no_sensor.Status("map-server", "ready"));
   EXPECT_THAT(no_sensor.Findings(), ElementsAre(HasSubstr("start vismap-sensor-replay")));
   Scene no_segmenter;
-  no_segmenter.Says(no_segmenter.Status("map-server", "ready"));
-  no_segmenter.Flows(kRgbdFrameChannel, rgbd_frame_t{});
+  no_segmenter.PublishesStatus(no_segmenter.Status("map-server", "ready"));
+  no_segmenter.PublishesChannel(kRgbdFrameChannel, rgbd_frame_t{});
   EXPECT_THAT(no_segmenter.Findings(), ElementsAre(HasSubstr("start vismap-depth-segmenter")));
   Scene no_server;
-  no_server.Says(no_server.Status("depth-segmenter", "ready"));
+  no_server.PublishesStatus(no_server.Status("depth-segmenter", "ready"));
   EXPECT_THAT(no_server.Findings(), Contains(HasSubstr("start vismap-map-server")));
 }
 
-TEST(Doctor, OtherTypesAndVersionsAreNamed) {
+TEST(Doctor, OtherTypesAndVersionsAreFindings) {
   Scene scene;
   scene.FullPipeline();
   process_status_t other = scene.Status("octomap-exporter");
   other.types_fingerprint = 7;
   other.version = "9.9.9";
-  scene.Says(other);
+  scene.PublishesStatus(other);
   EXPECT_THAT(scene.Findings(),
-              ElementsAre(AllOf(HasSubstr("octomap-exporter on robot has other message types"),
+              ElementsAre(AllOf(HasSubstr("octomap-exporter on robot uses other message types"),
                                 HasSubstr("9.9.9"), HasSubstr("same version"))));
-  scene.Flows(kMapDeltaChannel, detections_t{});
-  EXPECT_THAT(scene.Findings(), Contains(HasSubstr("MAP_DELTA: 50 of 50 messages are of another")));
+  scene.PublishesChannel(kMapDeltaChannel, detections_t{});
+  EXPECT_THAT(scene.Findings(),
+              Contains(HasSubstr("MAP_DELTA: 50 of 50 messages have a wrong type")));
 }
 
-TEST(Doctor, ClocksThatDisagreeAreNamed) {
+TEST(Doctor, ClockDifferencesAreFindings) {
   Scene scene;
   scene.FullPipeline();
   scene.offset = -3'000'000;
-  scene.Says(scene.Status("octomap-exporter"));
+  scene.PublishesStatus(scene.Status("octomap-exporter"));
   EXPECT_THAT(scene.Findings(),
               ElementsAre(AllOf(HasSubstr("clock of robot is 3 s behind"), HasSubstr("chrony"))));
 }
 
-TEST(Doctor, LossesOfTheTimeOfListeningAreNamedAndOlderOnesAreNot) {
+TEST(Doctor, OnlyRecentLossesAreFindings) {
   Scene scene;
   scene.FullPipeline();
   process_status_t bridge = scene.Status("bridge");
   bridge.counter_names = {"send.RGBD_FRAME.dropped", "remote.reconnects"};
   bridge.counter_values = {100, 1};
   bridge.n_counters = 2;
-  scene.Says(bridge);
+  scene.PublishesStatus(bridge);
   EXPECT_THAT(scene.Findings(), IsEmpty());
   bridge.counter_values = {107, 1};
   bridge.seq = 5;
   bridge.utime = kUtime + 4'000'000;
-  scene.Heard("STATUS", Pack(bridge), 4);
+  scene.Receives("STATUS", Pack(bridge), 4);
   EXPECT_THAT(scene.Findings(),
               ElementsAre(AllOf(HasSubstr("bridge on robot dropped 7 messages"),
-                                HasSubstr("send.RGBD_FRAME.dropped, 107 in all"))));
+                                HasSubstr("send.RGBD_FRAME.dropped, 107 in total"))));
 }
 
-TEST(Doctor, SaysHowManyFramesADetectorSees) {
+TEST(Doctor, ReportsOnHowManyFramesADetectorRan) {
   Scene scene;
   scene.FullPipeline();
   process_status_t segmenter = scene.Status("depth-segmenter");
@@ -186,24 +187,25 @@ TEST(Doctor, SaysHowManyFramesADetectorSees) {
     segmenter.counter_values = {1000 + 150 / 4 * second, 40 + 5 / 4 * second};
     segmenter.utime = kUtime + second * 1'000'000;
     segmenter.seq = second;
-    scene.Heard("STATUS", Pack(segmenter), second);
+    scene.Receives("STATUS", Pack(segmenter), second);
   }
   EXPECT_THAT(TextReport(scene.listening, scene.picture, {}),
-              HasSubstr("slow: 29.6 frames per second, 0.8 of them seen by a detector; the others "
-                        "are mapped too"));
+              HasSubstr("slow: 29.6 frames per second; a detector ran on 0.8 of them; the others "
+                        "are mapped without detections"));
   const auto json = nlohmann::json::parse(JsonReport(scene.listening, scene.picture, {}));
-  EXPECT_NEAR(json["detection_rates"][0]["looked_at_per_s"].get<double>(), 0.8, 1e-9);
-  EXPECT_THAT(scene.Findings(), IsEmpty()) << "a slow detector is no fault";
+  EXPECT_NEAR(json["detection_rates"][0]["with_detector_per_s"].get<double>(), 0.8, 1e-9);
+  EXPECT_THAT(scene.Findings(), IsEmpty()) << "a slow detector is not a problem";
 }
 
-TEST(Doctor, GapsSilenceAndTwoOfOneNameAreNamed) {
+TEST(Doctor, LostMessagesSilenceAndDuplicateNamesAreFindings) {
   Scene scene;
   scene.FullPipeline();
   rgbd_frame_t late{};
   late.source = "somebody";
   late.seq = 60;
-  scene.Heard("RGBD_FRAME", Pack(late), 4);
-  EXPECT_THAT(scene.Findings(), ElementsAre(HasSubstr("RGBD_FRAME: 10 messages are missing")));
+  scene.Receives("RGBD_FRAME", Pack(late), 4);
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre(HasSubstr("RGBD_FRAME: 10 messages of the sequence were not received")));
   Scene two;
   two.FullPipeline();
   process_status_t twin = two.Status("detector");
@@ -212,22 +214,22 @@ TEST(Doctor, GapsSilenceAndTwoOfOneNameAreNamed) {
     twin.pid = static_cast<int32_t>(start);
     twin.utime = kUtime + 4'000'000;
     twin.seq = start;
-    two.Heard("STATUS", Pack(twin), 4);
+    two.Receives("STATUS", Pack(twin), 4);
   }
-  EXPECT_THAT(two.Findings(),
-              Contains(AllOf(HasSubstr("two processes are called detector"), HasSubstr("--name"))));
+  EXPECT_THAT(two.Findings(), Contains(AllOf(HasSubstr("two processes have the name detector"),
+                                             HasSubstr("--name"))));
   Scene silent;
   silent.FullPipeline();
   silent.listening.now = 9;
   EXPECT_THAT(silent.Findings(),
-              Contains(HasSubstr("map-server on robot has been silent for 5 s")));
+              Contains(HasSubstr("map-server on robot has published no STATUS for 5 s")));
 }
 
-TEST(Doctor, NamesFromTheBusCannotMoveTheCursor) {
+TEST(Doctor, ReportContainsNoControlCharactersFromTheBus) {
   Scene scene;
   process_status_t hostile = scene.Status("x\033[2Jy");
   hostile.message = "\r\xff\n";
-  scene.Says(hostile);
+  scene.PublishesStatus(hostile);
   const auto findings = Diagnose(scene.listening, scene.picture);
   EXPECT_EQ(TextReport(scene.listening, scene.picture, findings).find('\033'), std::string::npos);
   const auto json =

@@ -53,7 +53,7 @@ AllocationFigures AllocationMeter::End() {
 
 #ifdef VISMAP_SANITIZED
 
-// The sanitizer owns malloc; it calls these two instead. Its header is not in Debian's GCC.
+// The sanitizer replaces malloc and calls these two hooks. Debian's GCC lacks their header.
 extern "C" size_t __sanitizer_get_allocated_size(const volatile void* memory);
 extern "C" void __sanitizer_malloc_hook(const volatile void*, size_t size) { vismap::Gave(size); }
 extern "C" void __sanitizer_free_hook(const volatile void* memory) {
@@ -62,8 +62,8 @@ extern "C" void __sanitizer_free_hook(const volatile void* memory) {
 
 #else
 
-// Definitions in the executable go before those of libc, for all libraries; libc's own are reached
-// by their second names.
+// Definitions in the executable replace those of libc for all libraries. The originals in libc are
+// available under their second names.
 extern "C" {
 void* __libc_malloc(size_t size);
 void* __libc_calloc(size_t count, size_t size);

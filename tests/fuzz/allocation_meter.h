@@ -4,11 +4,11 @@
 
 namespace vismap {
 
-/// What the heap gave out between Begin and End, by every library in this process: malloc, new and
-/// their relatives, on all threads.
+/// Heap allocations of all libraries and threads of this process between Begin and End: malloc, new
+/// and similar functions.
 struct AllocationFigures {
   size_t largest = 0;  ///< single allocation [bytes]
-  size_t peak = 0;     ///< most that was held at once beyond what was held at Begin [bytes]
+  size_t peak = 0;     ///< largest total size at one time, minus that at Begin [bytes]
 };
 
 /// Measures allocations. One measurement at a time.

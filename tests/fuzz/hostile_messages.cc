@@ -28,12 +28,12 @@ using Spoil = std::function<std::vector<uint8_t>(TestRandom*)>;
 using testing_support::SnapshotOf;
 
 template <typename Value>
-Result<void> Taken(const Result<Value>& value) {
+Result<void> Accepted(const Result<Value>& value) {
   if (!value) return tl::unexpected(value.error());
   return {};
 }
 
-/// `use(message)` = what processes do with it once it is unpacked.
+/// `use(message)` is what processes do with an unpacked message.
 template <typename Message, typename Use>
 FuzzTarget Target(const Channel& channel, Message message, Use use) {
   message.seq = 3;
@@ -64,7 +64,7 @@ void ChangeBytes(TestRandom* random, std::vector<uint8_t>* bytes) {
   }
 }
 
-/// Changes bytes of what is compressed in `code`, now and then its length, and compresses it again.
+/// Decompresses `code`, changes bytes and sometimes the length, and compresses it again.
 template <typename Size>
 void SpoilCompressed(TestRandom* random, std::vector<uint8_t>* code, Size* size) {
   Result<std::vector<uint8_t>> content = DecompressBytes(*code, 0, size_t{1} << 24);
@@ -83,8 +83,8 @@ Spoil Spoiling(const Message& good, Change change) {
   };
 }
 
-// Memory per pixel of the largest image that decoders make: depth in metres; with depth in steps,
-// colour and the coefficients of a progressive JPEG beside it; labels as runs and as an image.
+// Memory per pixel of the images that decoders create: depth in metres; also depth in units, colour
+// and the coefficients of a progressive JPEG; and labels as runs and as an image.
 constexpr size_t kDepthPixel = 4;
 constexpr size_t kFramePixel = 20;
 constexpr size_t kLabelRunsPixel = 10;
@@ -94,7 +94,7 @@ FuzzTarget RgbdFrameTarget() {
   const rgbd_frame_t good = Encode(SmallSensorFrame());
   FuzzTarget target = Target(kRgbdFrameChannel, good, [](const rgbd_frame_t& message) {
     const Result<SensorFrame> sensor = Decode(message);
-    return sensor ? Taken(DecodeFrame(*sensor)) : Taken(sensor);
+    return sensor ? Accepted(DecodeFrame(*sensor)) : Accepted(sensor);
   });
   target.spoil_inside = Spoiling(good, [](TestRandom* random, rgbd_frame_t* message) {
     SpoilCompressed(random, &message->depth, &message->depth_size);
@@ -108,8 +108,8 @@ FuzzTarget RgbdFrameTarget() {
 FuzzTarget DetectionsTarget() {
   const detections_t good = Encode(SmallDetections(), kSmallCamera.width, kSmallCamera.height);
   FuzzTarget target = Target(kDetectionsChannel, good,
-                             [](const detections_t& message) { return Taken(Decode(message)); });
-  // Run lengths that still fill the image: two neighbours exchange pixels.
+                             [](const detections_t& message) { return Accepted(Decode(message)); });
+  // Run lengths that still fill the image: two adjacent runs exchange pixels.
   target.spoil_inside = Spoiling(good, [](TestRandom* random, detections_t* message) {
     std::vector<int32_t>& runs = message->detections[random->Below(2)].runs;
     const size_t at = random->Below(runs.size() - 1);
@@ -134,7 +134,7 @@ FuzzTarget SegmentedFrameTarget() {
   frame.segments[0].pixels = 64 * 48 - 20;
   const segmented_frame_t good = Encode(frame, Encode(sensor));
   FuzzTarget target = Target(kSegmentedFrameChannel, good, [](const segmented_frame_t& message) {
-    return Taken(Decode(message));
+    return Accepted(Decode(message));
   });
   target.spoil_inside = Spoiling(good, [](TestRandom* random, segmented_frame_t* message) {
     SpoilCompressed(random, &message->labels, &message->label_size);
@@ -161,7 +161,7 @@ FuzzTarget MapDeltaTarget() {
   const map_delta_t good = Encode(MapUpdate{1, "map", 4, 3, 0, 1, SnapshotOf(SmallOccupancy())});
   FuzzTarget target = Target(kMapDeltaChannel, good, [](const map_delta_t& message) {
     const Result<MapUpdate> update = Decode(message);
-    if (!update) return Taken(update);
+    if (!update) return Accepted(update);
     OccupancyMap map(update->delta.voxel_size);
     return map.Apply(update->delta) ? Result<void>() : Fail("does not apply");
   });
@@ -182,8 +182,8 @@ FuzzTarget MeshDeltaTarget() {
     update.mesh.blocks.push_back(block);
   }
   return Target(kMeshDeltaChannel, Encode(update), [](const mesh_delta_t& message) {
-    MeshFollower().Take(message);
-    return Taken(Decode(message));
+    MeshFollower().Apply(message);
+    return Accepted(Decode(message));
   });
 }
 
@@ -200,13 +200,13 @@ FuzzTarget ObjectsTarget() {
   }
   const auto chair = [](ClassId) { return std::string("chair"); };
   return Target(kObjectsChannel, Encode(list, chair),
-                [](const object_list_t& message) { return Taken(Decode(message)); });
+                [](const object_list_t& message) { return Accepted(Decode(message)); });
 }
 
 FuzzTarget OctreeTarget() {
   const OctreeMessage octree{1, "map", 2, 0.01, {}, *BuildOctree(SmallOccupancy(), {})};
   FuzzTarget target = Target(kOctomapChannel, Encode(octree),
-                             [](const octree_t& message) { return Taken(Decode(message)); });
+                             [](const octree_t& message) { return Accepted(Decode(message)); });
   return target;
 }
 
@@ -298,7 +298,8 @@ std::vector<uint8_t> Mutate(const FuzzTarget& target, TestRandom* random) {
       if (random->Below(4) == 0) ChangeBytes(random, &bytes);
   }
   if (random->Below(4) != 0) DropChecksum(target, &bytes);
-  return {bytes.begin(), bytes.end()};  // no spare capacity behind the end
+  return {bytes.begin(),
+          bytes.end()};  // without spare capacity, so that reading past the end is detected
 }
 
 }  // namespace vismap

@@ -11,22 +11,21 @@
 
 namespace vismap {
 
-/// One message type on its way into a process: a good message, and the code that the process runs
-/// on it.
+/// One message type: a valid message, and the code that processes run on a received message.
 struct FuzzTarget {
   std::string type;            ///< for example "rgbd_frame_t"
-  size_t channel_bytes = 0;    ///< largest message that its channel takes
-  std::vector<uint8_t> good;   ///< a message as it travels
-  size_t checksum_offset = 0;  ///< in `good`; 0 = the type has none
-  /// Unpack and Decode to the values that processes work with; what it returns says whether the
-  /// message was taken.
+  size_t channel_bytes = 0;    ///< largest message of its channel [bytes]
+  std::vector<uint8_t> good;   ///< an encoded valid message
+  size_t checksum_offset = 0;  ///< of the checksum in `good`; 0 = the type has none
+  /// Unpacks and decodes a message as processes do; returns whether it was accepted.
   std::function<Result<void>(std::span<const uint8_t>)> decode;
-  /// The good message again, with something changed inside its compressed parts, which checksums
-  /// would else protect. Absent for types without such parts.
+  /// The valid message with a change inside its compressed parts, which checksums would otherwise
+  /// protect. Empty for types without such parts.
   std::function<std::vector<uint8_t>(TestRandom*)> spoil_inside;
-  /// Most memory that decoding may take: what the largest image or map part needs that a compressed
-  /// part may hold [bytes], and so much per byte of the message for all else: message and values
-  /// beside each other, elements as wide as their C++ types.
+  /// Limit for the memory of decoding: the size of the largest image or map part that a compressed
+  /// part may contain [bytes], plus a number of bytes per byte of the message for everything else,
+  /// namely for the message and the decoded values, in which elements have the size of their C++
+  /// types.
   size_t largest_content = 0;
   size_t peak_content = 0;
   size_t AllowedPeak(size_t message_bytes) const {
@@ -37,17 +36,17 @@ struct FuzzTarget {
   }
 };
 
-/// One of every type that travels on the bus.
+/// One target for every message type of the bus.
 std::vector<FuzzTarget> AllFuzzTargets();
 
-/// A message with a few bytes, or a length, changed, cut, or a piece put in twice; or spoilt
-/// inside.
+/// A mutated message: with changed bytes or lengths, truncated, with a part inserted twice, or
+/// changed inside its compressed parts.
 std::vector<uint8_t> Mutate(const FuzzTarget& target, TestRandom* random);
 
-/// `bytes` with the checksum taken away, as an attacker would do it.
+/// `bytes` with the checksum set to 0, as an attacker would do.
 void DropChecksum(const FuzzTarget& target, std::vector<uint8_t>* bytes);
 
-/// Numbers that overflow, wrap, or lie just beyond what is there.
+/// Lengths that overflow, wrap around, or are slightly too large.
 inline constexpr int64_t kHostileLengths[] = {
     -1,         -2147483648, 2147483647, 0x40000001, 0x20000001, 0x10000001, 0x7fffffff / 24,
     0x00ffffff, 1 << 20,     65536,      4096,       1,          0};

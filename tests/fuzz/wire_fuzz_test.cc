@@ -1,5 +1,5 @@
-// Messages that nobody of ours would send, on the way that they take into a process. The claim: no
-// crash, no exception, no undefined behaviour (under the san preset), no more memory than stated.
+// Malformed messages, decoded as in a process. There must be no crash, no exception, no undefined
+// behaviour (checked with the san preset), and no more memory than the limit of the target.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,17 +26,17 @@ int64_t FromEnvironment(const char* name, int64_t otherwise) {
 }
 
 struct Tally {
-  int64_t messages = 0, taken = 0;
+  int64_t messages = 0, accepted = 0;
   AllocationFigures worst;
 };
 
-/// Decodes one message; false when it breaks the claim.
+/// Decodes one message; fails when it throws or exceeds the memory limits.
 testing::AssertionResult Decodes(const FuzzTarget& target, std::span<const uint8_t> bytes,
                                  Tally* tally) {
   AllocationMeter::Begin();
   std::string thrown;
   try {
-    tally->taken += target.decode(bytes).has_value();
+    tally->accepted += target.decode(bytes).has_value();
   } catch (const std::exception& error) {
     thrown = error.what();
   }
@@ -56,7 +56,7 @@ testing::AssertionResult Decodes(const FuzzTarget& target, std::span<const uint8
   return testing::AssertionSuccess();
 }
 
-TEST(AllocationMeter, SeesWhatIsAllocatedAndWhatIsHeldAtOnce) {
+TEST(AllocationMeter, MeasuresLargestAndTotalAllocations) {
   AllocationMeter::Begin();
   for (int i = 0; i < 3; ++i) {
     std::vector<char> one(1000), two(5000);
@@ -71,11 +71,11 @@ TEST(AllocationMeter, SeesWhatIsAllocatedAndWhatIsHeldAtOnce) {
   EXPECT_LT(figures.peak, 6500U);
 }
 
-TEST(Fuzz, GoodMessagesAreTaken) {
+TEST(Fuzz, ValidMessagesAreAccepted) {
   for (const FuzzTarget& target : AllFuzzTargets()) {
     Tally tally;
     EXPECT_TRUE(Decodes(target, target.good, &tally));
-    EXPECT_EQ(tally.taken, 1) << target.type;
+    EXPECT_EQ(tally.accepted, 1) << target.type;
   }
 }
 
@@ -93,11 +93,11 @@ TEST(Fuzz, MutatedAndTruncatedMessages) {
   }
   for (size_t i = 0; i < targets.size(); ++i) {
     const Tally& tally = tallies[i];
-    std::cout << targets[i].type << ": " << tally.messages << " messages, " << tally.taken
-              << " taken, largest allocation " << tally.worst.largest << ", most at once "
+    std::cout << targets[i].type << ": " << tally.messages << " messages, " << tally.accepted
+              << " accepted, largest allocation " << tally.worst.largest << ", most at once "
               << tally.worst.peak << " bytes\n";
-    EXPECT_GT(tally.taken, 0) << targets[i].type << ": some mutations must come through";
-    EXPECT_LT(tally.taken, tally.messages) << targets[i].type;
+    EXPECT_GT(tally.accepted, 0) << targets[i].type << ": some mutated messages must be accepted";
+    EXPECT_LT(tally.accepted, tally.messages) << targets[i].type;
   }
 }
 
@@ -111,13 +111,13 @@ TEST(Fuzz, EveryTruncationOfEveryType) {
                                      good.begin() + static_cast<std::ptrdiff_t>(size));
       ASSERT_TRUE(Decodes(target, cut, &tally)) << size;
     }
-    EXPECT_EQ(tally.taken, 0) << target.type;
+    EXPECT_EQ(tally.accepted, 0) << target.type;
   }
 }
 
-// Whatever is a length in a message, of an array, of an array in an element, of a string or of a
-// string in an array, stands in four of its bytes.
-TEST(Fuzz, EveryLengthOfEveryTypeIsHostile) {
+// Every length in a message (of an array, of an array in an element, of a string, or of a string in
+// an array) occupies four of its bytes, so all groups of four bytes are replaced.
+TEST(Fuzz, EveryLengthOfEveryTypeMayBeWrong) {
   int64_t attacks = 0;
   for (const FuzzTarget& target : AllFuzzTargets()) {
     Tally tally;
@@ -134,7 +134,7 @@ TEST(Fuzz, EveryLengthOfEveryTypeIsHostile) {
   std::cout << attacks << " lengths\n";
 }
 
-/// A legal message with as much behind its compressed parts as they can hold.
+/// A valid message whose compressed parts expand to the largest possible size.
 struct Bomb {
   const char* what;
   std::vector<uint8_t> bytes;
@@ -159,23 +159,23 @@ FuzzTarget TargetOf(const std::string& type) {
   return {};
 }
 
-TEST(Bombs, LargestDepthImageIsTakenWithinItsMemoryAndALargerOneNeedsNone) {
+TEST(Bombs, LargestDepthImageIsAcceptedAndALargerOneNeedsNoMemory) {
   const FuzzTarget target = TargetOf("rgbd_frame_t");
   rgbd_frame_t frame = BlackFrame(4096, 4096);
   std::vector<uint8_t> bytes = Pack(frame);
-  EXPECT_LT(bytes.size(), 8192U) << "compressed more than ten thousand times";
+  EXPECT_LT(bytes.size(), 8192U) << "compressed by a factor above ten thousand";
   Tally tally;
   EXPECT_TRUE(Decodes(target, bytes, &tally));
-  EXPECT_EQ(tally.taken, 1);
+  EXPECT_EQ(tally.accepted, 1);
   frame.width = 4097;
   bytes = Pack(frame);
   Tally refused;
   EXPECT_TRUE(Decodes(target, bytes, &refused));
-  EXPECT_EQ(refused.taken, 0);
+  EXPECT_EQ(refused.accepted, 0);
   EXPECT_LT(refused.worst.peak, 64U * 1024);
 }
 
-TEST(Bombs, LabelRunsBehindASmallImageNeedNoMemory) {
+TEST(Bombs, LabelRunsBeyondTheImageNeedNoMemory) {
   const FuzzTarget target = TargetOf("segmented_frame_t");
   segmented_frame_t message{};
   message.frame = Encode(SmallSensorFrame());
@@ -186,11 +186,11 @@ TEST(Bombs, LabelRunsBehindASmallImageNeedNoMemory) {
   const std::vector<uint8_t> bytes = Pack(message);
   Tally tally;
   EXPECT_TRUE(Decodes(target, bytes, &tally));
-  EXPECT_EQ(tally.taken, 0);
+  EXPECT_EQ(tally.accepted, 0);
   EXPECT_LT(tally.worst.largest, size_t{1} << 20);
 }
 
-TEST(Bombs, MapDeltaWithAGigabyteOfBlocksIsRefusedInAMegabyte) {
+TEST(Bombs, MapDeltaWithAGigabyteOfBlocksIsRejectedWithinAMegabyte) {
   const FuzzTarget target = TargetOf("map_delta_t");
   OccupancyDelta delta{0.01, true, {}};
   for (int32_t i = 0; i <= kMaxBlocksPerUpdate; ++i)
@@ -199,26 +199,26 @@ TEST(Bombs, MapDeltaWithAGigabyteOfBlocksIsRefusedInAMegabyte) {
   std::vector<uint8_t> bytes = Pack(message);
   Tally tally;
   EXPECT_TRUE(Decodes(target, bytes, &tally));
-  EXPECT_EQ(tally.taken, 0) << "one block too many";
-  message.n_blocks = 10;  // a lie: what is behind is as large as before
+  EXPECT_EQ(tally.accepted, 0) << "one block too many";
+  message.n_blocks = 10;  // wrong: the payload is as large as before
   bytes = Pack(message);
   EXPECT_TRUE(Decodes(target, bytes, &tally));
-  EXPECT_EQ(tally.taken, 0);
+  EXPECT_EQ(tally.accepted, 0);
   EXPECT_LT(tally.worst.peak, size_t{1} << 20);
   delta.blocks.pop_back();
   message = Encode(MapUpdate{1, "map", 1, -1, 0, 1, delta});
   bytes = Pack(message);
   EXPECT_TRUE(Decodes(target, bytes, &tally));
-  EXPECT_EQ(tally.taken, 1);
+  EXPECT_EQ(tally.accepted, 1);
 }
 
-TEST(Bombs, MessagesBeyondTheirChannelAreNotLookedAt) {
+TEST(Bombs, MessagesAboveTheLimitOfTheirChannelAreNotDecoded) {
   for (const FuzzTarget& target : AllFuzzTargets()) {
     std::vector<uint8_t> bytes = target.good;
     bytes.resize(target.channel_bytes + 1);
     Tally tally;
     EXPECT_TRUE(Decodes(target, bytes, &tally));
-    EXPECT_EQ(tally.taken, 0) << target.type;
+    EXPECT_EQ(tally.accepted, 0) << target.type;
     EXPECT_LT(tally.worst.peak, 4096U) << target.type;
   }
 }

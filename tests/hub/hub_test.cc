@@ -22,14 +22,14 @@
 #include "runtime/clock.h"
 #include "runtime/tcp_socket.h"
 
-// LCM's own client, which uses GLib, forgets the name of a subscription.
+// LCM's own client, which uses GLib, leaks the name of a subscription.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libglib"; }
 
 namespace vismap {
 namespace {
 
-TEST(Hub, DeliversInOrderToAllWhoWantIt) {
+TEST(Hub, DeliversInOrderToAllSubscribers) {
   RunningHub hub;
   auto sender = Join(hub, "sender");
   auto reader_a = Join(hub, "a"), reader_b = Join(hub, "b");
@@ -52,7 +52,7 @@ TEST(Hub, DeliversInOrderToAllWhoWantIt) {
   EXPECT_EQ(reader_a->counters().at("MAP_DELTA").lost, 0);
 }
 
-void PassesLargeMessages(int socket_buffer_bytes) {
+void ForwardsLargeMessages(int socket_buffer_bytes) {
   HubOptions options;
   options.socket_buffer_bytes = socket_buffer_bytes;
   RunningHub hub(options);
@@ -72,10 +72,10 @@ void PassesLargeMessages(int socket_buffer_bytes) {
   EXPECT_EQ(reader->counters().at("MAP_DELTA").rejected, 0);
 }
 
-TEST(Hub, PassesLargeMessages) { PassesLargeMessages(0); }
-TEST(Hub, PassesLargeMessagesThroughTheSmallestSocketBuffers) { PassesLargeMessages(4096); }
+TEST(Hub, ForwardsLargeMessages) { ForwardsLargeMessages(0); }
+TEST(Hub, ForwardsLargeMessagesThroughTheSmallestSocketBuffers) { ForwardsLargeMessages(4096); }
 
-TEST(Hub, SlowReaderLosesTheNewestAndIsTold) {
+TEST(Hub, SlowReaderLosesTheNewestMessages) {
   HubOptions options;
   options.queue_mb = 4;
   options.socket_buffer_bytes = 16384;
@@ -91,10 +91,10 @@ TEST(Hub, SlowReaderLosesTheNewestAndIsTold) {
   for (int i = 0; i < 60; ++i) {  // 60 MB, while `slow` does not read at all
     ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(i, kMegabyte)));
     ASSERT_TRUE(SpinUntil(quick.get(), [&] { return quick_got == i + 1; }))
-        << "nobody waits for the slow one";
+        << "no publisher waits for the slow reader";
   }
   ASSERT_TRUE(SpinUntil(slow.get(), [&] { return !slow_got.empty(); }));
-  Settle(slow.get());  // all that was kept for it has come before this answer
+  Settle(slow.get());  // all queued messages arrive before this answer
   ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(60, kMegabyte)));
   ASSERT_TRUE(SpinUntil(slow.get(), [&] { return slow_got.back() == 60; }));
   EXPECT_EQ(slow_got.front(), 0);
@@ -105,7 +105,7 @@ TEST(Hub, SlowReaderLosesTheNewestAndIsTold) {
   EXPECT_EQ(hub.counters().dropped, 61 - static_cast<int64_t>(slow_got.size()));
 }
 
-TEST(Hub, ClientsComeBackWhenItDoes) {
+TEST(Hub, ClientsReconnectAfterARestart) {
   auto hub = std::make_unique<RunningHub>();
   const uint16_t port = hub->port();
   auto sender = Join(*hub, "sender"), reader = Join(*hub, "reader");
@@ -127,7 +127,7 @@ TEST(Hub, ClientsComeBackWhenItDoes) {
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return received == 2; }));
   EXPECT_EQ(reader->reconnects(), 1);
   EXPECT_EQ(reader->counters().at("MAP_DELTA").lost, 1)
-      << "the one that could not be sent is missed";
+      << "the message that could not be sent is missing";
 }
 
 TEST(Hub, PublishesItsStatus) {
@@ -139,7 +139,7 @@ TEST(Hub, PublishesItsStatus) {
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return process == "hub"; }));
 }
 
-/// Numbers of the messages that come through a hub with these faults, of 200 sent.
+/// Numbers of the messages that a hub with these faults forwards, of 200 sent ones.
 std::vector<int64_t> ThroughALossyHub(const FaultOptions& faults) {
   RunningHub hub({}, 0, faults);
   auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
@@ -148,14 +148,14 @@ std::vector<int64_t> ThroughALossyHub(const FaultOptions& faults) {
                                  [&](const map_delta_t& d) { got.push_back(d.revision); });
   Settle(reader.get());
   for (int64_t i = 0; i < 200; ++i) sender->Publish(kMapDeltaChannel, Delta(i, 10));
-  Settle(sender.get());  // all of them have been routed
+  Settle(sender.get());  // the hub has handled all of them
   Settle(reader.get());
   hub.Stop();
   EXPECT_EQ(hub.counters().dropped_on_purpose, 200 - static_cast<int64_t>(got.size()));
   return got;
 }
 
-TEST(HubWithFaults, LosesTheAskedPartAndTheSameOnesAgain) {
+TEST(HubWithFaults, LosesTheRequestedShareReproducibly) {
   FaultOptions faults;
   faults.drop_fraction = 0.2;
   faults.channels = {"MAP_DELTA"};
@@ -168,7 +168,7 @@ TEST(HubWithFaults, LosesTheAskedPartAndTheSameOnesAgain) {
   EXPECT_EQ(ThroughALossyHub(faults).size(), 200U);
 }
 
-TEST(Hub, AddressThatIsTakenIsAnError) {
+TEST(Hub, AddressInUseIsAnError) {
   RunningHub hub;
   HubOptions options;
   options.listen = "127.0.0.1:" + std::to_string(hub.port());
@@ -197,7 +197,7 @@ bool HandleUntil(lcm::LCM* lcm, const Collected& collected, int count) {
   return collected.count >= count;
 }
 
-TEST(HubWithStockClient, RequestAndAnswerThousandTimes) {
+TEST(HubWithStockClient, AnswersAThousandRequestsFast) {
   RunningHub hub;
   std::atomic<bool> done{false};
   std::atomic<bool> subscribed{false};
@@ -220,7 +220,7 @@ TEST(HubWithStockClient, RequestAndAnswerThousandTimes) {
   const char word[] = "word";
   const double deadline = MonotonicSeconds() + kDeadline;
   while (collected.count == 0 &&
-         MonotonicSeconds() < deadline) {  // until the other's subscription has arrived
+         MonotonicSeconds() < deadline) {  // until the subscription of the other client has arrived
     lcm.publish("QUESTION", word, sizeof(word));
     lcm.handleTimeout(100);
   }
@@ -232,12 +232,12 @@ TEST(HubWithStockClient, RequestAndAnswerThousandTimes) {
   }
   RecordProperty("milliseconds_per_question", std::to_string(MonotonicSeconds() - start));
   EXPECT_LT(MonotonicSeconds() - start, 20)
-      << "40 ms each would mean that acknowledgements are delayed";
+      << "40 ms per message would mean delayed acknowledgements";
   done = true;
   answering.join();
 }
 
-TEST(HubWithStockClient, LargeMessagesPassBothWays) {
+TEST(HubWithStockClient, ForwardsLargeMessagesInBothDirections) {
   RunningHub hub;
   auto bus = Join(hub, "ours");
   lcm::LCM stock(hub.url());
@@ -256,13 +256,14 @@ TEST(HubWithStockClient, LargeMessagesPassBothWays) {
   EXPECT_TRUE(SpinUntil(bus.get(), [&] { return received == 5; }));
   sending.join();
   collected = {};
-  ASSERT_TRUE(HandleUntil(&stock, collected, 5)) << "it hears itself, as with udpm";
+  ASSERT_TRUE(HandleUntil(&stock, collected, 5))
+      << "a client receives its own messages, as with udpm";
   ASSERT_TRUE(bus->Publish(kMapDeltaChannel, Delta(2, 3 * kMegabyte)));
   EXPECT_TRUE(HandleUntil(&stock, collected, 6));
   EXPECT_GT(collected.bytes, 6 * 3 * kMegabyte);
 }
 
-TEST(HubWithStockClient, SubscriptionsAreAnchored) {
+TEST(HubWithStockClient, SubscriptionsMatchWholeNames) {
   RunningHub hub;
   lcm::LCM stock(hub.url());
   Collected exact, all;
@@ -275,11 +276,11 @@ TEST(HubWithStockClient, SubscriptionsAreAnchored) {
   EXPECT_EQ(exact.count, 2);
 }
 
-// ---- Clients that do not keep to the protocol
+// ---- Clients that violate the protocol
 // ---------------------------------------------------------------------------
 
-/// A raw connection that sends `bytes` and tells whether the hub then ends it.
-bool IsCutOff(const RunningHub& hub, const std::vector<uint8_t>& bytes) {
+/// Sends `bytes` over a raw connection; returns whether the hub then closes it.
+bool IsDisconnected(const RunningHub& hub, const std::vector<uint8_t>& bytes) {
   const Socket socket(::socket(AF_INET, SOCK_STREAM, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -302,36 +303,37 @@ std::vector<uint8_t> operator+(std::vector<uint8_t> a, const std::vector<uint8_t
   return a;
 }
 
-TEST(HubWithHostileClient, IsCutOffAndTheOthersGoOn) {
+TEST(HubWithHostileClient, IsDisconnectedWhileOthersContinue) {
   RunningHub hub;
   auto bus = Join(hub, "honest");
   const std::vector<uint8_t> hello = TcpqHello(TcpqMagic::kClient);
-  EXPECT_TRUE(IsCutOff(hub, {'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'}));
-  EXPECT_TRUE(IsCutOff(hub, hello + std::vector<uint8_t>{0, 0, 0, 9, 0, 0, 0, 1}));
-  EXPECT_TRUE(IsCutOff(hub, hello + std::vector<uint8_t>{0, 0, 0, 1, 0xff, 0xff, 0xff, 0xff}));
-  EXPECT_TRUE(IsCutOff(hub, hello + TcpqPublishHead("A", 0xfffffff0)));
-  EXPECT_TRUE(IsCutOff(hub, hello + TcpqSubscribe("(unclosed")));
-  EXPECT_FALSE(IsCutOff(hub, hello + TcpqPublishHead("A", 100 * kMegabyte)))
-      << "announced, never sent";
-  EXPECT_FALSE(IsCutOff(hub, hello + TcpqPublishHead("A", 0)));
+  EXPECT_TRUE(IsDisconnected(hub, {'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'}));
+  EXPECT_TRUE(IsDisconnected(hub, hello + std::vector<uint8_t>{0, 0, 0, 9, 0, 0, 0, 1}));
+  EXPECT_TRUE(
+      IsDisconnected(hub, hello + std::vector<uint8_t>{0, 0, 0, 1, 0xff, 0xff, 0xff, 0xff}));
+  EXPECT_TRUE(IsDisconnected(hub, hello + TcpqPublishHead("A", 0xfffffff0)));
+  EXPECT_TRUE(IsDisconnected(hub, hello + TcpqSubscribe("(unclosed")));
+  EXPECT_FALSE(IsDisconnected(hub, hello + TcpqPublishHead("A", 100 * kMegabyte)))
+      << "announced, but never sent";
+  EXPECT_FALSE(IsDisconnected(hub, hello + TcpqPublishHead("A", 0)));
   Settle(bus.get());
 }
 
-TEST(HubWithHostileClient, ExpensivePatternsDoNotStopIt) {
+TEST(HubWithHostileClient, ExpensivePatternsDoNotBlockTheHub) {
   RunningHub hub;
   auto bus = Join(hub, "honest");
   const std::vector<uint8_t> hello = TcpqHello(TcpqMagic::kClient);
   const std::string channel(60, 'a');
-  EXPECT_FALSE(IsCutOff(hub, hello + TcpqSubscribe("(a*)*b") + TcpqPublishHead(channel, 0)));
+  EXPECT_FALSE(IsDisconnected(hub, hello + TcpqSubscribe("(a*)*b") + TcpqPublishHead(channel, 0)));
   Settle(bus.get());
 }
 
-TEST(HubWithHostileClient, FullHouseRefusesTheNextOne) {
+TEST(HubWithHostileClient, ClientsAboveTheLimitAreRejected) {
   HubOptions options;
   options.max_clients = 1;
   RunningHub hub(options);
   auto bus = Join(hub, "first");
-  EXPECT_TRUE(IsCutOff(hub, TcpqHello(TcpqMagic::kClient)));
+  EXPECT_TRUE(IsDisconnected(hub, TcpqHello(TcpqMagic::kClient)));
   Settle(bus.get());
 }
 

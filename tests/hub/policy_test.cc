@@ -14,7 +14,7 @@
 
 #include "hub/running_hub.h"
 
-// What becomes of messages whose reader is slow, per channel.
+// What happens to messages for a slow reader, by the policy of the channel.
 
 namespace vismap {
 namespace {
@@ -52,7 +52,7 @@ TEST(LosslessChannel, PublisherWaitsForASlowReaderAndNothingIsLost) {
       ++sent;
     }
   });
-  // Nobody reads: the hub takes what its queue holds and a turn of reading, no more.
+  // No client reads: the hub accepts what its queue holds, and what it reads in one round.
   double still_since = MonotonicSeconds();
   for (int seen = -1; MonotonicSeconds() - still_since < 0.3;) {
     if (seen != sent) still_since = MonotonicSeconds();
@@ -68,7 +68,7 @@ TEST(LosslessChannel, PublisherWaitsForASlowReaderAndNothingIsLost) {
   EXPECT_GT(hub.counters().held_back, 0);
 }
 
-TEST(LosslessChannel, ReaderThatHangsIsCutOffAndTheOthersGoOn) {
+TEST(LosslessChannel, StalledReaderIsDisconnectedWhileOthersContinue) {
   HubOptions options = SmallQueues({{"MAP_DELTA"}, {}, {}});
   options.patience_s = 0.3;
   RunningHub hub(options);
@@ -88,7 +88,7 @@ TEST(LosslessChannel, ReaderThatHangsIsCutOffAndTheOthersGoOn) {
   EXPECT_EQ(hub.counters().dropped, 0);
 }
 
-TEST(LosslessChannel, AClientDoesNotWaitForItself) {
+TEST(LosslessChannel, ClientDoesNotWaitForItself) {
   RunningHub hub(SmallQueues({{"MAP_DELTA"}, {}, {}}));
   auto alone = Join(hub, "alone");
   const auto got = Collect(alone.get());
@@ -102,9 +102,9 @@ TEST(LosslessChannel, AClientDoesNotWaitForItself) {
   EXPECT_EQ(hub.counters().held_back, 0);
 }
 
-/// Two that send each other more than the queues hold before either reads: no policy may stop both
-/// for good.
-TEST(LosslessChannel, TwoThatFloodEachOtherBothFinish) {
+/// Two clients send each other more than the queues hold before either reads. No policy may block
+/// both forever.
+TEST(LosslessChannel, TwoClientsThatFloodEachOtherBothFinish) {
   RunningHub hub(SmallQueues({{"MAP_DELTA", "OBJECTS"}, {}, {}}));
   auto a = Join(hub, "a"), b = Join(hub, "b");
   const auto by_b = Collect(b.get());
@@ -128,7 +128,7 @@ TEST(LosslessChannel, TwoThatFloodEachOtherBothFinish) {
   EXPECT_EQ(hub.counters().dropped, 0);
 }
 
-TEST(LatestChannel, SlowReaderGetsTheNewestOfEverySource) {
+TEST(LatestChannel, SlowReaderReceivesTheNewestMessageOfEverySource) {
   RunningHub hub(SmallQueues());
   auto a = Join(hub, "a"), b = Join(hub, "b"), slow = Join(hub, "slow");
   std::map<std::string, std::vector<int64_t>> got;
@@ -146,7 +146,7 @@ TEST(LatestChannel, SlowReaderGetsTheNewestOfEverySource) {
     send(a.get(), i);
     if (i < 50) send(b.get(), i);
   }
-  Settle(a.get());  // all that both have sent has been routed
+  Settle(a.get());  // the hub has handled all messages of both
   Settle(b.get());
   EXPECT_TRUE(SpinUntil(slow.get(), [&] {
     return !got["a"].empty() && got["a"].back() == 99 && !got["b"].empty() && got["b"].back() == 49;
@@ -159,7 +159,7 @@ TEST(LatestChannel, SlowReaderGetsTheNewestOfEverySource) {
   EXPECT_EQ(hub.counters().dropped, 0);
 }
 
-TEST(DropNewestChannel, StatusSaysWhereMessagesWereLost) {
+TEST(DropNewestChannel, StatusCountsDroppedMessagesByChannelAndClient) {
   RunningHub hub(SmallQueues());
   auto sender = Join(hub, "sender"), slow = Join(hub, "slow"), reader = Join(hub, "reader");
   const auto got = Collect(slow.get());
@@ -182,7 +182,7 @@ TEST(DropNewestChannel, StatusSaysWhereMessagesWereLost) {
   EXPECT_EQ(counters["held_back"], 0);
 }
 
-TEST(ChannelPolicies, OwnListsGoBeforeTheDefaults) {
+TEST(ChannelPolicies, ConfiguredListsOverrideTheDefaults) {
   auto policies = ChannelPolicies::Make({{"MY_.*"}, {"RGBD_FRAME"}, {"STATUS", "MY_LOG"}});
   ASSERT_TRUE(policies);
   EXPECT_EQ(policies->Of("MY_LOG"), QueuePolicy::kLossless);

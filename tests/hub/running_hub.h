@@ -17,9 +17,10 @@
 
 namespace vismap {
 
-inline constexpr double kDeadline = 30;  // [s]; nothing here takes a second on an idle machine
+// Longest wait, far more than needed on an idle machine [s].
+inline constexpr double kDeadline = 30;
 
-/// A hub in a thread of its own, on a free port unless one is given.
+/// A hub that runs in its own thread, on a free port unless one is given.
 class RunningHub {
  public:
   explicit RunningHub(HubOptions options = {}, uint16_t port = 0, const FaultOptions& faults = {}) {
@@ -30,7 +31,7 @@ class RunningHub {
     thread_ = std::thread([this] { hub_->Run(stop_); });
   }
   ~RunningHub() { Stop(); }
-  /// Ends the hub; its counters may be read afterwards.
+  /// Stops the hub, so that its counters may be read.
   void Stop() {
     stop_.Request();
     if (thread_.joinable()) thread_.join();
@@ -61,8 +62,8 @@ bool SpinUntil(Bus* bus, const Condition& condition) {
   return condition();
 }
 
-/// Returns when the hub has done all that this bus asked for so far: sends a request to itself and
-/// waits for it.
+/// Waits until the hub has handled everything that this bus has sent so far: it sends a request to
+/// itself and waits for it.
 inline void Settle(Bus* bus) {
   static std::atomic<int64_t> next{1};
   const int64_t id = next++;

@@ -34,7 +34,7 @@ ConvertResult ToFolder(const Sequence& sequence, const std::filesystem::path& fo
   return result.value_or(ConvertResult{});
 }
 
-/// As SmallSensorFrame, with a number of its own.
+/// SmallSensorFrame with a frame number.
 LogBuilder& AddFrame(LogBuilder& builder, int64_t utime, int64_t number,
                      double depth_unit_m = 0.001) {
   SensorFrame frame = SmallSensorFrame(utime);
@@ -79,7 +79,7 @@ TEST(Convert, LogToFolderToLogKeepsEverything) {
   EXPECT_THAT(written.lost, IsEmpty());
   const Sequence folder = Open((out / "folder").string());
   EXPECT_EQ(folder.dataset->format(), "scenenn");
-  // a folder does not know its camera
+  // a folder does not store the camera id
   const auto back = WriteLog(*folder.dataset, folder.detections.get(), out / "back.lcmlog");
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(back->frames, 3);
@@ -87,7 +87,7 @@ TEST(Convert, LogToFolderToLogKeepsEverything) {
   ExpectSameFrames(folder, Open((out / "back.lcmlog").string()));
 }
 
-TEST(Convert, SaysWhatAFolderCannotHold) {
+TEST(Convert, ReportsWhatAFolderCannotStore) {
   LogBuilder builder;
   DetectionSet unknown = SmallDetections(2000);
   unknown.detections[0].class_id = ClassId::kUnknown;
@@ -100,9 +100,9 @@ TEST(Convert, SaysWhatAFolderCannotHold) {
               HasSubstr("cameras 3, 8"));
   EXPECT_THAT(
       ToFolder(log, out / "folder", CameraId{3}).lost,
-      ElementsAre(HasSubstr("1 frames of other cameras"), HasSubstr("order of the frames"),
-                  HasSubstr("numbers of the frames"), HasSubstr("no detector looked at 1 frames"),
-                  HasSubstr("1 detections without a class")));
+      ElementsAre(HasSubstr("1 frame of other cameras"), HasSubstr("order of the frames"),
+                  HasSubstr("numbers of the frames"), HasSubstr("no detector ran on 1 frame"),
+                  HasSubstr("1 detection without a class")));
   const Sequence folder = Open((out / "folder").string());
   ASSERT_EQ(folder.dataset->size(), 2u);
   EXPECT_EQ(folder.dataset->Header(0).utime, 1000);
@@ -118,7 +118,7 @@ TEST(Convert, WithoutADetectorTheFolderHasNoDetections) {
   EXPECT_FALSE(std::filesystem::exists(out / "folder/detections.json"));
 }
 
-TEST(Convert, RefusesWhatMakesNoSequence) {
+TEST(Convert, RejectsFramesThatFormNoSequence) {
   LogBuilder changes;
   AddFrame(changes, 1000, 1, 0.001);
   AddFrame(changes, 2000, 2, 0.002);

@@ -39,7 +39,7 @@ std::vector<LogEvent> Events(const std::filesystem::path& path) {
   return events;
 }
 
-TEST(CutLog, ByTimeKeepsTheTimes) {
+TEST(CutLog, CutByTimeKeepsTheTimes) {
   LogBuilder builder;
   const std::string whole = TenFrames(&builder);
   CutOptions options;
@@ -58,7 +58,7 @@ TEST(CutLog, ByTimeKeepsTheTimes) {
   }
 }
 
-TEST(CutLog, ByChannel) {
+TEST(CutLog, CutByChannel) {
   LogBuilder builder;
   const std::string whole = TenFrames(&builder);
   CutOptions options;
@@ -68,7 +68,7 @@ TEST(CutLog, ByChannel) {
     EXPECT_EQ(event.channel, "DETECTIONS");
 }
 
-TEST(CutLog, AllOfItIsTheSameFileAlsoInPlace) {
+TEST(CutLog, CutOfTheWholeLogIsTheSameFile) {
   LogBuilder builder;
   const std::string whole = TenFrames(&builder);
   const auto before = *ReadFileBytes(whole);
@@ -76,7 +76,7 @@ TEST(CutLog, AllOfItIsTheSameFileAlsoInPlace) {
   EXPECT_EQ(*ReadFileBytes(whole), before);
 }
 
-TEST(CutLog, DamageStaysBehind) {
+TEST(CutLog, LeavesOutDamagedParts) {
   LogBuilder builder;
   std::vector<uint8_t> bytes = *ReadFileBytes(TenFrames(&builder));
   bytes[1] = 0;
@@ -88,17 +88,17 @@ TEST(CutLog, DamageStaysBehind) {
   EXPECT_EQ(Events(bad).size(), 19u);
 }
 
-TEST(CutLog, RefusesToKeepNothing) {
+TEST(CutLog, FailsWhenNothingIsKept) {
   LogBuilder builder;
   Result<LogReader> reader = LogReader::Open(TenFrames(&builder));
   CutOptions options;
   options.channels = {"DETECTION"};
   EXPECT_THAT(CutLog(*reader, options, builder.folder() / "cut").error().message,
-              HasSubstr("nothing in it is of these"));
+              HasSubstr("no message of the log is in this time range"));
   EXPECT_FALSE(std::filesystem::exists(builder.folder() / "cut"));
 }
 
-TEST(CutLog, NamesWhatItCannotWrite) {
+TEST(CutLog, ErrorNamesTheFile) {
   LogBuilder builder;
   Result<LogReader> reader = LogReader::Open(TenFrames(&builder));
   EXPECT_THAT(CutLog(*reader, {}, builder.folder() / "missing/cut").error().message,

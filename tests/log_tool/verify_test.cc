@@ -42,7 +42,7 @@ TEST(VerifyLog, ACleanRunHasNoProblems) {
   EXPECT_NEAR(frames.rate(), 30, 1e-9);
 }
 
-TEST(VerifyLog, GapsAreCountedPerSource) {
+TEST(VerifyLog, LostMessagesAreCountedPerSource) {
   LogBuilder builder;
   const auto add = [&](const std::string& source, int64_t seq) {
     frame_commit_t commit{};
@@ -50,7 +50,7 @@ TEST(VerifyLog, GapsAreCountedPerSource) {
     commit.seq = seq;
     builder.AddBytes("MAP_COMMIT", Pack(commit));
   };
-  add("a", 5);  // recorded from here on
+  add("a", 5);  // the recording starts here
   add("b", 0);
   add("a", 6);
   add("b", 3);  // 1 and 2 are missing
@@ -59,53 +59,52 @@ TEST(VerifyLog, GapsAreCountedPerSource) {
   const LogReport report = Verify(builder.Finish());
   EXPECT_EQ(report.channels.at("MAP_COMMIT").lost, 3);
   EXPECT_EQ(report.channels.at("MAP_COMMIT").repeated, 1);
-  EXPECT_THAT(report.Problems(),
-              testing::Contains(HasSubstr("MAP_COMMIT: 3 messages are missing")));
+  EXPECT_THAT(report.Problems(), testing::Contains(HasSubstr("MAP_COMMIT: 3 lost messages")));
 }
 
-TEST(VerifyLog, NamesMessagesThatNoReaderTakes) {
+TEST(VerifyLog, ReportsMessagesThatCannotBeDecoded) {
   LogBuilder builder;
   rgbd_frame_t message = Encode(SmallSensorFrame(1000));
   std::vector<uint8_t> damaged = Pack(message);
   damaged.back() ^= 1;
   frame_commit_t other{};
   builder.AddBytes("RGBD_FRAME", damaged).AddBytes("DETECTIONS", Pack(other));
-  builder.AddBytes("SOMEBODY_ELSES", {1, 2, 3});
+  builder.AddBytes("OTHER_PROGRAM", {1, 2, 3});
   const LogReport report = Verify(builder.Finish());
   EXPECT_EQ(report.channels.at("RGBD_FRAME").undecodable, 1);
   EXPECT_EQ(report.channels.at("DETECTIONS").other_type, 1);
-  EXPECT_EQ(report.channels.at("SOMEBODY_ELSES").messages, 1);
+  EXPECT_EQ(report.channels.at("OTHER_PROGRAM").messages, 1);
   EXPECT_THAT(report.Problems(),
-              ElementsAre(AllOf(HasSubstr("DETECTIONS"), HasSubstr("another type"),
+              ElementsAre(AllOf(HasSubstr("DETECTIONS"), HasSubstr("1 message of a wrong type"),
                                 HasSubstr("fingerprint"), HasSubstr("detections_t")),
-                          AllOf(HasSubstr("RGBD_FRAME"), HasSubstr("cannot be decoded"),
+                          AllOf(HasSubstr("RGBD_FRAME"), HasSubstr("1 damaged message"),
                                 HasSubstr("at byte 0"), HasSubstr("checksum"))));
 }
 
-TEST(VerifyLog, TellsACutEndFromDamage) {
+TEST(VerifyLog, DistinguishesTruncationFromDamage) {
   LogBuilder builder;
   const std::string path = builder.Frame(1000).Frame(2000).Frame(3000).Finish();
   std::vector<uint8_t> bytes = *ReadFileBytes(path);
   const TempFolder folder;
   bytes.resize(bytes.size() - 10);
   folder.Write("cut", std::span<const uint8_t>(bytes));
-  EXPECT_THAT(Verify(folder / "cut").Problems(), ElementsAre(HasSubstr("the end is cut off")));
+  EXPECT_THAT(Verify(folder / "cut").Problems(), ElementsAre(HasSubstr("the log is truncated")));
   bytes[bytes.size() / 3 + 100] ^= 0xff;  // within the second frame's data
   bytes[0] = 0;                           // the first one's sync word
   folder.Write("damaged", std::span<const uint8_t>(bytes));
   EXPECT_THAT(Verify(folder / "damaged").Problems(),
-              ElementsAre(HasSubstr("damaged: "), HasSubstr("the end is cut off"),
-                          HasSubstr("RGBD_FRAME: 1 messages cannot be decoded")));
+              ElementsAre(HasSubstr("are damaged"), HasSubstr("the log is truncated"),
+                          HasSubstr("RGBD_FRAME: 1 damaged message")));
 }
 
-TEST(VerifyLog, WhatTheMapWasMadeOfMustBeThere) {
+TEST(VerifyLog, ReportsMissingInputOfTheMap) {
   LogBuilder builder;
   const LogReport report = Verify(builder.Frame(1000).Commit(1000, 1).Commit(2000, 2).Finish());
   EXPECT_THAT(report.Problems(), ElementsAre(HasSubstr("the DETECTIONS of camera 3, utime 1000"),
                                              HasSubstr("the RGBD_FRAME of camera 3, utime 2000")));
 }
 
-TEST(VerifyLog, TheReportIsTextOrJson) {
+TEST(VerifyLog, ReportIsAvailableAsTextAndJson) {
   LogBuilder builder;
   const std::string path = builder.Frame(1000).Commit(2000, 1).Finish();
   const LogReport report = Verify(path);
@@ -118,7 +117,7 @@ TEST(VerifyLog, TheReportIsTextOrJson) {
   EXPECT_EQ(json.at("problems").size(), report.Problems().size());
 }
 
-TEST(VerifyLog, MutatedLogsGiveReportsOrErrors) {
+TEST(VerifyLog, NoMutatedLogCrashesIt) {
   LogBuilder builder;
   builder.Frame(1000).Detections(1000).Commit(1000, 1).Frame(2000).Detections(2000).Commit(2000, 2);
   const std::vector<uint8_t> good = *ReadFileBytes(builder.Finish());
@@ -131,7 +130,8 @@ TEST(VerifyLog, MutatedLogsGiveReportsOrErrors) {
     const Result<LogReport> report = VerifyLog(*reader);
     clean += report && report->Problems().empty() ? 1 : 0;
   });
-  EXPECT_LT(clean, 150);  // only event numbers, times and messages without a checksum can be so
+  EXPECT_LT(clean, 150);  // only changes of event numbers, times and messages without a checksum
+                          // cannot be detected
 }
 
 }  // namespace

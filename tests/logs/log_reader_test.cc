@@ -63,7 +63,7 @@ struct ThreeEvents {
   std::vector<uint8_t> bytes;
 };
 
-TEST(LogReader, ReadsWhatTheWriterWrote) {
+TEST(LogReader, ReadsTheLogOfLogWriter) {
   const Contents log = ThreeEvents().Read();
   EXPECT_THAT(log.data(), ElementsAre("first", "second", "third"));
   EXPECT_THAT(log.damage, IsEmpty());
@@ -73,7 +73,7 @@ TEST(LogReader, ReadsWhatTheWriterWrote) {
   EXPECT_EQ(log.events[1].offset, ThreeEvents::kSecond);
 }
 
-TEST(LogReader, AgreesWithLcm) {
+TEST(LogReader, AgreesWithTheReaderOfLcm) {
   LogBuilder builder;
   builder.Frame(1000).AddBytes("EMPTY", {}).Detections(1000);
   const std::string path = builder.Finish();
@@ -94,7 +94,7 @@ TEST(LogReader, AgreesWithLcm) {
   lcm_eventlog_destroy(log);
 }
 
-TEST(LogReader, EveryTruncationIsToldAsSuch) {
+TEST(LogReader, ReportsEveryTruncation) {
   const ThreeEvents whole;
   for (size_t size = 0; size < whole.bytes.size(); ++size) {
     ThreeEvents cut;
@@ -123,13 +123,13 @@ TEST(LogReader, FindsTheNextEventAfterDamage) {
   EXPECT_FALSE(read.damage[0].truncated);
 }
 
-TEST(LogReader, SizesThatLieCostOneEventOnly) {
+TEST(LogReader, WrongSizesLoseOneEventOnly) {
   struct Lie {
     size_t byte;    // of the second event
     uint8_t value;  // there
   };
-  // The data's size: past the end, a little too large, negative, beyond all messages; the
-  // channel's.
+  // Size of the data: beyond the end of the file, slightly too large, negative, larger than any
+  // message. Then the same for the size of the channel name.
   for (const Lie lie : {Lie{25, 0x01}, Lie{27, 20}, Lie{24, 0xff}, Lie{24, 0x7f}, Lie{20, 0x80},
                         Lie{23, 0}, Lie{23, 64}}) {
     ThreeEvents log;
@@ -140,12 +140,13 @@ TEST(LogReader, SizesThatLieCostOneEventOnly) {
     EXPECT_EQ(read.damage[0].bytes, ThreeEvents::kThird - ThreeEvents::kSecond) << lie.byte;
     EXPECT_FALSE(read.damage[0].truncated);
   }
-  ThreeEvents small;  // too small: the event comes short, its rest is damage
+  ThreeEvents
+      small;  // too small: the event is shortened, and its remaining bytes are a damaged part
   small.bytes[ThreeEvents::kSecond + 27] = 2;
   EXPECT_THAT(small.Read().data(), ElementsAre("first", "se", "third"));
 }
 
-TEST(LogReader, RubbishIsOneDamage) {
+TEST(LogReader, RandomBytesAreOneDamagedPart) {
   const TempFolder folder;
   folder.Write("log", std::string(100000, 'x'));
   const Contents read = ReadAll(folder / "log");
@@ -154,8 +155,8 @@ TEST(LogReader, RubbishIsOneDamage) {
   EXPECT_EQ(read.damage[0].bytes, 100000u);
 }
 
-// A file made to cost time: heads that claim as much as they may, one upon the other.
-TEST(LogReader, HostileHeadsCostLinearTime) {
+// A file made to cost time: every head announces the largest size, and the events overlap.
+TEST(LogReader, MaliciousHeadsCostLinearTime) {
   std::vector<uint8_t> bytes;
   for (int i = 0; i < 20000; ++i) {
     for (const int byte : {0xed, 0xa1, 0xda, 0x01}) bytes.push_back(static_cast<uint8_t>(byte));
@@ -169,17 +170,17 @@ TEST(LogReader, HostileHeadsCostLinearTime) {
   EXPECT_GT(read.damage.size(), 10000u);
 }
 
-TEST(LogReader, NamesWhatItCannotOpen) {
+TEST(LogReader, ErrorNamesTheFile) {
   const TempFolder folder;
   EXPECT_THAT(LogReader::Open(folder / "missing.lcmlog").error().message,
               HasSubstr("missing.lcmlog"));
-  EXPECT_THAT(LogReader::Open(folder.path()).error().message, HasSubstr("expected a log file"));
+  EXPECT_THAT(LogReader::Open(folder.path()).error().message, HasSubstr("expected a log"));
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  EXPECT_THAT(LogReader::Open(folder / "pipe").error().message, HasSubstr("expected a log file"));
+  EXPECT_THAT(LogReader::Open(folder / "pipe").error().message, HasSubstr("expected a log"));
 }
 
-// The claim is that nothing crashes, and that no byte of the file is forgotten.
-TEST(LogReader, MutatedLogsGiveEventsAndDamage) {
+// Nothing may crash, and every byte of the file must belong to an event or a damaged part.
+TEST(LogReader, NoMutatedLogCrashesIt) {
   LogBuilder builder;
   builder.Frame(1000).Detections(1000).Commit(1000, 1).Frame(2000).Commit(2000, 2);
   const std::vector<uint8_t> good = *ReadFileBytes(builder.Finish());
@@ -195,7 +196,7 @@ TEST(LogReader, MutatedLogsGiveEventsAndDamage) {
   });
 }
 
-TEST(LogWriter, LeavesNothingBehindUnlessFinished) {
+TEST(LogWriter, WritesTheFileOnlyInFinish) {
   const TempFolder folder;
   {
     auto writer = LogWriter::Create(folder / "log");

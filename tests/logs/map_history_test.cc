@@ -27,7 +27,7 @@ std::vector<int64_t> Utimes(const MapHistory& history) {
   return utimes;
 }
 
-TEST(MapHistory, IsTheOrderOfTheRevisions) {
+TEST(MapHistory, ListsFramesByRevision) {
   const MapHistory history =
       HistoryOfNewestMap({Commit("a", 1, 30), Commit("a", 1, 30), Commit("a", 2, 10),
                           Commit("a", 2, 30, frame_commit_t::STATUS_DUPLICATE),
@@ -40,7 +40,7 @@ TEST(MapHistory, IsTheOrderOfTheRevisions) {
   EXPECT_EQ(history.skipped.begin()->second, "why");
 }
 
-TEST(MapHistory, BeginsAgainWithANewMap) {
+TEST(MapHistory, StartsAgainWithANewMap) {
   const MapHistory history =
       HistoryOfNewestMap({Commit("a", 1, 10), Commit("a", 2, 20), Commit("b", 1, 10)});
   EXPECT_EQ(history.map_id, "b");
@@ -48,16 +48,16 @@ TEST(MapHistory, BeginsAgainWithANewMap) {
   EXPECT_THAT(history.remarks, IsEmpty());
 }
 
-// A server that crashed after its third frame and went on from a map saved after the second.
-TEST(MapHistory, GoesBackOverARestart) {
+// A server that crashed after its third frame and continued the map saved after the second.
+TEST(MapHistory, ContinuesAcrossARestartOfTheServer) {
   const MapHistory history =
       HistoryOfNewestMap({Commit("a", 1, 10), Commit("a", 2, 20), Commit("a", 3, 30),
                           Commit("b", 3, 25), Commit("b", 4, 30)});
   EXPECT_THAT(Utimes(history), ElementsAre(10, 20, 25, 30));
-  EXPECT_THAT(history.remarks, ElementsAre(HasSubstr("goes on from a saved one, taken to be a")));
+  EXPECT_THAT(history.remarks, ElementsAre(HasSubstr("continues a saved map, probably a")));
 }
 
-TEST(MapHistory, TellsWhatIsMissing) {
+TEST(MapHistory, ReportsMissingCommits) {
   EXPECT_THAT(HistoryOfNewestMap({Commit("a", 5, 50)}).remarks,
               ElementsAre(HasSubstr("revisions 1 to 4")));
   EXPECT_THAT(HistoryOfNewestMap({Commit("a", 1, 10), Commit("a", 3, 30)}).remarks,

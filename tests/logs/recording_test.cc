@@ -33,7 +33,7 @@ std::vector<std::string> SkippedReasons(const Dataset& dataset) {
   return reasons;
 }
 
-TEST(OpenRecording, FramesComeAsTheyWereSent) {
+TEST(OpenRecording, FramesAreReadInOrderOfArrival) {
   LogBuilder builder;
   const Recording recording = Open(builder.Frame(1000, 3).Frame(2000, 5).Finish());
   EXPECT_EQ(recording.dataset->format(), "lcmlog");
@@ -64,8 +64,8 @@ TEST(OpenRecording, WithCommitsTheOrderIsThatOfTheMap) {
   EXPECT_THAT(Utimes(*committed.dataset), ElementsAre(2000, 1000));
   EXPECT_THAT(committed.remarks, IsEmpty());
   EXPECT_THAT(SkippedReasons(*committed.dataset),
-              ElementsAre(HasSubstr("utime 3000: was not committed in the recorded run"),
-                          HasSubstr("utime 4000: was not committed in the recorded run")));
+              ElementsAre(HasSubstr("utime 3000 was not committed in the recorded run"),
+                          HasSubstr("utime 4000 was not committed in the recorded run")));
   EXPECT_EQ(committed.dataset->default_detections_path(), path);
 
   const Recording all = Open(path + "?frames=all");
@@ -79,17 +79,17 @@ TEST(OpenRecording, WithCommitsTheOrderIsThatOfTheMap) {
   EXPECT_THAT(Utimes(*Open(path + "?frames=all", few).dataset), ElementsAre(1000, 2000, 3000));
 }
 
-TEST(OpenRecording, TellsWhyTheMapWillNotBeTheRecordedOne) {
+TEST(OpenRecording, RemarksSayWhyTheMapWillDiffer) {
   LogBuilder no_frame;
   EXPECT_THAT(Open(no_frame.Frame(1000).Commit(1000, 1).Commit(2000, 2).Finish()).remarks,
               ElementsAre(HasSubstr("the DETECTIONS of camera 3, utime 1000"),
                           HasSubstr("the RGBD_FRAME of camera 3, utime 2000")));
   LogBuilder continued;
   EXPECT_THAT(Open(continued.Frame(1000).Detections(1000).Commit(1000, 8).Finish()).remarks,
-              ElementsAre(HasSubstr("no MAP_COMMIT of revisions 1 to 7")));
+              ElementsAre(HasSubstr("no MAP_COMMIT of the revisions 1 to 7")));
 }
 
-TEST(OpenRecording, ADamagedCopyOfAFrameIsPassedOver) {
+TEST(OpenRecording, SkipsADamagedCopyOfAFrame) {
   LogBuilder builder;
   rgbd_frame_t message = Encode(SmallSensorFrame(1000));
   std::vector<uint8_t> damaged = Pack(message);
@@ -106,27 +106,27 @@ TEST(OpenRecording, ADamagedCopyOfAFrameIsPassedOver) {
       testing::AllOf(HasSubstr("run.lcmlog"), HasSubstr("checksum"), HasSubstr("utime 1000")));
 }
 
-TEST(OpenRecording, RefusesWhatItCannotDo) {
+TEST(OpenRecording, RejectsInvalidRequests) {
   LogBuilder builder;
   const std::string path = builder.Frame(1000).Finish();
-  const auto refusal = [](const std::string& name, const DatasetOptions& options = {}) {
+  const auto error_of = [](const std::string& name, const DatasetOptions& options = {}) {
     const Result<Recording> recording = OpenRecording(name, "", options);
     return recording ? "opened" : recording.error().message;
   };
   DatasetOptions camera;
   camera.camera_id = CameraId{2};
-  EXPECT_THAT(refusal(path, camera), HasSubstr("have their cameras"));
-  EXPECT_THAT(refusal(path + "?frames=some"), HasSubstr("frames=all"));
-  EXPECT_THAT(refusal((builder.folder() / "missing.lcmlog").string()), HasSubstr("missing.lcmlog"));
+  EXPECT_THAT(error_of(path, camera), HasSubstr("keep their camera ids"));
+  EXPECT_THAT(error_of(path + "?frames=some"), HasSubstr("frames=all"));
+  EXPECT_THAT(error_of((builder.folder() / "missing.lcmlog").string()),
+              HasSubstr("missing.lcmlog"));
   builder.folder().Write("empty.lcmlog", "");
-  EXPECT_THAT(refusal((builder.folder() / "empty.lcmlog").string()),
-              HasSubstr("not one LCM event"));
+  EXPECT_THAT(error_of((builder.folder() / "empty.lcmlog").string()), HasSubstr("no LCM event"));
   LogBuilder other;
-  EXPECT_THAT(refusal(other.AddBytes("OTHER", {1, 2, 3}).Finish()),
+  EXPECT_THAT(error_of(other.AddBytes("OTHER", {1, 2, 3}).Finish()),
               HasSubstr("none of its 0 frames"));
 }
 
-TEST(IsLog, KnowsLogsByNameAndContent) {
+TEST(IsLog, RecognizesLogsByNameAndContent) {
   LogBuilder builder("lcmlog-2026-01-01.00");
   const std::string path = builder.Frame(1000).Finish();
   EXPECT_TRUE(IsLog(path));
@@ -138,12 +138,12 @@ TEST(IsLog, KnowsLogsByNameAndContent) {
   EXPECT_FALSE(IsLog("synthetic:room?frames=3"));
 }
 
-TEST(OpenRecordedDetections, NoDetectorLookedIsNotNothingFound) {
+TEST(OpenRecordedDetections, FrameWithoutDetectorDiffersFromFrameWithoutObjects) {
   LogBuilder builder;
   detections_t nothing = Encode(DetectionSet{2000, CameraId{3}, 17, {}}, 64, 48);
   builder.Frame(1000).Detections(1000).Frame(2000).Add(kDetectionsChannel, nothing);
   builder.Frame(3000).Frame(4000).Add(kDetectionsChannel,
-                                      EncodeNotLooked(SmallSensorFrame(4000).header));
+                                      EncodeDetectorDidNotRun(SmallSensorFrame(4000).header));
   const auto source = OpenRecordedDetections(builder.Finish());
   ASSERT_TRUE(source) << source.error().message;
   const auto header = [](int64_t utime) { return SmallSensorFrame(utime).header; };
@@ -160,7 +160,7 @@ TEST(OpenRecordedDetections, NoDetectorLookedIsNotNothingFound) {
   EXPECT_FALSE((*source)->DetectorRan(SmallSensorFrame(1000, 4).header));
 }
 
-TEST(OpenRecordedDetections, LateOnesAreNotUsedWhereTheMapDidWithout) {
+TEST(OpenRecordedDetections, LateDetectionsAreNotUsed) {
   LogBuilder builder;
   frame_commit_t without = builder.Committed(1000, 1);
   without.had_detections = false;
@@ -182,9 +182,9 @@ TEST(OpenRecordedDetections, MasksOfAnotherSizeAreAnError) {
   EXPECT_THAT((*source)->ForFrame(larger).error().message, HasSubstr("64x48"));
 }
 
-// The claim is that all of it returns: what a mutated log gives is an error or a sequence, some of
-// whose frames may be errors.
-TEST(OpenRecording, MutatedLogsGiveValuesOrErrors) {
+// Every call must return: a mutated log gives an error or a sequence, in which some frames may give
+// errors.
+TEST(OpenRecording, NoMutatedLogCrashesIt) {
   LogBuilder builder;
   builder.Frame(1000).Detections(1000).Commit(1000, 1).Frame(2000).Detections(2000).Commit(2000, 2);
   const std::vector<uint8_t> good = *ReadFileBytes(builder.Finish());

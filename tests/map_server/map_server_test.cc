@@ -145,7 +145,7 @@ TEST_F(ServerOnABus, CarriesOutTheVerbsThatReadTheMap) {
   Start();
   MeshFollower follower;
   bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
-                                [&](const mesh_delta_t& message) { follower.Take(message); });
+                                [&](const mesh_delta_t& message) { follower.Apply(message); });
   Send(SmallMessage(1000));
   Send(SmallMessage(2000));
   const auto json = [](const map_reply_t& reply) {

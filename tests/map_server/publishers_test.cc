@@ -83,7 +83,7 @@ TEST(OccupancyPublisher, AFollowerThatLosesHalfOfAllMessagesEndsWithTheMap) {
   int64_t applied_blocks = 0;
   bus->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t& message) {
     if (random() % 2 == 0) return;
-    if (follower.Take(*Decode(message)) == FollowOutcome::kApplied)
+    if (follower.Apply(*Decode(message)) == FollowOutcome::kApplied)
       applied_blocks += message.n_blocks;
   });
   for (int frame = 0; frame < 20; ++frame) {
@@ -117,7 +117,7 @@ TEST(OccupancyPublisher, AHeartbeatTellsThatTheLastUpdateWasLost) {
   bool lose = false;
   FollowOutcome last = FollowOutcome::kApplied;
   bus->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t& message) {
-    if (!lose) last = follower.Take(*Decode(message));
+    if (!lose) last = follower.Apply(*Decode(message));
   });
   publisher.PublishSnapshot(growing.map());
   bus->Spin(0);
@@ -138,7 +138,7 @@ class MeshStream : public testing::Test {
     publisher_.Start(growing_.map(), "map");
     bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel, [this](const mesh_delta_t& message) {
       for (const mesh_block_t& block : message.blocks) empty_blocks_ += block.n_vertices == 0;
-      if (random_() % 100 >= lost_percent_) follower_.Take(message);
+      if (random_() % 100 >= lost_percent_) follower_.Apply(message);
     });
   }
   void Deliver() {
@@ -266,7 +266,7 @@ TEST_F(MeshStream, ASelfContradictingMessageChangesNothing) {
   bad.n_blocks = 1;
   bad.blocks.resize(1);
   bad.blocks[0].edge_m = -1;
-  EXPECT_EQ(follower_.Take(bad), FollowOutcome::kBroken);
+  EXPECT_EQ(follower_.Apply(bad), FollowOutcome::kBroken);
   EXPECT_EQ(follower_.Digest(), before);
 }
 

@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// A run of three frames, in which something may be otherwise.
+/// A run of three frames; `change` may modify its commits.
 RunRecord RecordRun(const std::string& name,
                     const std::function<void(size_t, frame_commit_t*)>& change = nullptr,
                     const std::vector<int64_t>& order = {1000, 2000, 3000}) {
@@ -33,9 +33,9 @@ RunRecord RecordRun(const std::string& name,
 
 std::string Difference(const RunRecord& other) { return FirstDifference(RecordRun("A"), other); }
 
-TEST(CompareRuns, EqualRunsDoNotPart) { EXPECT_EQ(Difference(RecordRun("B")), ""); }
+TEST(CompareRuns, EqualRunsDoNotDiffer) { EXPECT_EQ(Difference(RecordRun("B")), ""); }
 
-TEST(CompareRuns, NamesTheFirstFrameAndHow) {
+TEST(CompareRuns, NamesTheFirstDifferentFrameAndTheDifference) {
   const auto with = [](const std::function<void(frame_commit_t*)>& change) {
     return Difference(RecordRun("B", [&](size_t i, frame_commit_t* commit) {
       if (i >= 1) change(commit);
@@ -45,16 +45,16 @@ TEST(CompareRuns, NamesTheFirstFrameAndHow) {
               AllOf(HasSubstr("frame 2 of the map (camera 3, utime 2000)"),
                     HasSubstr("computed differently"), HasSubstr("digest2000 and other")));
   EXPECT_THAT(with([](frame_commit_t* c) { c->input_digest = "other"; }),
-              AllOf(HasSubstr("utime 2000"), HasSubstr("the inputs differ"),
+              AllOf(HasSubstr("utime 2000"), HasSubstr("the input differs"),
                     HasSubstr("input2000 and other")));
   EXPECT_THAT(with([](frame_commit_t* c) { c->had_detections = false; }),
-              AllOf(HasSubstr("utime 2000"), HasSubstr("with detections in A, without in B")));
+              AllOf(HasSubstr("utime 2000"), HasSubstr("with detections in A, but without in B")));
 }
 
-TEST(CompareRuns, TellsOtherOrderFromMissingFrames) {
+TEST(CompareRuns, DistinguishesOrderFromMissingFrames) {
   EXPECT_THAT(Difference(RecordRun("B", nullptr, {1000, 3000, 2000})),
               AllOf(HasSubstr("frame 2 of the map"), HasSubstr("the order differs"),
-                    HasSubstr("utime 3000 in its place")));
+                    HasSubstr("utime 3000 at this position")));
   EXPECT_THAT(Difference(RecordRun("B", nullptr, {1000, 3000})),
               AllOf(HasSubstr("utime 2000"), HasSubstr("never committed in B")));
   EXPECT_THAT(Difference(RecordRun("B", nullptr, {1000, 2000})),
@@ -68,10 +68,10 @@ TEST(CompareRuns, TellsOtherOrderFromMissingFrames) {
                                        commit->reason = "it was broken";
                                      }
                                    })),
-              AllOf(HasSubstr("utime 2000"), HasSubstr("skipped in B because it was broken")));
+              AllOf(HasSubstr("utime 2000"), HasSubstr("skipped in B (it was broken)")));
 }
 
-TEST(CompareRuns, OtherArrivalsAreAFactNotADifference) {
+TEST(CompareRuns, OrderOfArrivalIsNotADifference) {
   LogBuilder builder;
   builder.Frame(1000).Frame(2000).Detections(1000).Detections(2000).Frame(3000).Detections(3000);
   for (int64_t i = 1; i <= 3; ++i) builder.Commit(1000 * i, i);
@@ -81,12 +81,12 @@ TEST(CompareRuns, OtherArrivalsAreAFactNotADifference) {
   const RunRecord run = RecordRun("A");
   EXPECT_EQ(FirstDifference(run, *other), "");
   EXPECT_THAT(CompareFacts(run, *other),
-              Contains(AllOf(HasSubstr("another order from message 2 on"),
+              Contains(AllOf(HasSubstr("a different order from message 2 on"),
                              HasSubstr("DETECTIONS of camera 3, utime 1000 in A"),
                              HasSubstr("RGBD_FRAME of camera 3, utime 2000 in B"),
                              HasSubstr("1 of 3 frames"))));
   EXPECT_THAT(CompareFacts(run, RecordRun("B")),
-              Contains(HasSubstr("arrived in the same order (6)")));
+              Contains(HasSubstr("all 6 messages of the frames arrived in the same order")));
   EXPECT_THAT(CompareFacts(run, *other),
               Contains(HasSubstr("A: map map-1, revision 3, 3 frames integrated, 0 skipped")));
 }

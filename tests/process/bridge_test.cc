@@ -18,7 +18,7 @@
 
 #include "process/room_pipeline.h"
 
-// Two buses, as on two computers, and a bridge between them.
+// A bridge between two buses, as between two computers.
 
 namespace vismap {
 namespace {
@@ -37,7 +37,7 @@ std::unique_ptr<ChildProcess> StartMapBridge(ProcessBus* here, const ProcessBus&
       here, there, {"--send", "SEGMENTED_FRAME,MAP_REQUEST", "--receive", "MAP_COMMIT,MAP_REPLY"});
 }
 
-/// What the processes of a bus say on STATUS: the last of each, and how often one came twice.
+/// The STATUS messages on a bus: the latest of each process, and how often a message arrived twice.
 class StatusBook {
  public:
   explicit StatusBook(Bus* bus) {
@@ -74,7 +74,8 @@ TEST(Bridge, PipelineOverTwoBusesGivesTheMapOfOneProcess) {
   pipeline.Start();
   pipeline.WaitForEnd();
   EXPECT_EQ(pipeline.integrated(), RoomPipeline::kFrames);
-  EXPECT_EQ(ServerStatistic(&camera_side, "hash"), OfflineRoomHash()) << "asked across the bridge";
+  EXPECT_EQ(ServerStatistic(&camera_side, "hash"), OfflineRoomHash())
+      << "requested across the bridge";
   map_side.bus().Spin(0);
   for (const char* process : {"map-server", "octomap-exporter", "depth-segmenter", "bridge"}) {
     EXPECT_TRUE(heard_at_camera.Has(process)) << process;
@@ -86,7 +87,7 @@ TEST(Bridge, PipelineOverTwoBusesGivesTheMapOfOneProcess) {
   EXPECT_EQ(bridge->WaitForExit(), 0) << bridge->StandardError();
 }
 
-TEST(Bridge, HubsAndTheBridgeItselfMayBeKilledOnTheWay) {
+TEST(Bridge, SurvivesKilledHubsAndAKilledBridge) {
   ProcessBus camera_side, map_side;
   auto bridge = StartMapBridge(&camera_side, map_side);
   RoomPipeline pipeline(&camera_side, &map_side);
@@ -110,8 +111,8 @@ map_delta_t Delta(int64_t revision, size_t bytes) {
   return delta;
 }
 
-/// Returns when the bus has noticed that its hub is another one, and that has all its
-/// subscriptions: it hears itself.
+/// Waits until the bus has connected to the new hub and receives its own message, so that the hub
+/// has its subscriptions.
 void JoinAgain(ProcessBus* processes) {
   bool heard = false;
   processes->bus().Subscribe<map_request_t>(kMapRequestChannel,
@@ -127,7 +128,8 @@ struct Outage {
   int64_t dropped = 0, replaced = 0;
 };
 
-/// Sends 20 deltas of half a megabyte while the other bus is away; what arrives when it is back.
+/// Sends 20 deltas of half a megabyte while the other bus is down; returns what arrives after its
+/// restart.
 Outage SendWhileAway(const std::string& bridge_config) {
   ProcessBus here, there;
   const TempFolder folder;
@@ -154,7 +156,7 @@ Outage SendWhileAway(const std::string& bridge_config) {
       [&] { return count("forwarded") + count("dropped") + count("replaced") == 20; }));
   outage->dropped = count("dropped");
   outage->replaced = count("replaced");
-  bridge->Signal(SIGSTOP);  // until the reader has joined again
+  bridge->Signal(SIGSTOP);  // until the reader has connected again
   there.RestartHub();
   JoinAgain(&there);
   bridge->Signal(SIGCONT);
@@ -163,22 +165,23 @@ Outage SendWhileAway(const std::string& bridge_config) {
   return *outage;
 }
 
-TEST(BridgeWhileTheOtherBusIsAway, KeepsWhatIsLosslessUpToItsLimit) {
+TEST(BridgeWithoutTheOtherBus, QueuesLosslessMessagesUpToItsLimit) {
   const Outage outage = SendWhileAway("queue_mb: 4 lossless: \"MAP_DELTA\"");
-  EXPECT_EQ(outage.dropped, 13);  // seven of half a megabyte and a little more fit into four
+  EXPECT_EQ(outage.dropped,
+            13);  // seven messages of slightly more than half a megabyte fit into four megabytes
   std::vector<int64_t> expected(7);
   std::iota(expected.begin(), expected.end(), 0);
   EXPECT_EQ(outage.got, expected);
 }
 
-TEST(BridgeWhileTheOtherBusIsAway, KeepsTheLatestOnly) {
+TEST(BridgeWithoutTheOtherBus, KeepsTheLatestOnly) {
   const Outage outage = SendWhileAway("latest: \"MAP_DELTA\"");
   EXPECT_EQ(outage.dropped, 0);
-  EXPECT_LE(outage.got.size(), 1U) << "or none, when the next one came before it was back";
+  EXPECT_LE(outage.got.size(), 1U) << "or none, if the next one arrived before the reconnection";
   EXPECT_EQ(outage.replaced, 19);
 }
 
-TEST(Bridge, FromAPrivateMulticastBusToAHub) {
+TEST(Bridge, ForwardsFromAMulticastBusToAHub) {
   const std::string url =
       "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) + "?ttl=0";
   auto udpm = Bus::Open({url, "sensor", 1, nullptr});
@@ -189,7 +192,7 @@ TEST(Bridge, FromAPrivateMulticastBusToAHub) {
   ChildProcess bridge("bridge",
                       {"--lcm-url", url, "--remote-url", there.url(), "--send", "MAP_DELTA"},
                       there.folder());
-  ASSERT_TRUE(there.SpinUntil([&] { return there.peers().Alive("bridge"); }));
+  ASSERT_TRUE(there.SpinUntil([&] { return there.peers().IsAlive("bridge"); }));
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE((*udpm)->Publish(kMapDeltaChannel, Delta(i, 100 * 1024)));
     ASSERT_TRUE(there.SpinUntil([&] { return received == i + 1; }));
@@ -198,17 +201,17 @@ TEST(Bridge, FromAPrivateMulticastBusToAHub) {
   EXPECT_TRUE(there.SpinUntil([&] {
     (*udpm)->Spin(0);
     return book.Has("hub");
-  })) << "status of the other side";
+  })) << "status of the other bus";
 }
 
-TEST(Bridge, WrongUseIsSaid) {
+TEST(Bridge, UsageErrorsAreReported) {
   const TempFolder folder;
   const struct {
     std::vector<std::string> arguments;
     const char* says;
   } cases[] = {
       {{}, "--remote-url"},
-      {{"--remote-url", "tcpq://localhost:7700"}, "expected numbers"},
+      {{"--remote-url", "tcpq://localhost:7700"}, "expected a numeric address"},
       {{"--remote-url", "10.0.0.1"}, "expected PROVIDER://"},
       {{"--remote-url", "tcpq://127.0.0.1:7700", "--lcm-url", "tcpq://127.0.0.1:7700"},
        "both ends"},

@@ -13,7 +13,7 @@
 #include "wire/frame_key.h"
 #include "wire/rgbd_frame.h"
 
-// The detector with a network, which finds red things: the couch of the built-in room.
+// The detector with a network that finds red objects: the couch of the built-in room.
 
 namespace vismap {
 namespace {
@@ -38,20 +38,20 @@ class TinyDetector {
   TempFolder folder_;
 };
 
-/// Everything that was said of each frame.
+/// All DETECTIONS messages, by frame.
 class Answers {
  public:
   explicit Answers(ProcessBus* processes) {
     processes->bus().Subscribe<detections_t>(kDetectionsChannel,
                                              [this](const detections_t& message) {
                                                ++count_[KeyOf(message)];
-                                               looked_[KeyOf(message)] = Looked(message);
+                                               looked_[KeyOf(message)] = DetectorRan(message);
                                                found_ += message.n_detections;
                                              });
   }
   size_t frames() const { return count_.size(); }
   int found() const { return found_; }
-  bool WasLookedAt(const FrameKey& key) const { return looked_.contains(key) && looked_.at(key); }
+  bool DetectorRanOn(const FrameKey& key) const { return looked_.contains(key) && looked_.at(key); }
   int looked_at() const {
     return static_cast<int>(std::count_if(looked_.begin(), looked_.end(),
                                           [](const auto& entry) { return entry.second; }));
@@ -67,7 +67,7 @@ class Answers {
   int found_ = 0;
 };
 
-TEST(DnnDetector, EveryFrameGivesTheMapOfTheOfflineMapper) {
+TEST(DnnDetector, EveryFrameModeGivesTheMapOfTheOfflineMapper) {
   const TinyDetector tiny;
   ProcessBus processes;
   Answers answers(&processes);
@@ -84,7 +84,7 @@ TEST(DnnDetector, EveryFrameGivesTheMapOfTheOfflineMapper) {
             OfflineRoomHash("2", RoomPipeline::kRoom, tiny.Arguments()));
 }
 
-TEST(DnnDetector, WithTheNewestOnlyEveryFrameIsIntegratedAndNoneWaits) {
+TEST(DnnDetector, NewestFrameModeIntegratesEveryFrameWithoutWaiting) {
   const TinyDetector tiny;
   ProcessBus processes;
   Answers answers(&processes);
@@ -99,7 +99,7 @@ TEST(DnnDetector, WithTheNewestOnlyEveryFrameIsIntegratedAndNoneWaits) {
   EXPECT_GE(answers.looked_at(), 1);
 }
 
-TEST(DnnDetector, OfABacklogItLooksAtTheNewestAndAnswersEveryOther) {
+TEST(DnnDetector, RunsOnTheNewestFrameOfABacklogAndSkipsTheOthers) {
   constexpr int kBacklog = 40;
   const TinyDetector tiny;
   ProcessBus processes;
@@ -118,14 +118,14 @@ TEST(DnnDetector, OfABacklogItLooksAtTheNewestAndAnswersEveryOther) {
   EXPECT_TRUE(processes.SpinUntil([&] { return answers.frames() == kBacklog; }))
       << "only " << answers.frames();
   EXPECT_TRUE(answers.EachOnce());
-  EXPECT_TRUE(answers.WasLookedAt({CameraId{frame.camera_id}, kBacklog - 1})) << "the newest";
+  EXPECT_TRUE(answers.DetectorRanOn({CameraId{frame.camera_id}, kBacklog - 1})) << "the newest";
   EXPECT_LT(answers.looked_at(), kBacklog / 2);
   detector->Signal(SIGTERM);
   EXPECT_EQ(detector->WaitForExit(), 0);
-  EXPECT_THAT(detector->StandardError(), testing::HasSubstr("passed over"));
+  EXPECT_THAT(detector->StandardError(), testing::HasSubstr("; skipped "));
 }
 
-TEST(DnnDetector, AFrameThatComesAgainIsAnsweredAgainWithTheSame) {
+TEST(DnnDetector, RepeatedFrameGetsTheSameDetections) {
   const TinyDetector tiny;
   ProcessBus processes;
   std::vector<detections_t> answers;
@@ -139,12 +139,12 @@ TEST(DnnDetector, AFrameThatComesAgainIsAnsweredAgainWithTheSame) {
     processes.bus().Publish(kRgbdFrameChannel, Encode(*(*room)->Read(0)));
     ASSERT_TRUE(processes.SpinUntil([&] { return answers.size() == times; }));
   }
-  EXPECT_TRUE(Looked(answers[0]));
-  EXPECT_TRUE(Looked(answers[1]));
+  EXPECT_TRUE(DetectorRan(answers[0]));
+  EXPECT_TRUE(DetectorRan(answers[1]));
   EXPECT_EQ(answers[0].n_detections, answers[1].n_detections);
 }
 
-TEST(DnnDetector, WritesAFileThatMapsTheSame) {
+TEST(DnnDetector, WrittenFileGivesTheSameMap) {
   const TinyDetector tiny;
   const TempFolder folder;
   const std::string file = (folder / "detections.json").string();
@@ -157,7 +157,7 @@ TEST(DnnDetector, WritesAFileThatMapsTheSame) {
             OfflineRoomHash("2", RoomPipeline::kRoom, tiny.Arguments()));
 }
 
-TEST(DnnDetector, FramesWithoutColourGoOn) {
+TEST(DnnDetector, FramesWithoutColourAreSkipped) {
   const TinyDetector tiny;
   ProcessBus processes;
   Answers answers(&processes);

@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(DoctorProgram, SaysHowToStartAHubWhenThereIsNone) {
+TEST(DoctorProgram, NamesTheCommandThatStartsAHub) {
   const TempFolder folder;
   ChildProcess doctor("doctor", {"--lcm-url", "tcpq://127.0.0.1:1", "--seconds", "1"},
                       folder.path());
@@ -20,7 +20,7 @@ TEST(DoctorProgram, SaysHowToStartAHubWhenThereIsNone) {
   EXPECT_THAT(doctor.StandardOutput(), HasSubstr("vismap-hub --listen 127.0.0.1:1"));
 }
 
-TEST(DoctorProgram, NamesTheMissingDetectorThenFindsAHealthyBus) {
+TEST(DoctorProgram, ReportsTheMissingDetectorAndLaterAHealthyBus) {
   ProcessBus processes;
   auto server = processes.Start("map-server");
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});

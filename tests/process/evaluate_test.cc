@@ -6,7 +6,7 @@
 
 #include "process/process_harness.h"
 
-// vismap-map evaluate as its users call it.
+// The command vismap-map evaluate.
 
 namespace vismap {
 namespace {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr char kRoom[] = "synthetic:room?frames=16&width=160";
 constexpr char kCoarse[] = "grid { voxel_size_m: 0.02 }\n";
 
-/// Maps a sequence at 2 cm into the folder's `out`.
+/// Maps a sequence with voxels of 2 cm into `out` of the folder.
 void MakeMap(const TempFolder& folder, const std::string& dataset, const std::string& frames) {
   folder.Write("coarse.txtpb", kCoarse);
   ChildProcess mapper("offline-mapper",
@@ -35,7 +35,7 @@ Json EvaluateMap(const TempFolder& folder, const std::string& truth, const std::
   return Json::parse(tool.StandardOutput(), nullptr, false);
 }
 
-TEST(Evaluate, NamesAGroundTruthThatIsNotThere) {
+TEST(Evaluate, ErrorNamesAMissingGroundTruth) {
   const TempFolder folder;
   ChildProcess tool("map", {"evaluate", "--gt", (folder / "nothing").string(), "--map", "m.vismap"},
                     folder.path());
@@ -43,7 +43,7 @@ TEST(Evaluate, NamesAGroundTruthThatIsNotThere) {
   EXPECT_THAT(tool.StandardError(), HasSubstr((folder / "nothing").string()));
 }
 
-TEST(Evaluate, NamesAMapThatIsNotThereAndAClassThatIsNone) {
+TEST(Evaluate, ErrorNamesAMissingMapAndAnUnknownClass) {
   const TempFolder folder;
   ChildProcess tool("map", {"evaluate", "--gt", kRoom, "--map", "none.vismap"}, folder.path());
   EXPECT_EQ(tool.WaitForExit(), 3);
@@ -54,7 +54,7 @@ TEST(Evaluate, NamesAMapThatIsNotThereAndAClassThatIsNone) {
   EXPECT_THAT(classes.StandardError(), HasSubstr("'chaise'"));
 }
 
-TEST(Evaluate, MapAndItsMeshHaveTheSameFigures) {
+TEST(Evaluate, MapAndItsMeshHaveTheSameScores) {
   const TempFolder folder;
   MakeMap(folder, kRoom, "0");
   const Json map = EvaluateMap(folder, kRoom, "out/map.vismap");
@@ -62,12 +62,12 @@ TEST(Evaluate, MapAndItsMeshHaveTheSameFigures) {
   ASSERT_TRUE(map.is_object());
   EXPECT_GT(map["recall50_known"].get<double>(), 0);
   EXPECT_EQ(map["free_space"].size(), 2u);
-  EXPECT_EQ(mesh["free_space"].size(), 0u);  // a mesh knows of no free space
+  EXPECT_EQ(mesh["free_space"].size(), 0u);  // a mesh has no free space
   mesh["free_space"] = map["free_space"];
   EXPECT_EQ(map, mesh);
 }
 
-/// The interpreter that has numpy and scipy; "" = none.
+/// A Python interpreter with numpy and scipy; "" = there is none.
 std::string FindScientificPython(const TempFolder& folder) {
   for (const char* program : {"/usr/bin/python3", "/usr/local/bin/python3"}) {
     if (!fs::exists(program)) continue;
@@ -77,9 +77,9 @@ std::string FindScientificPython(const TempFolder& folder) {
   return "";
 }
 
-/// All figures that both have agree within 1e-6. Where two vertices are equally near to a point the
-/// two may choose differently (ours: the lower index), which could move a rounded figure by a step;
-/// it does not on this map.
+/// All scores that both reports have agree within 1e-6. If two vertices have the same distance to a
+/// point, the two programs may choose different ones (vismap: the lower index), which could change
+/// a rounded score; on this map it does not.
 void ExpectSameFigures(const Json& ours, const Json& theirs) {
   for (const auto& [key, value] : theirs.items()) {
     ASSERT_TRUE(ours.contains(key)) << key;

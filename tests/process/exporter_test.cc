@@ -7,13 +7,13 @@
 
 #include "process/room_pipeline.h"
 
-// Who follows a map ends with the server's state, whenever it came and whatever it missed; and what
-// people do with a running server from the command line.
+// A process that follows the map reaches the state of the server, also after a late start or missed
+// updates. And the commands of vismap-map for a running server.
 
 namespace vismap {
 namespace {
 
-TEST(OctomapExporter, ThatStartsLateAndIsKilledEndsWithTheServersState) {
+TEST(OctomapExporter, HasTheStateOfTheServerAfterALateStartAndACrash) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";
@@ -67,7 +67,7 @@ TEST(MapServer, SavesLoadsAndResetsOnRequest) {
   EXPECT_EQ(unreadable->WaitForExit(), 3);
 }
 
-TEST(MapServer, SavesWhenStoppedAndGoesOnFromThere) {
+TEST(MapServer, SavesWhenStoppedAndContinuesTheSavedMap) {
   ProcessBus processes;
   const std::string map = (processes.folder() / "kept.vismap").string();
   const std::string config = (processes.folder() / "server.txtpb").string();

@@ -13,15 +13,15 @@
 #include "simulation/sequence.h"
 #include "wire/rgbd_frame.h"
 
-// What may go wrong on a robot: processes die at any moment, messages are lost, disks are full,
-// clocks jump. The rest goes on, who comes back catches up, and the map is the same.
+// What may go wrong on a robot: processes crash, messages are lost, disks are full, clocks jump.
+// The other processes continue, a restarted process catches up, and the map is the same.
 
 namespace vismap {
 namespace {
 
 using testing::HasSubstr;
 
-/// A server that saves all the time and goes on from there after a crash.
+/// A server that saves often and continues the saved map after a crash.
 std::vector<std::string> RecoveringServer(const ProcessBus& processes) {
   const std::string config = (processes.folder() / "server.txtpb").string();
   std::ofstream(config) << "map_server { recover: true save_period_s: 0.2 save_on_exit: \""
@@ -36,7 +36,7 @@ int64_t Counter(const process_status_t& status, const std::string& name) {
   return 0;
 }
 
-TEST(Faults, EveryProcessIsKilledOnTheWayAndTheMapIsTheSame) {
+TEST(Faults, MapIsTheSameAfterEveryProcessWasKilled) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.server_arguments = RecoveringServer(processes);
@@ -57,11 +57,12 @@ TEST(Faults, EveryProcessIsKilledOnTheWayAndTheMapIsTheSame) {
   pipeline.StartServer();
   pipeline.WaitForEnd();
   EXPECT_EQ(ServerStatistic(&processes, "hash"), OfflineRoomHash());
-  EXPECT_EQ(Ask(&processes, "frames").revision, RoomPipeline::kFrames) << "no frame twice";
+  EXPECT_EQ(Ask(&processes, "frames").revision, RoomPipeline::kFrames)
+      << "no frame was integrated twice";
   ExpectExporterIsLevel(&processes);
 }
 
-TEST(Faults, AMapServerThatDiedWithoutASaveIsFilledAgainFromTheFirstFrame) {
+TEST(Faults, MapServerWithoutSavedMapGetsAllFramesAgain) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";
@@ -71,18 +72,18 @@ TEST(Faults, AMapServerThatDiedWithoutASaveIsFilledAgainFromTheFirstFrame) {
   pipeline.StartServer();
   pipeline.WaitForEnd();
   EXPECT_EQ(Ask(&processes, "frames").revision, RoomPipeline::kFrames);
-  EXPECT_THAT(pipeline.replay->StandardError(), HasSubstr("going back"));
+  EXPECT_THAT(pipeline.replay->StandardError(), HasSubstr("sending again from frame "));
   ExpectExporterIsLevel(&processes);
 }
 
-TEST(Faults, ARecoveredMapServerSaysHowManyFramesItLacks) {
+TEST(Faults, RecoveredMapServerReportsMissingFrames) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";
   pipeline.server_arguments = RecoveringServer(processes);
   pipeline.Start();
   pipeline.WaitForEnd();
-  // The journal of a server that was killed right after three more frames.
+  // The journal of a server that was killed after it had integrated three more frames.
   pipeline.server->Signal(SIGTERM);
   EXPECT_EQ(pipeline.server->WaitForExit(), 0) << pipeline.server->StandardError();
   std::ofstream(processes.folder() / "kept.vismap.journal") << "0 91\n0 92\n0 93\n0 9";
@@ -96,7 +97,7 @@ TEST(Faults, ARecoveredMapServerSaysHowManyFramesItLacks) {
   EXPECT_EQ(Ask(&processes, "frames").revision, RoomPipeline::kFrames);
 }
 
-TEST(Faults, FivePercentOfAllMessagesAreDroppedAndEverybodyEndsWithTheServersState) {
+TEST(Faults, AllCopiesEqualTheServerAlthoughFivePercentOfMessagesAreLost) {
   ProcessBus processes({"--drop-fraction", "0.05", "--drop-seed", "3"});
   RoomPipeline pipeline(&processes);
   pipeline.Start();
@@ -110,7 +111,7 @@ TEST(Faults, FivePercentOfAllMessagesAreDroppedAndEverybodyEndsWithTheServersSta
   pipeline.StartExporter();
   ExpectExporterIsLevel(&processes);
 
-  const std::string truth = "mesh " + Ask(&processes, "mesh", "digest").message;
+  const std::string truth = "mesh digest " + Ask(&processes, "mesh", "digest").message;
   EXPECT_TRUE(processes.SpinUntil([&] { return !late_viewer->Running(); }));
   EXPECT_THAT(late_viewer->StandardOutput(), HasSubstr(truth));
   EXPECT_TRUE(processes.SpinUntil(
@@ -121,7 +122,7 @@ TEST(Faults, FivePercentOfAllMessagesAreDroppedAndEverybodyEndsWithTheServersSta
   EXPECT_GT(std::filesystem::file_size(mesh), 10000u);
 }
 
-TEST(Faults, AFullDiskLeavesTheOldMapWholeAndTheServerAlive) {
+TEST(Faults, FullDiskDamagesNeitherTheOldMapNorTheServer) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";
@@ -138,13 +139,13 @@ TEST(Faults, AFullDiskLeavesTheOldMapWholeAndTheServerAlive) {
   ASSERT_TRUE(before);
   pipeline.WaitForEnd();
 
-  // Beyond this no file of the server's can grow, as on a full disk.
+  // No file of the server can grow beyond this size, as on a full disk.
   const rlimit limit{before->size() / 2, RLIM_INFINITY};
   ASSERT_EQ(prlimit(pipeline.server->pid(), RLIMIT_FSIZE, &limit, nullptr), 0);
   const auto [full_code, full_error] = save(map);
   EXPECT_EQ(full_code, 1);
   EXPECT_THAT(full_error, HasSubstr("map.vismap"));
-  EXPECT_EQ(*ReadFileBytes(map), *before) << "the old file stays whole";
+  EXPECT_EQ(*ReadFileBytes(map), *before) << "the old file is not damaged";
   const auto [folder_code, folder_error] = save((processes.folder() / "none" / "a").string());
   EXPECT_EQ(folder_code, 1);
   EXPECT_THAT(folder_error, HasSubstr("none/a"));
@@ -155,11 +156,11 @@ TEST(Faults, AFullDiskLeavesTheOldMapWholeAndTheServerAlive) {
 
   const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
   ASSERT_EQ(prlimit(pipeline.server->pid(), RLIMIT_FSIZE, &none, nullptr), 0);
-  EXPECT_EQ(save(map).first, 0) << "the server lives and can save again";
+  EXPECT_EQ(save(map).first, 0) << "the server still runs and can save again";
   EXPECT_NE(*ReadFileBytes(map), *before);
 }
 
-TEST(Faults, ClockJumpsAndFramesOutOfOrderAreIntegratedOnceEachAndCounted) {
+TEST(Faults, FramesOutOfOrderAndClockJumpsAreIntegratedOnceAndCounted) {
   ProcessBus processes;
   const auto server = processes.Start("map-server");
   const auto segmenter = processes.Start("depth-segmenter", {"--detections", "none"});
@@ -175,7 +176,7 @@ TEST(Faults, ClockJumpsAndFramesOutOfOrderAreIntegratedOnceEachAndCounted) {
   });
   const auto room = OpenSequence("synthetic:room?frames=6&width=160", "");
   ASSERT_TRUE(room);
-  // An hour ahead, back again, late by a frame, and one twice.
+  // One hour ahead, back again, one frame late, and one frame twice.
   const std::vector<int64_t> utimes = {1'000'000, 1'033'000, 3'601'066'000,
                                        1'099'000, 1'066'000, 1'132'000};
   const auto publish = [&](size_t i) {
@@ -196,7 +197,7 @@ TEST(Faults, ClockJumpsAndFramesOutOfOrderAreIntegratedOnceEachAndCounted) {
   EXPECT_EQ(Ask(&processes, "frames").revision, 6);
 }
 
-TEST(SeveralCameras, TwoReplaysFillOneMapAndNoFrameIsLeftOut) {
+TEST(SeveralCameras, TwoReplaysBuildOneMapWithAllFrames) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";

@@ -12,7 +12,7 @@
 #include "runtime/clock.h"
 #include "runtime/tcp_socket.h"
 
-// Our client at LCM's own hub, which is written in Java: Debian's liblcm-java.
+// Our client with LCM's own hub, which is written in Java (Debian package liblcm-java).
 
 namespace vismap {
 namespace {
@@ -32,7 +32,7 @@ int FreePort() {
   return ntohs(address.sin_port);
 }
 
-TEST(JavaHub, PassesOurMessages) {
+TEST(JavaHub, ForwardsOurMessages) {
   if (!std::filesystem::exists(kJava) || !std::filesystem::exists(kLcmJar)) {
     GTEST_SKIP() << "needs the packages liblcm-java and default-jre-headless";
   }
@@ -60,13 +60,13 @@ TEST(JavaHub, PassesOurMessages) {
     while (received < count && MonotonicSeconds() < deadline) (*reader)->Spin(0.02);
     return received >= count;
   };
-  // Until the subscription has arrived; nothing tells when.
+  // Repeat until the subscription has arrived at the hub; there is no acknowledgement.
   for (int i = 0; i < 1000 && !wait_for(1, 0.1); ++i) send(1);
   ASSERT_TRUE(wait_for(1, 0)) << java.StandardError();
   while (wait_for(received + 1, 0.3)) {
   }
   const size_t before = received, bytes_before = bytes;
-  std::thread sending([&] {  // that hub lets the sender wait for the reader
+  std::thread sending([&] {  // this hub makes the sender wait for the reader
     for (int i = 0; i < 10; ++i) send(kMegabyte);
   });
   EXPECT_TRUE(wait_for(before + 10, kProcessDeadline));

@@ -17,7 +17,7 @@
 #include "wire/frame_key.h"
 #include "wire/rgbd_frame.h"
 
-// Runs recorded with LCM's own logger, and what can be made of the logs.
+// Runs recorded with LCM's own logger, and the use of these logs.
 
 namespace vismap {
 namespace {
@@ -28,21 +28,21 @@ constexpr char kLogger[] = "/usr/bin/lcm-logger";
 constexpr char kLogPlayer[] = "/usr/bin/lcm-logplayer";
 constexpr char kRoom[] = "synthetic:room?frames=12&width=96";
 
-/// What a tool of ours says; the test fails unless it ends with `exit_code`.
-std::string Say(const std::string& tool, const std::vector<std::string>& arguments,
-                const TempFolder& folder, int exit_code = 0) {
+/// Standard output of one of our programs; the test fails unless it ends with `exit_code`.
+std::string RunTool(const std::string& tool, const std::vector<std::string>& arguments,
+                    const TempFolder& folder, int exit_code = 0) {
   ChildProcess child(tool, arguments, folder.path());
   EXPECT_EQ(child.WaitForExit(), exit_code) << tool << ": " << child.StandardError();
   return child.StandardOutput();
 }
 
 std::string OfflineHash(const std::string& dataset, const TempFolder& folder) {
-  Say("offline-mapper", {"--dataset", dataset, "--out", (folder / "out").string()}, folder);
+  RunTool("offline-mapper", {"--dataset", dataset, "--out", (folder / "out").string()}, folder);
   std::ifstream report(folder / "out/report.json");
   return nlohmann::json::parse(report)["map"]["hash"].get<std::string>();
 }
 
-/// The processes of a map, at their work.
+/// The processes that build a map.
 struct Pipeline {
   Pipeline(ProcessBus* bus, const std::string& threads) : processes(bus) {
     server = processes->Start("map-server", {"--threads", threads});
@@ -52,7 +52,7 @@ struct Pipeline {
         kMapCommitChannel,
         [this](const frame_commit_t& commit) { order.push_back(KeyOf(commit)); });
   }
-  /// Plays a sequence with its own detections, in lockstep, to its end.
+  /// Replays a sequence with its own detections in lockstep until its end.
   void Play(const std::string& dataset, const std::vector<std::string>& options) {
     detector = processes->Start("detector", {"--dataset", dataset});
     std::vector<std::string> arguments{"--dataset", dataset, "--wait-for",
@@ -81,7 +81,8 @@ struct Pipeline {
   std::vector<FrameKey> order;  // of the commits
 };
 
-/// lcm-logger at work, as README says: started first, stopped last and when all is written.
+/// A running lcm-logger, used as the README says: started first, and stopped last when all messages
+/// are written.
 class Recorder {
  public:
   Recorder(ProcessBus* processes, std::filesystem::path log)
@@ -89,15 +90,15 @@ class Recorder {
     logger_ = std::make_unique<ChildProcess>(
         kLogger, std::vector<std::string>{"--lcm-url=" + processes->url(), "-f", log_.string()},
         processes->folder());
-    // It records once it has something.
+    // It has written something, so it records.
     constexpr Channel kProbe{"RECORDER_PROBE", kMegabyte};
     EXPECT_TRUE(processes_->SpinUntil([&] {
       processes_->bus().Publish(kProbe, process_status_t{});
       return Size() > 0;
     }));
   }
-  /// Ends the recording when all that was sent before is written: that is so when the log has grown
-  /// by what came later, be it the hub's own STATUS.
+  /// Stops the recording when all earlier messages are written. This is so when the log has grown
+  /// by a later message, for example by a STATUS of the hub.
   void Stop() {
     uintmax_t size = Size();
     int grown = 0;
@@ -121,11 +122,11 @@ class Recorder {
   std::unique_ptr<ChildProcess> logger_;
 };
 
-/// Plays a sequence in lockstep and records it; the hash of the live map.
+/// Replays a sequence in lockstep and records it; returns the hash of the live map.
 std::string RecordedHash(const std::string& dataset, const std::string& threads,
                          const std::vector<std::string>& options,
                          const std::filesystem::path& log) {
-  ProcessBus processes({"--lossless", ".*"});  // so that the recorder gets every single message
+  ProcessBus processes({"--lossless", ".*"});  // so that the recorder receives every message
   Recorder recorder(&processes, log);
   Pipeline pipeline(&processes, threads);
   pipeline.Play(dataset, options);
@@ -135,27 +136,30 @@ std::string RecordedHash(const std::string& dataset, const std::string& threads,
   return hash;
 }
 
-TEST(Logs, ARunThatLcmLoggerRecordedGivesItsMapAgain) {
+TEST(Logs, RunRecordedByLcmLoggerGivesTheSameMap) {
   if (!std::filesystem::exists(kLogger)) GTEST_SKIP() << "needs " << kLogger << " (liblcm-bin)";
   const TempFolder folder;
   const std::string log = (folder / "run.lcmlog").string();
   const std::string again = (folder / "again.lcmlog").string();
   const std::string hash = RecordedHash(kRoom, "2", {"--mode", "lockstep"}, log);
-  const std::string report = Say("log", {"verify", log}, folder);
-  EXPECT_THAT(report, HasSubstr("12 sent, 12 integrated, 0 skipped\nno gap, no damage"));
+  const std::string report = RunTool("log", {"verify", log}, folder);
+  EXPECT_THAT(
+      report,
+      HasSubstr(
+          "12 sent, 12 integrated, 0 skipped\nno message is lost, and the log is not damaged"));
   EXPECT_EQ(OfflineHash(log, folder), hash);
   EXPECT_EQ(OfflineHash(log + "?frames=all", folder), hash);
-  // A log is played in lockstep unless told otherwise.
+  // A log is replayed in lockstep by default.
   EXPECT_EQ(RecordedHash(log, "1", {}, again), hash);
-  EXPECT_THAT(Say("map", {"compare-runs", log, again}, folder), HasSubstr("equal"));
+  EXPECT_THAT(RunTool("map", {"compare-runs", log, again}, folder), HasSubstr("equal"));
   ProcessBus processes;
   Pipeline pipeline(&processes, "2");
   pipeline.Play(again, {});
   EXPECT_EQ(pipeline.Hash(), hash);
 }
 
-/// Frames of the room from two cameras in turn; the log says that the map was made of them in
-/// another order, and of every third one without its detections.
+/// Frames of the room from two alternating cameras. According to the log, the map was built from
+/// them in another order, and from every third one without its detections.
 std::vector<FrameKey> WriteStrangeRun(const std::filesystem::path& path) {
   const auto dataset = *OpenSequence("synthetic:room?frames=8&width=96", "");
   const auto detections = *OpenDetections(dataset->default_detections_path().value());
@@ -185,7 +189,7 @@ std::vector<FrameKey> WriteStrangeRun(const std::filesystem::path& path) {
   return order;
 }
 
-TEST(Logs, ReplayKeepsTheOrderOfTheCommitsAndWhatHadNoDetections) {
+TEST(Logs, ReplayKeepsTheOrderOfCommitsAndFramesWithoutDetections) {
   const TempFolder folder;
   const std::string log = (folder / "strange.lcmlog").string();
   const std::vector<FrameKey> order = WriteStrangeRun(log);
@@ -196,50 +200,50 @@ TEST(Logs, ReplayKeepsTheOrderOfTheCommitsAndWhatHadNoDetections) {
   pipeline.Play(log, {"--window", "4"});
   EXPECT_EQ(pipeline.order, order);
   EXPECT_EQ(pipeline.Hash(), offline);
-  Say("detector", {"--dataset", log, "--check"}, folder);
+  RunTool("detector", {"--dataset", log, "--check"}, folder);
 }
 
 TEST(Logs, LcmLogplayerReplaysIntoRunningProcesses) {
   if (!std::filesystem::exists(kLogPlayer)) GTEST_SKIP() << "needs " << kLogPlayer;
   const TempFolder folder;
   const std::string log = (folder / "inputs.lcmlog").string();
-  Say("log", {"from-dataset", kRoom, "--out", log}, folder);
+  RunTool("log", {"from-dataset", kRoom, "--out", log}, folder);
   ProcessBus processes;
   Pipeline pipeline(&processes, "2");
   ASSERT_TRUE(processes.WaitForReady({"map-server", "depth-segmenter"}));
   const double start = MonotonicSeconds();
   ChildProcess player(kLogPlayer, {"--lcm-url=" + processes.url(), log}, folder.path());
   ASSERT_TRUE(processes.SpinUntil([&] { return pipeline.order.size() == 12; }));
-  EXPECT_GT(MonotonicSeconds() - start, 1.0);  // 12 frames at 10 a second
+  EXPECT_GT(MonotonicSeconds() - start, 1.0);  // 12 frames at 10 per second
   EXPECT_EQ(player.WaitForExit(), 0) << player.StandardError();
   EXPECT_EQ(pipeline.Hash(), OfflineHash(log, folder));
 }
 
-TEST(Logs, AFolderOfTheSameFramesGivesTheSameMap) {
+TEST(Logs, FolderOfTheSameFramesGivesTheSameMap) {
   const TempFolder folder;
   const auto path = [&](const char* name) { return (folder / name).string(); };
-  Say("log", {"from-dataset", "synthetic:room?frames=4&width=96", "--out", path("a.lcmlog")},
-      folder);
-  Say("log", {"to-dataset", path("a.lcmlog"), "--out", path("sequence")}, folder);
-  Say("log", {"from-dataset", path("sequence"), "--out", path("b.lcmlog")}, folder);
-  Say("log", {"verify", path("b.lcmlog")}, folder);
+  RunTool("log", {"from-dataset", "synthetic:room?frames=4&width=96", "--out", path("a.lcmlog")},
+          folder);
+  RunTool("log", {"to-dataset", path("a.lcmlog"), "--out", path("sequence")}, folder);
+  RunTool("log", {"from-dataset", path("sequence"), "--out", path("b.lcmlog")}, folder);
+  RunTool("log", {"verify", path("b.lcmlog")}, folder);
   const std::string hash = OfflineHash(path("a.lcmlog"), folder);
   EXPECT_EQ(OfflineHash(path("sequence"), folder), hash);
   EXPECT_EQ(OfflineHash(path("b.lcmlog"), folder), hash);
 }
 
-TEST(Logs, CorruptOnesGiveErrors) {
+TEST(Logs, CorruptLogsGiveErrors) {
   const TempFolder folder;
   const std::string log = (folder / "bad.lcmlog").string();
   const std::string out = (folder / "out").string();
   folder.Write("bad.lcmlog", "\xed\xa1\xda\x01 this is no log");
-  Say("log", {"verify", log}, folder, 3);
-  Say("log", {"cut", log, "--out", out}, folder, 3);
-  Say("log", {"to-dataset", log, "--out", out}, folder, 3);
-  Say("offline-mapper", {"--dataset", log, "--out", out}, folder, 3);
-  Say("sensor-replay", {"--dataset", log}, folder, 3);
-  Say("detector", {"--dataset", log, "--check"}, folder, 3);
-  Say("map", {"compare-runs", log, log}, folder, 3);
+  RunTool("log", {"verify", log}, folder, 3);
+  RunTool("log", {"cut", log, "--out", out}, folder, 3);
+  RunTool("log", {"to-dataset", log, "--out", out}, folder, 3);
+  RunTool("offline-mapper", {"--dataset", log, "--out", out}, folder, 3);
+  RunTool("sensor-replay", {"--dataset", log}, folder, 3);
+  RunTool("detector", {"--dataset", log, "--check"}, folder, 3);
+  RunTool("map", {"compare-runs", log, log}, folder, 3);
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 
 #include "process/room_pipeline.h"
 
-// The same frames give the same map: in one process, in many, with one thread, with two, and after
-// crashes.
+// The same frames give the same map: in one process and in several, with one thread and with two,
+// and after crashes.
 
 namespace vismap {
 namespace {
@@ -33,7 +33,7 @@ TEST(MapHash, IsTheSameOfflineAndLiveWhenClassesAreLeftOut) {
   pipeline.segmenter_arguments = config;
   pipeline.Start();
   EXPECT_TRUE(pipeline.WaitForFrames(4));
-  Crash(pipeline.server.get());  // so that frames are sent, and answered, again
+  Crash(pipeline.server.get());  // so that frames are sent and processed again
   pipeline.StartServer();
   pipeline.WaitForEnd();
   EXPECT_EQ(ServerStatistic(&processes, "hash"), offline);

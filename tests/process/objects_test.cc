@@ -6,7 +6,7 @@
 
 #include "process/room_pipeline.h"
 
-// vismap-map objects and export of objects, as their users call them.
+// The commands vismap-map objects and vismap-map export with selected objects.
 
 namespace vismap {
 namespace {
@@ -15,7 +15,7 @@ using testing::HasSubstr;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-/// A room in which the chair with id 8 is taken away after the first of two tours.
+/// A room from which the chair with id 8 is removed after the first of two tours.
 constexpr char kRoom[] = "synthetic:room?frames=24&width=240&tours=2&remove=8@25";
 constexpr char kCoarse[] = "grid { voxel_size_m: 0.02 }\n";
 
@@ -86,7 +86,7 @@ TEST(ObjectsCommand, SelectsByIdClassAndRegion) {
   EXPECT_TRUE(near_tv.at("removed").empty());
 }
 
-TEST(ObjectsCommand, ShowsWhatWasRemoved) {
+TEST(ObjectsCommand, ShowsRemovedObjects) {
   const Json removed = Objects({}).at("removed");
   ASSERT_GE(removed.size(), 1u);
   EXPECT_EQ(removed[0].at("class_name"), "chair");
@@ -98,7 +98,7 @@ TEST(ObjectsCommand, ShowsWhatWasRemoved) {
   EXPECT_THAT(table.out, HasSubstr("removed: last seen at "));
 }
 
-TEST(ObjectsCommand, SaysWhatIsWrong) {
+TEST(ObjectsCommand, ReportsErrors) {
   const std::string map = MappedRoom::Get().map();
   const Ran id = MapTool({"objects", map, "--id", "999"});
   EXPECT_EQ(id.exit_code, 1);
@@ -115,7 +115,7 @@ TEST(ObjectsCommand, SaysWhatIsWrong) {
   EXPECT_EQ(Objects({"--class", "zebra"}).at("objects").size(), 0u);
 }
 
-TEST(ExportCommand, WritesMeshAndPointsOfTheObjectsAskedFor) {
+TEST(ExportCommand, WritesMeshAndPointsOfTheSelectedObjects) {
   const MappedRoom& room = MappedRoom::Get();
   const fs::path out = room.folder() / "one";
   const Json chair = Objects({"--class", "chair"}).at("objects").at(0);
@@ -136,10 +136,10 @@ TEST(ExportCommand, WritesMeshAndPointsOfTheObjectsAskedFor) {
     EXPECT_THAT(file.path().filename().string(), HasSubstr("_chair."));
   const Ran none = MapTool({"export", room.map(), "--class", "zebra", "--out", out.string()});
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.error, HasSubstr("no object that was asked for"));
+  EXPECT_THAT(none.error, HasSubstr("none of the selected objects"));
 }
 
-TEST(ObjectsCommand, AsksTheRunningServerAndIdsSurviveALoadThere) {
+TEST(ObjectsCommand, WorksWithARunningServerAndIdsSurviveALoad) {
   ProcessBus processes;
   const auto server = processes.Start(
       "map-server",
@@ -155,7 +155,7 @@ TEST(ObjectsCommand, AsksTheRunningServerAndIdsSurviveALoadThere) {
     const Ran ran = live(filters);
     ASSERT_EQ(ran.exit_code, 0) << ran.error;
     Json there = Json::parse(ran.out, nullptr, false), here = Objects(filters);
-    there.erase("map_id");  // a loaded map has an id of its own
+    there.erase("map_id");  // a loaded map gets a new id
     here.erase("map_id");
     EXPECT_EQ(there, here);
   }

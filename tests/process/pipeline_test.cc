@@ -16,7 +16,7 @@
 #include "wire/frame_key.h"
 #include "wire/segmented_frame.h"
 
-// The processes before the map server, with the test in the map server's place.
+// The processes before the map server; the test takes the place of the map server.
 
 namespace vismap {
 namespace {
@@ -26,7 +26,7 @@ using testing::HasSubstr;
 constexpr char kRoom[] = "synthetic:room?frames=12&width=160";
 constexpr size_t kFrames = 12;
 
-/// Stands in for the map server: commits every frame and remembers what it said.
+/// Takes the place of the map server: commits every frame and stores the messages.
 class FakeMapServer {
  public:
   explicit FakeMapServer(ProcessBus* processes)
@@ -40,7 +40,7 @@ class FakeMapServer {
   const std::vector<FrameKey>& order() const { return order_; }
   int with_detections() const { return with_detections_; }
   int contradictions() const { return contradictions_; }
-  /// Frames beyond this many are not committed.
+  /// Largest number of committed frames.
   size_t commit_limit = 1000;
 
  private:
@@ -83,7 +83,7 @@ std::vector<std::string> Lockstep(const std::vector<std::string>& more = {}) {
   return arguments;
 }
 
-/// Runs the pipeline in lockstep to its end, with something done to it on the way.
+/// Runs the pipeline in lockstep until its end and disturbs it meanwhile.
 void RunInLockstep(ProcessBus* processes, FakeMapServer* server) {
   auto segmenter = processes->Start("depth-segmenter", {"--detections", "required"});
   auto detector = processes->Start("detector", {"--dataset", kRoom});
@@ -113,7 +113,7 @@ TEST(Pipeline, SmallSocketBuffersChangeNothing) {
   EXPECT_EQ(a.contents(), b.contents());
 }
 
-TEST(Pipeline, GoesOnAfterTheSegmenterWasKilledAndAfterTheHubWas) {
+TEST(Pipeline, ContinuesAfterSegmenterAndHubWereKilled) {
   ProcessBus processes;
   FakeMapServer server(&processes);
   server.commit_limit = 4;
@@ -133,10 +133,10 @@ TEST(Pipeline, GoesOnAfterTheSegmenterWasKilledAndAfterTheHubWas) {
   ASSERT_TRUE(processes.SpinUntil([&] { return !replay->Running(); })) << replay->StandardError();
   EXPECT_EQ(replay->WaitForExit(), 0) << replay->StandardError();
   EXPECT_EQ(server.order().size(), kFrames);
-  EXPECT_EQ(server.contradictions(), 0) << "a frame that comes again is segmented as it was";
+  EXPECT_EQ(server.contradictions(), 0) << "a repeated frame gets the same segments";
 }
 
-TEST(Pipeline, WithoutADetectorGeometryGoesOnAlone) {
+TEST(Pipeline, WithoutADetectorFramesAreSegmentedByGeometryAlone) {
   ProcessBus processes;
   FakeMapServer server(&processes);
   auto segmenter = processes.Start("depth-segmenter");
@@ -150,10 +150,10 @@ TEST(Pipeline, WithoutADetectorGeometryGoesOnAlone) {
     const auto& all = processes.peers().all();
     return all.contains("depth-segmenter") &&
            all.at("depth-segmenter").message.find("no detector") != std::string::npos;
-  })) << "it says so";
+  })) << "its STATUS says so";
 }
 
-TEST(Pipeline, SegmenterSaysWhatItWaitsFor) {
+TEST(Pipeline, StatusOfTheSegmenterSaysForWhatItWaits) {
   ProcessBus processes;
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});
   ASSERT_TRUE(processes.WaitForReady({"depth-segmenter"}));
@@ -165,7 +165,7 @@ TEST(Pipeline, SegmenterSaysWhatItWaitsFor) {
   }));
 }
 
-TEST(Pipeline, HostileMessagesStopNobody) {
+TEST(Pipeline, InvalidMessagesStopNoProcess) {
   ProcessBus processes;
   FakeMapServer server(&processes);
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});
@@ -189,7 +189,7 @@ TEST(Pipeline, HostileMessagesStopNobody) {
   EXPECT_TRUE(detector->Running());
 }
 
-TEST(Replay, StoppedBeforeAllIsCommittedIsAFailure) {
+TEST(Replay, StoppingBeforeTheLastCommitIsAFailure) {
   ProcessBus processes;
   FakeMapServer server(&processes);
   server.commit_limit = 2;
@@ -201,10 +201,10 @@ TEST(Replay, StoppedBeforeAllIsCommittedIsAFailure) {
   replay->Signal(SIGINT);
   ASSERT_TRUE(processes.SpinUntil([&] { return !replay->Running(); }));
   EXPECT_EQ(replay->WaitForExit(), 1);
-  EXPECT_THAT(replay->StandardError(), HasSubstr("not committed"));
+  EXPECT_THAT(replay->StandardError(), HasSubstr("had been committed"));
 }
 
-TEST(CommandLine, ExitCodesAreThePromisedOnes) {
+TEST(CommandLine, ExitCodesAreAsDocumented) {
   const TempFolder folder;
   folder.Write("broken.txtpb", "no_such_key: 1");
   const std::string config = (folder / "broken.txtpb").string();

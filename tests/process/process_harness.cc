@@ -30,7 +30,7 @@ void Redirect(int fd, const std::filesystem::path& path) {
   close(file);
 }
 
-/// Everything that this thread opens from now on is in that network namespace.
+/// Moves this thread to a network namespace; sockets that it opens later belong to it.
 void EnterNetwork(const std::string& name) {
   if (name.empty()) return;
   const int target = open(("/run/netns/" + name).c_str(), O_RDONLY | O_CLOEXEC);
@@ -38,7 +38,7 @@ void EnterNetwork(const std::string& name) {
   close(target);
 }
 
-/// Opens a bus in a network namespace; the test itself stays where it is.
+/// Opens a bus in a network namespace; the calling thread stays in its own.
 Result<std::unique_ptr<Bus>> OpenBusOn(const Host& host, const std::string& url) {
   Result<std::unique_ptr<Bus>> bus = Fail("not opened");
   std::thread([&] {
@@ -155,7 +155,7 @@ bool ProcessBus::SpinUntil(const std::function<bool()>& condition) {
 }
 
 bool ProcessBus::WaitForReady(const std::vector<std::string>& processes) {
-  return SpinUntil([&] { return peers_->Missing(processes).empty(); });
+  return SpinUntil([&] { return peers_->NotReady(processes).empty(); });
 }
 
 }  // namespace vismap

@@ -16,21 +16,20 @@
 
 namespace vismap {
 
-/// Longest that a test waits for anything [s]. Far more than needed on an idle machine: tests wait
-/// for events, and this only ends a test that has failed.
+/// The longest time that a test waits for an event [s]. It is far more than needed on an idle
+/// machine: it only ends a test that has failed.
 inline constexpr double kProcessDeadline = 120;
 
-/// A computer, as far as processes can tell: a network namespace, and an address in it.
+/// A simulated computer: a network namespace, and an address in it.
 struct Host {
-  std::string network_namespace;  ///< by name, needs root; empty = that of the test
+  std::string network_namespace;  ///< its name, needs root; "" = that of the test
   std::string address = "127.0.0.1";
 };
 
-/// One of our programs, running. What it writes goes to files. Killed at the end if it still runs.
+/// A running program of vismap. Its output goes to files. The destructor kills it if it still runs.
 class ChildProcess {
  public:
-  /// Starts vismap-NAME of this build, or the program of another path. `folder` = where its output
-  /// goes.
+  /// Starts vismap-NAME of this build, or the program at another path. Its output goes to `folder`.
   ChildProcess(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& folder, const Host& host = {});
   ~ChildProcess();
@@ -41,7 +40,7 @@ class ChildProcess {
   bool Running();
   /// Sends a signal; SIGKILL for a crash, SIGTERM for a stop.
   void Signal(int number);
-  /// Exit code when it ends within `timeout` [s]; 128 + signal when killed; none while it still
+  /// Exit code if it ends within `timeout` [s], 128 + signal if it was killed, nullopt if it still
   /// runs.
   std::optional<int> WaitForExit(double timeout = kProcessDeadline);
   std::string StandardOutput() const;
@@ -54,18 +53,18 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
-/// A hub of its own on a free port, processes that join it, and a bus for the test itself.
+/// A hub on a free port, processes that connect to it, and a bus for the test itself.
 class ProcessBus {
  public:
-  /// `hub_arguments` are added to those of the hub.
+  /// `hub_arguments` are additional arguments of the hub.
   explicit ProcessBus(const std::vector<std::string>& hub_arguments = {}, const Host& host = {});
 
-  /// Starts a program with --lcm-url and the arguments.
+  /// Starts a program with --lcm-url and these arguments.
   std::unique_ptr<ChildProcess> Start(const std::string& name,
                                       const std::vector<std::string>& arguments = {});
-  /// Ends the hub as a crash does.
+  /// Kills the hub, as in a crash.
   void StopHub();
-  /// The same, and starts another one on the same port.
+  /// Kills the hub and starts a new one on the same port.
   void RestartHub();
 
   const std::string& url() const { return url_; }
@@ -73,9 +72,9 @@ class ProcessBus {
   const Peers& peers() const { return *peers_; }
   const std::filesystem::path& folder() const { return folder_.path(); }
 
-  /// Handles messages until `condition` holds; false when kProcessDeadline is over.
+  /// Handles messages until `condition` is true; returns false after kProcessDeadline.
   bool SpinUntil(const std::function<bool()>& condition);
-  /// Waits until all these programs have said that they are ready.
+  /// Waits until all these programs are ready.
   bool WaitForReady(const std::vector<std::string>& processes);
 
  private:

@@ -10,8 +10,8 @@
 
 namespace vismap {
 
-/// A small built-in room, and all processes that map it in lockstep. What they are started with can
-/// be changed before Start; any of them may be killed and started again.
+/// All processes that map a small built-in room in lockstep. Their arguments can be changed before
+/// Start; each process may be killed and started again.
 class RoomPipeline {
  public:
   static constexpr int kFrames = 16;
@@ -26,18 +26,19 @@ class RoomPipeline {
   std::vector<std::string> exporter_arguments;
   std::vector<std::string> detector_arguments{"--dataset", kRoom};
   std::vector<std::string> segmenter_arguments;
-  std::string detections = "required";  ///< of the segmenter; with "none" there is no detector
-  double resend = 0.5;                  ///< of the replay [s]
+  std::string detections =
+      "required";       ///< --detections of the segmenter; "none" = no detector is started
+  double resend = 0.5;  ///< --resend-s of the replay [s]
 
-  /// Starts all; counts the frames that the server says it integrated.
+  /// Starts all processes and counts the integrated frames.
   void Start();
   void StartServer();
   void StartSegmenter();
   void StartDetector();
   void StartExporter();
-  /// Waits until so many frames are integrated; false when it takes too long.
+  /// Waits until so many frames are integrated; returns false when it takes too long.
   bool WaitForFrames(int count);
-  /// Waits for the replay to end well.
+  /// Waits until the replay has ended successfully.
   void WaitForEnd();
 
   int integrated() const { return integrated_; }
@@ -49,19 +50,19 @@ class RoomPipeline {
   int integrated_ = 0;
 };
 
-/// Kills a process as a crash does and waits until it is gone.
+/// Kills a process, as in a crash, and waits until it has ended.
 void Crash(ChildProcess* process);
 
-/// The answer to a request, which is asked again until somebody answers.
+/// Sends a request, repeatedly, until it is answered; returns the answer.
 map_reply_t Ask(ProcessBus* processes, const std::string& verb, const std::string& argument = "");
 
-/// "hash", "occupancy_digest" and other figures of the server's map.
+/// A value of the statistics of the live map, for example "hash" or "occupancy_digest".
 std::string ServerStatistic(ProcessBus* processes, const std::string& name);
 
-/// Waits until the exporter has the server's revision; expects the same occupancy then.
+/// Waits until the exporter has the revision of the server; expects equal occupancy then.
 void ExpectExporterIsLevel(ProcessBus* processes);
 
-/// The map hash that the offline mapper gets from a sequence; `more` = further arguments.
+/// The map hash of the offline mapper for a sequence; `more` = further arguments.
 std::string OfflineRoomHash(const std::string& threads = "2",
                             const std::string& dataset = RoomPipeline::kRoom,
                             const std::vector<std::string>& more = {});

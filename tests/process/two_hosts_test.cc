@@ -10,8 +10,8 @@
 
 #include "process/room_pipeline.h"
 
-// Two computers made of network namespaces, with a bad network between them: camera, detector and
-// segmenter on one, map server and exporter on the other.
+// Two simulated computers (network namespaces) with a lossy network between them: camera, detector
+// and segmenter on one, map server and exporter on the other.
 
 namespace vismap {
 namespace {
@@ -29,8 +29,8 @@ std::string OutputOf(const std::string& command) {
   return text;
 }
 
-/// Two network namespaces joined by a cable that loses `loss` of a thousand packets in each
-/// direction, Ethernet frame by Ethernet frame. Gone at the end.
+/// Two network namespaces connected by a cable that loses `loss` of 1000 Ethernet frames in each
+/// direction. The destructor removes them.
 class TwoHosts {
  public:
   explicit TwoHosts(int loss) {
@@ -59,7 +59,7 @@ class TwoHosts {
   bool good() const { return good_; }
   const Host& camera() const { return camera_; }
   const Host& map() const { return map_; }
-  /// Packets that did not arrive at either.
+  /// Number of lost packets in both directions.
   int Lost() const {
     int lost = 0;
     for (const Host& host : {camera_, map_}) {
@@ -91,7 +91,7 @@ std::unique_ptr<ChildProcess> StartBridge(ProcessBus* camera, const ProcessBus& 
                  "MAP_COMMIT,MAP_REPLY"});
 }
 
-/// The pipeline at ten frames per second, no frame sent twice; the map's hash.
+/// Runs the pipeline at ten frames per second without sending a frame again; returns the map hash.
 std::string MapAtTenHertz(int loss) {
   const TwoHosts hosts(loss);
   ProcessBus camera({}, {hosts.camera().network_namespace, "127.0.0.1"}), map({}, hosts.map());
@@ -112,11 +112,11 @@ std::string MapAtTenHertz(int loss) {
   ExpectExporterIsLevel(&map);
   EXPECT_EQ(camera.bus().counters().at("MAP_COMMIT").lost, 0);
   EXPECT_TRUE(loss > 0 || hosts.Lost() == 0);
-  EXPECT_TRUE(loss < 10 || hosts.Lost() > 0) << "of about a thousand packets";
+  EXPECT_TRUE(loss < 10 || hosts.Lost() > 0) << "some of about a thousand packets must be lost";
   return ServerStatistic(&camera, "hash");
 }
 
-TEST(TwoHosts, NoFrameAndNoBitIsLostAtTenHertzWhateverTheNetworkLoses) {
+TEST(TwoHosts, MapIsTheSameAtTenHertzAlthoughPacketsAreLost) {
   if (const std::string why = WhyNot(); !why.empty()) GTEST_SKIP() << why;
   const std::string offline = OfflineRoomHash("2", kRoom);
   for (const int loss : {0, 1, 10}) {

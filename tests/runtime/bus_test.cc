@@ -30,13 +30,13 @@ map_request_t Request(int64_t id) {
   return request;
 }
 
-/// Handles everything that waits.
+/// Handles all waiting messages.
 void Drain(Bus* bus) {
   while (bus->Spin(0.01)) {
   }
 }
 
-TEST(Bus, HandsOverWhatWasPublished) {
+TEST(Bus, DeliversPublishedMessages) {
   auto bus = MemoryBus();
   std::vector<int64_t> ids, seqs;
   bus->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
@@ -52,7 +52,7 @@ TEST(Bus, HandsOverWhatWasPublished) {
   EXPECT_EQ(bus->counters().at("MAP_REQUEST").published, 3);
 }
 
-TEST(Bus, EverySubscriberOfAChannelIsServed) {
+TEST(Bus, AllSubscribersOfAChannelReceiveAMessage) {
   auto bus = MemoryBus();
   int a = 0, b = 0;
   bus->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t&) { ++a; });
@@ -64,7 +64,7 @@ TEST(Bus, EverySubscriberOfAChannelIsServed) {
   EXPECT_EQ(bus->counters().at("MAP_REQUEST").received, 1);
 }
 
-TEST(Bus, RefusedAndForeignMessagesAreCounted) {
+TEST(Bus, RejectedAndForeignMessagesAreCounted) {
   auto bus = MemoryBus();
   int good = 0;
   bus->Subscribe<map_request_t>(kMapRequestChannel,
@@ -81,7 +81,7 @@ TEST(Bus, RefusedAndForeignMessagesAreCounted) {
   EXPECT_EQ(bus->counters().at("MAP_REQUEST").rejected, 2);
 }
 
-TEST(Bus, TooLargeMessagesAreNeitherSentNorLost) {
+TEST(Bus, TooLargeMessagesAreNotSent) {
   auto bus = MemoryBus();
   map_request_t request = Request(1);
   request.argument.assign(kMapRequestChannel.max_bytes, 'x');
@@ -89,7 +89,7 @@ TEST(Bus, TooLargeMessagesAreNeitherSentNorLost) {
   EXPECT_EQ(bus->counters().at("MAP_REQUEST").unsent, 1);
 }
 
-TEST(Bus, MissingNumbersAreCountedPerSource) {
+TEST(Bus, MissingSequenceNumbersAreCountedPerSource) {
   auto bus = MemoryBus();
   const Channel raw{"STATUS", 1 << 16};
   bus->Subscribe<map_request_t>(raw, [](const map_request_t&) {});
@@ -106,13 +106,13 @@ TEST(Bus, MissingNumbersAreCountedPerSource) {
   };
   EXPECT_EQ(numbers_lost({0, 1, 2, 3}, "a"), 0);
   EXPECT_EQ(numbers_lost({7}, "a"), 3);
-  EXPECT_EQ(numbers_lost({100, 101}, "b"), 0) << "whoever comes late has missed nothing";
+  EXPECT_EQ(numbers_lost({100, 101}, "b"), 0) << "the first number of a source is no loss";
   EXPECT_EQ(numbers_lost({0, 1}, "a"), 0) << "a was restarted";
   EXPECT_EQ(numbers_lost({3, 103}, "a"), 1 + 99);
-  EXPECT_EQ(numbers_lost({-5, INT64_MAX, INT64_MIN}, "c"), 0) << "nonsense";
+  EXPECT_EQ(numbers_lost({-5, INT64_MAX, INT64_MIN}, "c"), 0) << "impossible numbers";
 }
 
-TEST(Bus, LatestOnlySkipsWhatIsStale) {
+TEST(Bus, LatestDeliveryHandlesOnlyTheNewestMessage) {
   auto bus = MemoryBus();
   std::vector<int64_t> seen;
   bus->Subscribe<map_request_t>(
@@ -127,7 +127,7 @@ TEST(Bus, LatestOnlySkipsWhatIsStale) {
   EXPECT_EQ(bus->counters().at("MAP_REQUEST").lost, 0);
 }
 
-TEST(Bus, WhatAHandlerThrowsComesOutOfSpinAndTheBusGoesOn) {
+TEST(Bus, ExceptionOfAHandlerLeavesSpinAndTheBusStillWorks) {
   auto bus = MemoryBus();
   int handled = 0;
   bus->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
@@ -141,7 +141,7 @@ TEST(Bus, WhatAHandlerThrowsComesOutOfSpinAndTheBusGoesOn) {
   EXPECT_EQ(handled, 1);
 }
 
-TEST(Bus, NothingIsReadOfAMessageBeyondItsChannel) {
+TEST(Bus, MessageAboveTheLimitOfItsChannelIsNotRead) {
   auto bus = MemoryBus();
   const Channel narrow{"MAP_REQUEST", 1000};
   int handled = 0;
@@ -149,7 +149,7 @@ TEST(Bus, NothingIsReadOfAMessageBeyondItsChannel) {
   map_request_t request = Request(1);
   request.source = "other";
   bus->PublishAsIs(narrow, request);
-  request.seq = 500;  // would be a gap
+  request.seq = 500;  // would count as lost messages
   request.path = std::string(2000, 'x');
   bus->PublishAsIs({"MAP_REQUEST", kMegabyte}, request);
   Drain(bus.get());
@@ -186,7 +186,7 @@ TEST(Bus, RunEndsWhenFinished) {
   EXPECT_TRUE(bus->Run([] { return true; }));
 }
 
-TEST(Bus, WithoutAHubSaysWhatToStart) {
+TEST(Bus, ErrorWithoutAHubNamesTheCommand) {
   const double start = MonotonicSeconds();
   const auto bus = Bus::Open({"tcpq://127.0.0.1:1", "tester", 0.3, nullptr});
   ASSERT_FALSE(bus);
@@ -202,7 +202,7 @@ TEST(Bus, StopEndsTheWaitForAHub) {
   EXPECT_LT(MonotonicSeconds() - start, 30);
 }
 
-TEST(Status, TellsStateCountersAndTimings) {
+TEST(Status, PublishesStateCountersAndTimings) {
   auto bus = MemoryBus();
   std::vector<process_status_t> heard;
   bus->Subscribe<process_status_t>(kStatusChannel,
@@ -223,22 +223,22 @@ TEST(Status, TellsStateCountersAndTimings) {
   EXPECT_EQ(heard[0].max_ms[0], 9.0);
 }
 
-TEST(Peers, ReadyMeansHeardOfAndPastStarting) {
+TEST(Peers, ReadyNeedsAStatusAndAStateAfterStarting) {
   auto bus = MemoryBus();
   Peers peers(bus.get());
-  EXPECT_FALSE(peers.Alive("map-server"));
-  EXPECT_EQ(peers.Missing({"map-server", "detector"}).size(), 2U);
+  EXPECT_FALSE(peers.IsAlive("map-server"));
+  EXPECT_EQ(peers.NotReady({"map-server", "detector"}).size(), 2U);
   Status status(bus.get(), "map-server");
   status.Publish();
   Drain(bus.get());
-  EXPECT_TRUE(peers.Alive("map-server"));
-  EXPECT_FALSE(peers.Ready("map-server")) << "still starting";
+  EXPECT_TRUE(peers.IsAlive("map-server"));
+  EXPECT_FALSE(peers.IsReady("map-server")) << "still starting";
   status.Set(ProcessState::kReady);
   Drain(bus.get());
-  EXPECT_TRUE(peers.Ready("map-server"));
+  EXPECT_TRUE(peers.IsReady("map-server"));
   status.Set(ProcessState::kStopping);
   Drain(bus.get());
-  EXPECT_FALSE(peers.Alive("map-server"));
+  EXPECT_FALSE(peers.IsAlive("map-server"));
 }
 
 }  // namespace

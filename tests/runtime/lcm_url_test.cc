@@ -8,7 +8,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(ParseLcmUrl, HubAddressIsTakenApart) {
+TEST(ParseLcmUrl, ReadsAddressAndPortOfTheHub) {
   const auto url = ParseLcmUrl("tcpq://10.1.2.3:7701");
   ASSERT_TRUE(url);
   EXPECT_EQ(url->provider, "tcpq");
@@ -18,7 +18,7 @@ TEST(ParseLcmUrl, HubAddressIsTakenApart) {
   EXPECT_EQ(ParseLcmUrl("tcpq://")->hub.host, "127.0.0.1");
 }
 
-TEST(ParseLcmUrl, NamesAndNonsenseAreRefused) {
+TEST(ParseLcmUrl, RejectsNamesAndInvalidUrls) {
   for (const char* bad :
        {"tcpq://localhost:7700", "tcpq://robot", "tcpq://1.2.3", "tcpq://1.2.3.4:99999",
         "tcpq://1.2.3.4:77x", "tcpq://1.2.3.4:", "127.0.0.1:7700", ""}) {
@@ -39,13 +39,13 @@ TEST(ParseLcmUrl, UdpmGetsALargeReceiveBuffer) {
   EXPECT_FALSE(ParseLcmUrl("udpm://?recv_buf_size=big"));
 }
 
-TEST(ProbeHub, SaysThatNobodyListens) {
+TEST(ProbeHub, FailsWhenNoProgramListens) {
   const auto probed = ProbeHub({"127.0.0.1", 1}, 1.0);
   ASSERT_FALSE(probed);
   EXPECT_THAT(probed.error().message, HasSubstr("127.0.0.1:1"));
 }
 
-TEST(ProbeReceiveBuffer, NamesTheCommandThatMendsIt) {
+TEST(ProbeReceiveBuffer, ErrorNamesTheCommand) {
   EXPECT_TRUE(ProbeReceiveBuffer(4096));
   const auto too_much = ProbeReceiveBuffer(1 << 30);
   if (too_much) GTEST_SKIP() << "this kernel grants 1 GB";

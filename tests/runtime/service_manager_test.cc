@@ -10,29 +10,29 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(ServiceManager, WithoutOneNothingHappens) {
+TEST(ServiceManager, DoesNothingWithoutAServiceManager) {
   ServiceManager service;
   EXPECT_EQ(service.alive_period(), 0);
-  service.Ready();
-  service.Say("anything");
-  service.Alive();
-  service.Stopping();
+  service.SetReady();
+  service.SetStatus("anything");
+  service.KeepAlive();
+  service.SetStopping();
 }
 
-TEST(ServiceManager, SentencesCannotCarryOtherAssignments) {
+TEST(ServiceManager, SentencesCannotContainOtherAssignments) {
   FakeServiceManager manager(1'000'000);
   ServiceManager service;
-  service.Say("frame of 'x\nMAINPID=1\nREADY=1' refused");
+  service.SetStatus("frame of 'x\nMAINPID=1\nREADY=1' refused");
   EXPECT_THAT(manager.Heard(), ElementsAre("STATUS=frame of 'x MAINPID=1 READY=1' refused"));
 }
 
-TEST(ServiceManager, AliveIsSaidOncePerHalfTheTimeHoweverOftenItIsCalled) {
+TEST(ServiceManager, KeepAliveSendsAtMostOneMessagePerPeriod) {
   FakeServiceManager manager(int64_t{3600} * 1000 * 1000);
   ServiceManager service;
   EXPECT_EQ(service.alive_period(), 1800);
-  for (int i = 0; i < 100; ++i) service.Alive();
-  service.Ready();
-  service.Ready();
+  for (int i = 0; i < 100; ++i) service.KeepAlive();
+  service.SetReady();
+  service.SetReady();
   EXPECT_THAT(manager.Heard(), ElementsAre("WATCHDOG=1", "READY=1"));
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/check_layers.py finds what it should in small made-up trees, and nothing else."""
+"""Tests scripts/check_layers.py on small test trees."""
 import pathlib
 import subprocess
 import sys
@@ -14,7 +14,7 @@ class CheckLayersTest(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.root = pathlib.Path(self.folder.name)
         for path in ("libs/base/result.h", "libs/geometry/image.h", "libs/map/block.h",
-                     "libs/meshing/mesh.h", "procs/wire/channels.h",
+                     "libs/mapping/integrate.h", "libs/meshing/mesh.h", "procs/wire/channels.h",
                      "procs/viewer/page.h", "tests/support/analytic_map.h"):
             self.write(path, "#pragma once\n")
 
@@ -33,7 +33,7 @@ class CheckLayersTest(unittest.TestCase):
         return done.stdout.splitlines()
 
     def expect(self, path, text, *words):
-        """The file alone is at fault, with all the words in its one line."""
+        """Expects exactly one violation, in this file, whose line contains all the words."""
         self.write(path, text)
         lines = self.run_checker()
         self.assertEqual(len(lines), 1, lines)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/deploy-check on made-up computers: programs, systemctl, timedatectl, nft and ip are scripts of the test."""
+"""Tests scripts/deploy-check on simulated computers: programs, systemctl, timedatectl, nft and ip are scripts."""
 import os
 import pathlib
 import socket
@@ -39,7 +39,7 @@ class DeployCheckTest(unittest.TestCase):
         path.chmod(0o755)
 
     def answer(self, answer, address="127.0.0.1"):
-        """A server that says these bytes to one client; returns its port."""
+        """Starts a server that sends these bytes to one client; returns its port."""
         server = socket.create_server((address, 0))
         self.addCleanup(server.close)
 
@@ -61,26 +61,26 @@ class DeployCheckTest(unittest.TestCase):
         self.assertEqual(done.stderr, "")
         self.assertEqual(done.returncode, problems, done.stdout)
         self.assertEqual(done.stdout.count("PROBLEM"), problems, done.stdout)
-        self.assertEqual(done.stdout.count("mend: "), problems, "every problem has its command")
+        self.assertEqual(done.stdout.count("solution: "), problems, "every problem has a command")
         return done.stdout
 
-    def test_a_computer_that_has_everything(self):
+    def test_complete_computer(self):
         output = self.check(self.hub(), 0)
-        for words in ("vismap-hub: vismap-hub 1.2.3", "the hub answers", "clock: synchronised", "can be written to",
+        for words in ("vismap-hub: vismap-hub 1.2.3", "the hub answers", "clock: synchronised", "is writable",
                       "vismap@map-server.service: enabled, active"):
             self.assertIn("ok       ", output)
             self.assertIn(words, output)
 
-    def test_program_that_is_missing_or_of_another_version(self):
+    def test_missing_program_and_other_version(self):
         (self.folder / "vismap-map-server").unlink()
         self.assertIn("apt-get install", self.check(self.hub(), 1))
         self.program("vismap-map-server", "echo vismap-map-server 1.2.4")
-        self.assertIn("differ: 1.2.3, 1.2.4", self.check(self.hub(), 1))
+        self.assertIn("different versions: 1.2.3, 1.2.4", self.check(self.hub(), 1))
 
-    def test_shared_library_that_is_missing(self):
+    def test_missing_shared_library(self):
         self.program("ldd", 'echo "  liboctomap.so.1.9 => not found"')
         output = self.check(self.hub(), 2)
-        self.assertIn("lacks liboctomap.so.1.9", output)
+        self.assertIn("needs liboctomap.so.1.9, which is not installed", output)
         self.assertIn("--fix-broken", output)
 
     def test_no_hub(self):
@@ -90,15 +90,15 @@ class DeployCheckTest(unittest.TestCase):
         self.assertIn("refused", output)
         self.assertIn("enable --now vismap@hub\n", output)
 
-    def test_something_else_that_answers(self):
-        self.assertIn("no hub", self.check(f"tcpq://127.0.0.1:{self.answer(b'HTTP/1.1')}", 1))
+    def test_program_that_is_not_a_hub(self):
+        self.assertIn("not a hub", self.check(f"tcpq://127.0.0.1:{self.answer(b'HTTP/1.1')}", 1))
 
-    def test_address_by_name(self):
+    def test_host_name_as_address(self):
         output = self.check("tcpq://map-computer:7700", 1)
-        self.assertIn("is a name", output)
+        self.assertIn("is a host name", output)
         self.assertIn("getent ahostsv4 map-computer", output)
 
-    def test_url_of_another_kind(self):
+    def test_unknown_url(self):
         self.assertIn("LCM_DEFAULT_URL", self.check("tcp:7700", 1))
 
     def test_multicast_needs_a_route(self):
@@ -109,20 +109,20 @@ class DeployCheckTest(unittest.TestCase):
         self.assertIn("ip route add 224.0.0.0/4 dev lo", output)
         self.assertIn("receive buffer: net.core.rmem_max is ", output)
 
-    def test_clock_that_is_not_set(self):
+    def test_clock_that_is_not_synchronised(self):
         self.program("timedatectl", "echo no")
         self.assertIn("chrony", self.check(self.hub(), 1))
 
-    def test_unit_that_failed(self):
+    def test_failed_unit(self):
         self.program("systemctl", SYSTEMCTL)
         output = self.check(self.hub(), 1)
         self.assertIn("vismap@map-server.service: enabled, failed", output)
         self.assertIn("journalctl -u vismap@map-server.service", output)
 
-    def test_bus_of_several_computers_wants_a_firewall(self):
+    def test_bus_of_several_computers_needs_a_firewall(self):
         self.program("nft", "echo 'table ip x { }'")
-        output = self.check("tcpq://192.0.2.1:7700", 2)  # nobody has this address, so there is no hub either
-        self.assertIn("no rule for port 7700", output)
+        output = self.check("tcpq://192.0.2.1:7700", 2)  # no computer has this address, so no hub answers
+        self.assertIn("there is no rule for port 7700", output)
         self.assertIn("on 192.0.2.1: ", output)
 
 

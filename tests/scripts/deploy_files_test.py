@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The files of config/deploy: systemd and nft accept them, and our programs the arguments in them.
+"""Tests the files of config/deploy: systemd and nft accept them, and vismap accepts the arguments in them.
 
 Usage: deploy_files_test.py FOLDER_OF_THE_PROGRAMS
 """
@@ -15,7 +15,7 @@ PROGRAMS = None  # folder, from the command line
 
 
 def environment_file(path):
-    """The assignments of a file as systemd's EnvironmentFile= reads them."""
+    """The assignments of a file, as read by systemd's EnvironmentFile=."""
     lines = [line.strip() for line in path.read_text().splitlines()]
     return dict(line.split("=", 1) for line in lines if line and not line.startswith("#"))
 
@@ -45,16 +45,16 @@ class UnitsTest(unittest.TestCase):
         return self.analyze("verify", "--man=no", "--recursive-errors=no", f"--root={self.root}",
                             "vismap@hub.service", "vismap.target")
 
-    def test_systemd_has_nothing_to_say_against_them(self):
+    def test_systemd_accepts_them(self):
         done = self.verify()
         self.assertEqual((done.returncode, done.stderr), (0, ""))
 
-    def test_a_wrong_value_would_be_found(self):
+    def test_wrong_value_is_found(self):
         unit = self.units / "vismap@.service"
         unit.write_text(unit.read_text().replace("Restart=always", "Restart=allways"))
         self.assertIn("allways", self.verify().stderr)
 
-    def test_processes_are_well_fenced(self):
+    def test_processes_are_sandboxed(self):
         instance = self.root / "vismap@hub.service"
         shutil.copy(self.units / "vismap@.service", instance)
         done = self.analyze("security", "--offline=true", "--threshold=20", str(instance))
@@ -62,7 +62,7 @@ class UnitsTest(unittest.TestCase):
 
 
 class ArgumentsTest(unittest.TestCase):
-    def test_programs_take_them(self):
+    def test_programs_accept_them(self):
         files = [path for path in DEPLOY.rglob("*.env") if path.name != "vismap.env"]
         self.assertGreaterEqual(len(files), 7)
         for path in files:
@@ -71,7 +71,7 @@ class ArgumentsTest(unittest.TestCase):
                                   text=True)
             self.assertEqual(done.returncode, 0, f"{path}: {done.stderr}")
 
-    def test_map_server_takes_the_configs(self):
+    def test_map_server_accepts_the_configs(self):
         files = [*DEPLOY.rglob("*.txtpb"), *DEPLOY.with_name("launch").glob("*.txtpb")]
         self.assertGreaterEqual(len(files), 2)
         for path in files:
@@ -79,7 +79,7 @@ class ArgumentsTest(unittest.TestCase):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
 
-    def test_buses_are_hubs_by_number(self):
+    def test_urls_are_hubs_with_numeric_addresses(self):
         files = list(DEPLOY.rglob("vismap.env"))
         self.assertEqual(len(files), 3)
         for path in files:
@@ -88,7 +88,7 @@ class ArgumentsTest(unittest.TestCase):
                                   capture_output=True, text=True)
             self.assertNotEqual(done.returncode, 2, f"{path}: {done.stderr}")
 
-    def test_hub_listens_where_the_others_look(self):
+    def test_hub_listens_at_the_url_of_the_others(self):
         for folder in ("etc", "three-computers/map"):
             listen = environment_file(DEPLOY / folder / "hub.env")["VISMAP_ARGS"].split()[1]
             self.assertEqual(environment_file(DEPLOY / folder / "vismap.env")["LCM_DEFAULT_URL"], f"tcpq://{listen}")

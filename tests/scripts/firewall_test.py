@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""config/deploy/firewall between two computers made of network namespaces: who gets through. Needs root, ip and nft."""
+"""Tests config/deploy/firewall between two simulated computers (network namespaces). Needs root, ip and nft."""
 import os
 import pathlib
 import shutil
@@ -11,7 +11,7 @@ RULES = pathlib.Path(__file__).parents[2] / "config/deploy/firewall/vismap.nft"
 ROBOT, OTHER = f"vismap-r{os.getpid()}", f"vismap-o{os.getpid()}"
 TRUSTED, STRANGER = "10.77.0.2", "10.99.0.2"
 
-# Says what it hears on both ports: "tcp ADDRESS" per connection, "udp ADDRESS" per packet.
+# Prints "tcp ADDRESS" for each connection and "udp ADDRESS" for each packet on the two ports.
 LISTENER = """
 import selectors, socket, sys
 tcp = socket.create_server(("0.0.0.0", 7700))
@@ -28,7 +28,7 @@ while True:
         else:
             print("udp", udp.recvfrom(9)[1][0], flush=True)
 """
-# PROTOCOL FROM TO: exit code 0 when it could be sent.
+# Arguments: PROTOCOL FROM TO. The exit code is 0 if the data was sent.
 SENDER = """
 import socket, sys
 kind, port = {"tcp": (socket.SOCK_STREAM, 7700), "udp": (socket.SOCK_DGRAM, 7667)}[sys.argv[1]]
@@ -75,12 +75,12 @@ class FirewallTest(unittest.TestCase):
     def send(self, space, *arguments):
         return self.inside(space, SENDER, *arguments, stderr=subprocess.DEVNULL).wait(timeout=60) == 0
 
-    def test_only_the_robots_own_computers_get_through(self):
-        self.assertTrue(self.send(OTHER, "tcp", STRANGER, "10.99.0.1"), "without the rules a stranger gets through")
+    def test_only_computers_of_the_robot_can_connect(self):
+        self.assertTrue(self.send(OTHER, "tcp", STRANGER, "10.99.0.1"), "without the rules, any computer can connect")
         self.assertTrue(self.send(OTHER, "udp", TRUSTED, "10.77.0.1"))
         self.assertEqual({self.listener.stdout.readline(), self.listener.stdout.readline()},
                          {f"tcp {STRANGER}\n", f"udp {TRUSTED}\n"})
-        for _ in range(2):  # loading them again is no error, and no second set
+        for _ in range(2):  # loading the rules again is no error and does not duplicate them
             loaded = subprocess.run(["ip", "netns", "exec", ROBOT, "nft", "-f", RULES], capture_output=True, text=True)
             if "not supported" in loaded.stderr:
                 self.skipTest(f"this kernel has no nftables: {loaded.stderr}")
@@ -90,9 +90,9 @@ class FirewallTest(unittest.TestCase):
         self.send(OTHER, "udp", TRUSTED, "10.77.0.1")
         self.send(OTHER, "udp", STRANGER, "10.99.0.1")
         self.assertTrue(self.send(OTHER, "tcp", TRUSTED, "10.77.0.1"))
-        self.assertEqual(self.listener.stdout.readline(), f"tcp {TRUSTED}\n", "nothing else came before")
+        self.assertEqual(self.listener.stdout.readline(), f"tcp {TRUSTED}\n", "nothing else arrived before")
         self.assertTrue(self.send(ROBOT, "udp", "127.0.0.1", "127.0.0.1"))
-        self.assertEqual(self.listener.stdout.readline(), "udp 127.0.0.1\n", "nothing else came before")
+        self.assertEqual(self.listener.stdout.readline(), "udp 127.0.0.1\n", "nothing else arrived before")
         self.assertTrue(self.send(ROBOT, "tcp", "127.0.0.1", "127.0.0.1"))
         self.assertEqual(self.listener.stdout.readline(), "tcp 127.0.0.1\n")
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/launch with made-up programs: starting, respawning, stopping, and what it says of a bad file."""
+"""Tests scripts/launch with small test programs: starting, restarting, stopping, and errors in the file."""
 import os
 import pathlib
 import signal
@@ -11,14 +11,14 @@ import unittest
 
 REPOSITORY = pathlib.Path(__file__).parents[2]
 LAUNCH = REPOSITORY / "scripts" / "launch"
-DEADLINE = 60  # [s]; only ends a test that has failed
+DEADLINE = 60  # longest wait, which only ends a failed test [s]
 
 HUB = """#!/bin/sh
 echo tcpq://127.0.0.1:4242
 trap 'echo hub >>stops; exit 0' TERM
 while :; do sleep 0.05; done
 """
-# worker NAME [ignore]: writes what it got, then waits to be stopped.
+# worker NAME [ignore]: writes its environment to files, then waits until it is stopped.
 WORKER = """#!/bin/sh
 echo "$LCM_DEFAULT_URL $EXTRA" >"$1.started"
 if [ "$2" = ignore ]; then trap '' TERM; else trap 'echo '"$1"' >>stops; exit 0' TERM; fi
@@ -69,7 +69,7 @@ class LaunchTest(unittest.TestCase):
         return (self.folder / name).read_text()
 
     def wait_for_line(self, word):
-        """The first line from here on of what is said that has the word; none comes: the test fails by its time."""
+        """Waits for an output line with this word and returns it; fails after DEADLINE."""
         return next(line for line in self.launched.stdout if word in line)
 
     def stops(self):
@@ -79,7 +79,7 @@ class LaunchTest(unittest.TestCase):
         status = pathlib.Path(f"/proc/{int((self.folder / name).read_text())}/stat")
         return not status.exists() or status.read_text().rsplit(")", 1)[1].split()[0] == "Z"
 
-    def test_hub_first_its_address_for_all_and_stopped_in_reverse_order(self):
+    def test_starts_the_hub_first_and_stops_in_reverse_order(self):
         self.launch('cmd "a" { exec = "${VISMAP_BIN}/worker a"; }\n'
                     'group "g" { cmd "b" { exec = "EXTRA=${MORE:-less} ./worker b"; } }\n'
                     'cmd "hub" { exec = "${VISMAP_BIN}/vismap-hub --listen 127.0.0.1:0"; }\n')
@@ -91,14 +91,14 @@ class LaunchTest(unittest.TestCase):
         self.assertEqual(self.stops(), ["b", "a", "hub"])
         self.assertLess(output.index("hub: running"), output.index("a: running"))
 
-    def test_what_does_not_stop_is_killed(self):
+    def test_kills_a_process_that_does_not_stop(self):
         self.launch('cmd "a" { exec = "./worker a ignore"; stop_time_allowed = "0.2"; }')
         self.wait_for_file("a.pid")
         self.launched.send_signal(signal.SIGINT)
         self.assertIn("a: killed", self.finish(0))
         self.assertTrue(self.gone("a.pid"))
 
-    def test_second_signal_kills_at_once(self):
+    def test_second_signal_kills_immediately(self):
         self.launch('cmd "a" { exec = "./worker a ignore"; stop_time_allowed = "3600"; }')
         self.wait_for_file("a.pid")
         self.launched.send_signal(signal.SIGINT)
@@ -107,20 +107,20 @@ class LaunchTest(unittest.TestCase):
         self.finish(0)
         self.assertTrue(self.gone("a.pid"))
 
-    def test_killed_launcher_leaves_nothing_behind(self):
+    def test_killed_launcher_leaves_no_process_behind(self):
         self.launch('cmd "a" { exec = "./worker a"; }')
         self.wait_for_file("a.pid")
         self.launched.kill()
         self.wait_for(lambda: self.gone("a.pid"))
 
-    def test_what_ends_is_started_again(self):
+    def test_restarts_a_process_that_ends(self):
         self.program("once", "#!/bin/sh\n[ -e been ] && exec ./worker again\ntouch been\necho oops\nexit 1\n")
         self.launch('cmd "a" { exec = "./once"; auto_respawn = "true"; }')
         self.wait_for_file("again.pid")
         self.launched.send_signal(signal.SIGTERM)
-        self.assertIn("a: again soon: exit code 1: oops", self.finish(0))
+        self.assertIn("a: restarting: it ended with exit code 1: oops", self.finish(0))
 
-    def test_shows_what_processes_say_of_themselves(self):
+    def test_shows_the_reports_of_processes(self):
         self.program("talks", f"""#!{sys.executable}
 import os, socket, time
 manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
@@ -134,7 +134,7 @@ time.sleep(3600)
         self.launched.send_signal(signal.SIGTERM)
         self.finish(0)
 
-    def test_failure_for_good_stops_all_and_says_why(self):
+    def test_permanent_failure_stops_all_and_names_the_reason(self):
         self.launch('cmd "b" { exec = "./worker b"; }\n'
                     'cmd "a" { exec = "sh -c \\"echo no such option; exit 2\\""; auto_respawn = "true"; }')
         output = self.finish(1)
@@ -143,28 +143,28 @@ time.sleep(3600)
         self.assertIn("out/logs/a.log", output)
         self.assertIn("b: stopped", output)
 
-    def test_respawning_ends_after_five_failures_in_a_row(self):
+    def test_restarts_at_most_five_times_in_a_row(self):
         self.program("fails", "#!/bin/sh\necho x >>tries\nexit 1\n")
         self.launch('cmd "a" { exec = "./fails"; auto_respawn = "true"; }')
         self.finish(1)
         self.assertEqual((self.folder / "tries").read_text(), "x\n" * 5)
 
-    def test_program_that_is_not_there(self):
+    def test_missing_program(self):
         self.launch('cmd "a" { exec = "./nowhere"; }')
         self.assertIn("failed: No such file or directory: ./nowhere", self.finish(1))
 
-    def test_until_one_is_done(self):
+    def test_until_a_command_has_ended(self):
         self.launch('cmd "a" { exec = "./worker a"; }\ncmd "b" { exec = "true"; }', "--until", "b")
         output = self.finish(0)
         self.assertIn("b: done", output)
         self.assertIn("a: stopped", output)
 
-    def test_commands_of_other_hosts_are_left_alone(self):
+    def test_commands_of_other_hosts_are_not_started(self):
         text = ('cmd "a" { exec = "true"; host = "robot2"; }\ncmd "c" { exec = "touch c.ran"; deputy = "gpu"; }\n'
                 'cmd "b" { exec = "true"; host = "localhost"; }')
         self.launch(text, "--host", "gpu")
         output = self.finish(0)
-        self.assertIn("a is for robot2, not started here", output)
+        self.assertIn("a runs on robot2 and is not started here", output)
         self.assertTrue((self.folder / "c.ran").exists())
 
     def test_errors_of_the_file_name_the_line(self):
@@ -189,10 +189,10 @@ time.sleep(3600)
             for word in words:
                 self.assertIn(word, output, text)
             self.assertNotIn("Traceback", output)
-            self.assertFalse((self.folder / "out").exists(), "nothing is started, not even a log")
+            self.assertFalse((self.folder / "out").exists(), "no process is started, and no log is created")
             self.launched.stdout.close()
 
-    def test_scripts_of_procman_are_tolerated(self):
+    def test_scripts_of_procman_are_accepted(self):
         self.launch('cmd "a" { exec = "true"; }\nscript "go" { start cmd "a"; wait ms 2000; run script "x"; }')
         self.finish(0)
 

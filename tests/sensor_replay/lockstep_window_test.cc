@@ -31,7 +31,7 @@ TEST(LockstepWindow, RepeatedAndForeignCommitsDoNotCount) {
   EXPECT_EQ(window.open(), 2U);
 }
 
-TEST(LockstepWindow, SilenceMakesAllOpenFramesDueInOrderOnce) {
+TEST(LockstepWindow, WithoutCommitsAllFramesAreDueOnceInOrder) {
   LockstepWindow window = ThreeSent(0);
   window.Commit(Key(101), 2);
   EXPECT_FALSE(window.NextResend(6.9));
@@ -42,16 +42,16 @@ TEST(LockstepWindow, SilenceMakesAllOpenFramesDueInOrderOnce) {
   EXPECT_EQ(window.NextResend(12), 0U);
 }
 
-TEST(LockstepWindow, CommitsPutOffTheResend) {
+TEST(LockstepWindow, CommitsDelayTheResend) {
   LockstepWindow window(100, 5.0);
   for (size_t i = 0; i < 50; ++i) window.Sent(i, Key(static_cast<int64_t>(i)), 0);
   for (int i = 0; i < 49; ++i) {
     window.Commit(Key(i), i);
-    EXPECT_FALSE(window.NextResend(i)) << "a slow server is not a silent one";
+    EXPECT_FALSE(window.NextResend(i)) << "a slow server still commits";
   }
 }
 
-TEST(LockstepWindow, IsStalledOnlyWithFramesOpenAndNoCommitForTheWholePatience) {
+TEST(LockstepWindow, IsStalledWhenNoCommitArrivesForFramesInFlight) {
   LockstepWindow window(3, 1.0);
   EXPECT_FALSE(window.Stalled(100));
   window.Sent(0, Key(1, 0), 100);
@@ -60,14 +60,14 @@ TEST(LockstepWindow, IsStalledOnlyWithFramesOpenAndNoCommitForTheWholePatience) 
   EXPECT_TRUE(window.Stalled(101));
   EXPECT_TRUE(window.Commit(Key(1, 0), 101));
   EXPECT_FALSE(window.Stalled(101.5));
-  EXPECT_TRUE(window.IsOpen(Key(2, 0)));
+  EXPECT_TRUE(window.IsInFlight(Key(2, 0)));
   window.Clear();
-  EXPECT_FALSE(window.IsOpen(Key(2, 0)));
+  EXPECT_FALSE(window.IsInFlight(Key(2, 0)));
   EXPECT_FALSE(window.Stalled(200));
   EXPECT_TRUE(window.HasRoom());
 }
 
-TEST(LockstepWindow, EndsEmpty) {
+TEST(LockstepWindow, IsEmptyAfterAllCommits) {
   LockstepWindow window = ThreeSent(0);
   for (const int64_t utime : {102, 100, 101}) EXPECT_TRUE(window.Commit(Key(utime), 1));
   EXPECT_TRUE(window.empty());
@@ -78,15 +78,15 @@ TEST(LockstepWindow, EndsEmpty) {
 TEST(LockstepWindow, AnotherCameraWaitsUntilAllAreCommitted) {
   LockstepWindow window(3, 1.0);
   const FrameKey first{CameraId{1}, 100}, second{CameraId{1}, 200}, other{CameraId{2}, 150};
-  EXPECT_TRUE(window.MayGo(first));
+  EXPECT_TRUE(window.MaySend(first));
   window.Sent(0, first, 0);
-  EXPECT_TRUE(window.MayGo(second));
-  EXPECT_FALSE(window.MayGo(other));
+  EXPECT_TRUE(window.MaySend(second));
+  EXPECT_FALSE(window.MaySend(other));
   window.Sent(1, second, 0);
   window.Commit(first, 0);
-  EXPECT_FALSE(window.MayGo(other));
+  EXPECT_FALSE(window.MaySend(other));
   window.Commit(second, 0);
-  EXPECT_TRUE(window.MayGo(other));
+  EXPECT_TRUE(window.MaySend(other));
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ void Append32(std::vector<uint8_t>* bytes, int64_t value) {
     bytes->push_back(static_cast<uint8_t>(value >> shift));
 }
 
-TEST(Envelope, PackedMessageUnpacksToItself) {
+TEST(Envelope, UnpackInvertsPack) {
   map_delta_t delta = SmallDelta();
   const auto back = Unpack<map_delta_t>(Pack(delta), 1000);
   ASSERT_TRUE(back) << back.error().message;
@@ -48,7 +48,7 @@ TEST(Envelope, PackedMessageUnpacksToItself) {
   EXPECT_NE(back->checksum, 0);
 }
 
-TEST(Envelope, ChecksumFindsEveryDamagedByteBehindIt) {
+TEST(Envelope, ChecksumDetectsEveryDamagedByteAfterIt) {
   map_delta_t delta = SmallDelta();
   const std::vector<uint8_t> good = Pack(delta);
   for (size_t i = envelope::ChecksumOffset(delta.source); i < good.size(); ++i) {
@@ -58,24 +58,25 @@ TEST(Envelope, ChecksumFindsEveryDamagedByteBehindIt) {
   }
 }
 
-TEST(Envelope, ZeroChecksumIsNotLookedAt) {
+TEST(Envelope, ZeroChecksumIsNotVerified) {
   map_delta_t delta = SmallDelta();
   std::vector<uint8_t> bytes = Pack(delta);
   envelope::WriteBigEndian(0, bytes.data() + envelope::ChecksumOffset(delta.source));
   EXPECT_TRUE(Unpack<map_delta_t>(bytes, 1000));
 }
 
-TEST(Envelope, RefusesTooLargeTrailingAndForeign) {
+TEST(Envelope, UnpackRejectsTooLargeTrailingAndForeignMessages) {
   map_delta_t delta = SmallDelta();
   std::vector<uint8_t> bytes = Pack(delta);
-  EXPECT_THAT(Unpack<map_delta_t>(bytes, bytes.size() - 1).error().message, HasSubstr("at most"));
+  EXPECT_THAT(Unpack<map_delta_t>(bytes, bytes.size() - 1).error().message,
+              HasSubstr("more than the allowed"));
   EXPECT_THAT(Unpack<mesh_delta_t>(bytes, 1000).error().message, HasSubstr("fingerprint"));
   bytes.push_back(0);
   EXPECT_THAT(Unpack<map_delta_t>(bytes, 1000).error().message, HasSubstr("end after"));
   EXPECT_FALSE(Unpack<map_delta_t>({}, 1000));
 }
 
-TEST(Envelope, HeadIsReadWithoutTheRest) {
+TEST(Envelope, PeekHeadNeedsOnlyTheHead) {
   map_delta_t delta = SmallDelta();
   const std::vector<uint8_t> bytes = Pack(delta);
   const auto head = PeekHead(bytes);
@@ -87,14 +88,14 @@ TEST(Envelope, HeadIsReadWithoutTheRest) {
   for (size_t size = 0; size < 28; ++size) EXPECT_FALSE(PeekHead(std::span(bytes).first(size)));
 }
 
-TEST(Envelope, ArrayLongerThanItsSizeFieldIsABug) {
+TEST(Envelope, ArrayLongerThanItsSizeFieldThrows) {
   map_delta_t delta = SmallDelta();
   delta.payload_size = 5;
   delta.map_id = std::string("a\0b", 3);  // encodes to fewer bytes than stated
   EXPECT_THROW(Pack(delta), std::logic_error);
 }
 
-TEST(Guard, HostileLengthsAreRefusedAtOnce) {
+TEST(Guard, ImpossibleLengthsAreRejectedWithoutAllocation) {
   for (const int64_t length :
        {-1L, -2147483648L, 2147483647L, 0x40000001L, 0x20000001L, 100000000L}) {
     std::vector<uint8_t> detections(8);
@@ -122,7 +123,7 @@ TEST(Guard, HostileLengthsAreRefusedAtOnce) {
   }
 }
 
-TEST(Guard, StringWithoutItsEndIsRefused) {
+TEST(Guard, StringWithoutTerminatorIsRejected) {
   process_status_t status{};
   status.source = "abc";
   std::vector<uint8_t> bytes = Pack(status);
@@ -134,13 +135,13 @@ TEST(Guard, StringWithoutItsEndIsRefused) {
 }
 
 template <typename Message>
-void SurvivesMutations(Message message) {
+void ExpectMutationsToBeHandled(Message message) {
   const std::vector<uint8_t> good = Pack(message);
   ForEachMutation(good, 5000,
                   [](const std::vector<uint8_t>& bytes) { (void)Unpack<Message>(bytes, 1 << 20); });
 }
 
-TEST(Guard, EveryTypeSurvivesMutations) {
+TEST(Guard, NoMutationCrashesADecoder) {
   object_list_t objects{};
   objects.objects.resize(3);
   for (object_t& object : objects.objects) {
@@ -149,23 +150,23 @@ TEST(Guard, EveryTypeSurvivesMutations) {
     object.n_segments = 3;
   }
   objects.n_objects = 3;
-  SurvivesMutations(objects);
+  ExpectMutationsToBeHandled(objects);
   mesh_delta_t mesh{};
   mesh.blocks.resize(2);
   mesh.n_blocks = 2;
-  SurvivesMutations(mesh);
+  ExpectMutationsToBeHandled(mesh);
   process_status_t status{};
   status.counter_names = {"a", "b"};
   status.counter_values = {1, 2};
   status.n_counters = 2;
-  SurvivesMutations(status);
-  SurvivesMutations(octree_t{});
-  SurvivesMutations(map_request_t{});
-  SurvivesMutations(map_reply_t{});
-  SurvivesMutations(SmallDelta());
+  ExpectMutationsToBeHandled(status);
+  ExpectMutationsToBeHandled(octree_t{});
+  ExpectMutationsToBeHandled(map_request_t{});
+  ExpectMutationsToBeHandled(map_reply_t{});
+  ExpectMutationsToBeHandled(SmallDelta());
 }
 
-TEST(Channels, NamesAreNoRegularExpressions) {
+TEST(Channels, NamesContainNoRegularExpressionCharacters) {
   for (const Channel& channel :
        {kRgbdFrameChannel, kDetectionsChannel, kSegmentedFrameChannel, kMapCommitChannel,
         kMapDeltaChannel, kMeshDeltaChannel, kObjectsChannel, kOctomapChannel, kMapRequestChannel,
@@ -175,7 +176,7 @@ TEST(Channels, NamesAreNoRegularExpressions) {
   }
 }
 
-TEST(TypesFingerprint, IsTheSameEveryTime) { EXPECT_EQ(TypesFingerprint(), TypesFingerprint()); }
+TEST(TypesFingerprint, IsDeterministic) { EXPECT_EQ(TypesFingerprint(), TypesFingerprint()); }
 
 }  // namespace
 }  // namespace vismap

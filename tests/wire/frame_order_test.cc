@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-/// A reader that commits every frame as soon as the order lets it.
+/// A reader that commits every frame as soon as FrameOrder releases it.
 struct Committer {
   FrameOrder<int64_t> order{4};
   std::set<FrameKey> committed;
@@ -26,13 +26,13 @@ struct Committer {
 
 using Utimes = std::vector<int64_t>;
 
-TEST(FrameOrder, WithoutPredecessorsOrderOfArrival) {
+TEST(FrameOrder, FramesWithoutPredecessorsKeepTheOrderOfArrival) {
   Committer reader;
   for (const int64_t utime : {3, 1, 2}) reader.Add(utime, -1);
   EXPECT_EQ(reader.sequence, (Utimes{3, 1, 2}));
 }
 
-TEST(FrameOrder, LostFrameIsWaitedFor) {
+TEST(FrameOrder, FramesWaitForALostPredecessor) {
   Committer reader;
   reader.Add(1, -1);
   reader.Add(3, 2);
@@ -43,8 +43,8 @@ TEST(FrameOrder, LostFrameIsWaitedFor) {
   EXPECT_EQ(reader.sequence, (Utimes{1, 2, 3, 4}));
 }
 
-TEST(FrameOrder, RepeatedFrameMayWaitForLess) {
-  Committer reader;  // restarted: frame 1 was committed by the one before
+TEST(FrameOrder, RepeatedFrameReplacesThePredecessor) {
+  Committer reader;  // it was restarted: the previous one has committed frame 1
   reader.Add(2, 1);
   EXPECT_TRUE(reader.sequence.empty());
   reader.Add(2, -1);
@@ -55,7 +55,7 @@ TEST(FrameOrder, CamerasDoNotWaitForEachOther) {
   Committer reader;
   reader.Add(1, -1, 0);
   reader.Add(2, 1, 1);
-  EXPECT_EQ(reader.sequence, Utimes{1}) << "frame 1 of camera 1 has not come";
+  EXPECT_EQ(reader.sequence, Utimes{1}) << "frame 1 of camera 1 has not arrived";
   EXPECT_EQ(reader.order.held(), 1U);
 }
 
@@ -64,7 +64,7 @@ TEST(FrameOrder, MemoryIsBounded) {
   EXPECT_TRUE(order.Add({CameraId{0}, 2}, 1, 2));
   EXPECT_TRUE(order.Add({CameraId{0}, 3}, 2, 3));
   EXPECT_FALSE(order.Add({CameraId{0}, 4}, 3, 4));
-  EXPECT_TRUE(order.Add({CameraId{0}, 3}, 2, 30)) << "known ones are renewed";
+  EXPECT_TRUE(order.Add({CameraId{0}, 3}, 2, 30)) << "a held frame is replaced";
   EXPECT_EQ(order.held(), 2U);
 }
 

@@ -57,7 +57,7 @@ Result<Message> Through(Message message) {
   return Unpack<Message>(Pack(message), kCap);
 }
 
-TEST(RgbdFrameMessage, RoundTripChangesNothing) {
+TEST(RgbdFrameMessage, DecodeInvertsEncode) {
   const SensorFrame frame = SmallSensorFrame();
   const auto message = Through(Encode(frame));
   ASSERT_TRUE(message) << message.error().message;
@@ -71,7 +71,7 @@ TEST(RgbdFrameMessage, RoundTripChangesNothing) {
   EXPECT_EQ(back->depth_unit_m, frame.depth_unit_m);
 }
 
-TEST(RgbdFrameMessage, CameraWithoutColorStaysWithoutColor) {
+TEST(RgbdFrameMessage, FrameWithoutColorIsEncoded) {
   SensorFrame frame = SmallSensorFrame();
   frame.color_jpeg.clear();
   const auto back = Decode(*Through(Encode(frame)));
@@ -79,13 +79,13 @@ TEST(RgbdFrameMessage, CameraWithoutColorStaysWithoutColor) {
   EXPECT_TRUE(back->color_jpeg.empty());
 }
 
-/// What a message must not say, and a word of the sentence that it is refused with.
+/// A change that makes a message invalid, and a word of the error message.
 struct BadField {
   const char* word;
   void (*spoil)(rgbd_frame_t*);
 };
 
-TEST(RgbdFrameMessage, RefusesWhatNoCameraCanMean) {
+TEST(RgbdFrameMessage, RejectsImpossibleCameraValues) {
   const BadField cases[] = {
       {"utime", [](rgbd_frame_t* m) { m->utime = -1; }},
       {"camera_id", [](rgbd_frame_t* m) { m->camera_id = -1; }},
@@ -112,7 +112,7 @@ TEST(RgbdFrameMessage, RefusesWhatNoCameraCanMean) {
   }
 }
 
-TEST(RgbdFrameMessage, RefusesColorOfAnotherSize) {
+TEST(RgbdFrameMessage, RejectsColorOfAnotherSize) {
   SensorFrame frame = SmallSensorFrame();
   frame.color_jpeg = EncodeJpeg(Image<Rgb8>(32, 48));
   const auto back = Decode(Encode(frame));
@@ -120,7 +120,7 @@ TEST(RgbdFrameMessage, RefusesColorOfAnotherSize) {
   EXPECT_THAT(back.error().message, HasSubstr("32x48"));
 }
 
-TEST(RgbdFrameMessage, TheHeaderCanBeReadFromTheFirstBytes) {
+TEST(RgbdFrameMessage, PeekFrameHeaderNeedsOnlyTheFirstBytes) {
   rgbd_frame_t message = Encode(SmallSensorFrame());
   message.source = "some-camera";
   const std::vector<uint8_t> bytes = Pack(message);
@@ -132,14 +132,14 @@ TEST(RgbdFrameMessage, TheHeaderCanBeReadFromTheFirstBytes) {
   size_t enough = 0;
   while (!PeekFrameHeader(all.first(enough))) ++enough;
   EXPECT_GT(enough, 200u);
-  EXPECT_THAT(PeekFrameHeader(all.first(enough - 1)).error().message, HasSubstr("cut short"));
+  EXPECT_THAT(PeekFrameHeader(all.first(enough - 1)).error().message, HasSubstr("truncated"));
   message.camera_id = -1;
   EXPECT_THAT(PeekFrameHeader(Pack(message)).error().message, HasSubstr("camera_id"));
   frame_commit_t other{};
   EXPECT_THAT(PeekFrameHeader(Pack(other)).error().message, HasSubstr("fingerprint"));
 }
 
-TEST(DetectionsMessage, RoundTripChangesNothing) {
+TEST(DetectionsMessage, DecodeInvertsEncode) {
   const DetectionSet set = SmallDetections();
   const auto back = Decode(*Through(Encode(set, kSmallCamera.width, kSmallCamera.height)));
   ASSERT_TRUE(back) << back.error().message;
@@ -154,24 +154,24 @@ TEST(DetectionsMessage, RoundTripChangesNothing) {
   }
 }
 
-TEST(DetectionsMessage, NothingFoundIsAMessageToo) {
+TEST(DetectionsMessage, MessageWithoutDetectionsIsValid) {
   const DetectionSet none{1000, CameraId{0}, 1, {}};
   const auto back = Decode(*Through(Encode(none, 640, 480)));
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_TRUE(back->detections.empty());
 }
 
-TEST(DetectionsMessage, ThatNoDetectorLooksIsAMessageToo) {
+TEST(DetectionsMessage, MessageSaysThatNoDetectorRan) {
   const FrameHeader header = SmallSensorFrame().header;
-  const Result<detections_t> message = Through(EncodeNotLooked(header));
+  const Result<detections_t> message = Through(EncodeDetectorDidNotRun(header));
   ASSERT_TRUE(message) << message.error().message;
-  EXPECT_FALSE(Looked(*message));
+  EXPECT_FALSE(DetectorRan(*message));
   EXPECT_EQ(message->utime, header.utime);
   EXPECT_EQ(message->camera_id, Raw(header.camera_id));
-  EXPECT_TRUE(Looked(Encode(DetectionSet{}, 64, 48)));
+  EXPECT_TRUE(DetectorRan(Encode(DetectionSet{}, 64, 48)));
 }
 
-TEST(DetectionsMessage, RefusesNonsense) {
+TEST(DetectionsMessage, RejectsImpossibleValues) {
   const auto refused = [](auto spoil) {
     detections_t message = Encode(SmallDetections(), kSmallCamera.width, kSmallCamera.height);
     spoil(&message);
@@ -188,11 +188,11 @@ TEST(DetectionsMessage, RefusesNonsense) {
   EXPECT_TRUE(refused([](detections_t* m) { m->image_height = 20000; }));
 }
 
-TEST(DetectionsMessage, MasksCannotBlowUpTheReader) {
+TEST(DetectionsMessage, MaskSizeIsLimited) {
   detections_t message{};
   message.image_width = message.image_height = 4096;
   detection_t whole{};
-  whole.runs = {0, 4096 * 4096};  // 8 bytes that stand for 16 million pixels
+  whole.runs = {0, 4096 * 4096};  // 8 bytes encode 16 million pixels
   whole.n_runs = 2;
   message.detections.assign(100, whole);
   message.n_detections = 100;
@@ -201,7 +201,7 @@ TEST(DetectionsMessage, MasksCannotBlowUpTheReader) {
   EXPECT_THAT(back.error().message, HasSubstr("too many pixels"));
 }
 
-TEST(SegmentedFrameMessage, RoundTripChangesNothing) {
+TEST(SegmentedFrameMessage, DecodeInvertsEncode) {
   const SegmentedFrame segmented = SmallSegmentedFrame();
   const auto message = Through(Encode(segmented, Encode(SmallSensorFrame())));
   ASSERT_TRUE(message) << message.error().message;
@@ -212,14 +212,14 @@ TEST(SegmentedFrameMessage, RoundTripChangesNothing) {
   EXPECT_EQ(std::memcmp(back->frame.depth.data(), segmented.frame.depth.data(),
                         4 * segmented.frame.depth.size()),
             0)
-      << "depth, with its NaNs";
+      << "depth, including its NaNs";
   EXPECT_EQ(back->image.index, segmented.image.index);
   EXPECT_EQ(back->image.segment_count, segmented.image.segment_count);
   EXPECT_EQ(back->segments, segmented.segments);
   EXPECT_TRUE(back->had_detections);
 }
 
-TEST(SegmentedFrameMessage, CarriesTheSensorsMessageUnchanged) {
+TEST(SegmentedFrameMessage, ContainsTheSensorMessageUnchanged) {
   rgbd_frame_t sensor = Encode(SmallSensorFrame());
   sensor.seq = 41;
   sensor.source = "camera";
@@ -229,27 +229,28 @@ TEST(SegmentedFrameMessage, CarriesTheSensorsMessageUnchanged) {
   EXPECT_EQ(Pack(message->frame), before);
 }
 
-TEST(SegmentedFrameMessage, RefusesFiguresThatContradictTheLabelImage) {
-  const auto refusal = [](auto spoil) {
+TEST(SegmentedFrameMessage, RejectsValuesThatDisagreeWithTheLabelImage) {
+  const auto error_of = [](auto spoil) {
     segmented_frame_t message = Encode(SmallSegmentedFrame(), Encode(SmallSensorFrame()));
     spoil(&message);
     const auto back = Decode(message);
     return back ? std::string("accepted") : back.error().message;
   };
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { ++m->segments[0].pixels; }), HasSubstr("pixels"));
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->segments.pop_back(), --m->n_segments; }),
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { ++m->segments[0].pixels; }), HasSubstr("pixels"));
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->segments.pop_back(), --m->n_segments; }),
               HasSubstr("listed"));
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->utime += 1; }), HasSubstr("utime"));
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->segments[1].overlap = 2; }),
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->utime += 1; }), HasSubstr("utime"));
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->segments[1].overlap = 2; }),
               HasSubstr("overlap"));
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->segments[1].detection = -2; }),
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->segments[1].detection = -2; }),
               HasSubstr("detection"));
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->label_encoding = 9; }),
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->label_encoding = 9; }),
               HasSubstr("label_encoding"));
-  EXPECT_THAT(refusal([](segmented_frame_t* m) { m->labels.clear(); }), testing::Ne("accepted"));
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->labels.clear(); }), testing::Ne("accepted"));
 }
 
-/// Damaged bytes give an error or a value, with the checksum and, as an attacker would, without.
+/// Decoding damaged bytes gives an error or a value, with the checksum and also without it, since
+/// an attacker would set it to 0.
 template <typename Message>
 void SurvivesMutations(Message message) {
   message.source = "tester";
@@ -260,7 +261,8 @@ void SurvivesMutations(Message message) {
     if (unpacked && Decode(*unpacked)) ++accepted;
   };
   ForEachMutation(good, 2000, decode);
-  EXPECT_LT(accepted, 200) << "the checksum catches all damage behind it; before it stands little";
+  EXPECT_LT(accepted, 200)
+      << "the checksum detects all damage after it, and only few bytes are before it";
   const size_t checksum = envelope::ChecksumOffset(message.source);
   envelope::WriteBigEndian(0, good.data() + checksum);
   ForEachMutation(good, 10000, decode);

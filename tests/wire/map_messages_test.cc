@@ -36,7 +36,7 @@ std::string DigestAt(int64_t revision) {
   return map.Digest();
 }
 
-TEST(MapUpdate, SurvivesTheMessage) {
+TEST(MapUpdate, DecodeInvertsEncode) {
   const MapUpdate update = SnapshotAt(5);
   const Result<MapUpdate> decoded = Decode(Encode(update));
   ASSERT_TRUE(decoded) << decoded.error().message;
@@ -67,82 +67,83 @@ TEST(MapUpdate, DamagedPayloadIsAnError) {
   EXPECT_FALSE(Decode(bad));
 }
 
-TEST(MapFollower, FollowsStepByStep) {
+TEST(MapFollower, AppliesConsecutiveUpdates) {
   MapFollower follower;
-  EXPECT_EQ(follower.Take(SnapshotAt(2)), Outcome::kApplied);
-  EXPECT_EQ(follower.Take(UpdateTo(3)), Outcome::kApplied);
-  EXPECT_EQ(follower.Take(UpdateTo(3)), Outcome::kIgnored);
+  EXPECT_EQ(follower.Apply(SnapshotAt(2)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(UpdateTo(3)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(UpdateTo(3)), Outcome::kIgnored);
   EXPECT_EQ(follower.position().revision, 3);
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(3));
 }
 
-TEST(MapFollower, KeepsItsStateAndAsksWhenAnUpdateIsMissing) {
+TEST(MapFollower, KeepsItsStateAndNeedsASnapshotWhenAnUpdateIsMissing) {
   MapFollower follower;
-  EXPECT_EQ(follower.Take(UpdateTo(1)), Outcome::kNeedsSnapshot);
-  follower.Take(SnapshotAt(2));
-  EXPECT_EQ(follower.Take(UpdateTo(4)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(UpdateTo(1)), Outcome::kNeedsSnapshot);
+  follower.Apply(SnapshotAt(2));
+  EXPECT_EQ(follower.Apply(UpdateTo(4)), Outcome::kNeedsSnapshot);
   EXPECT_FALSE(follower.in_sync());
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(2));
-  EXPECT_EQ(follower.Take(UpdateTo(5)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(UpdateTo(5)), Outcome::kNeedsSnapshot);
   EXPECT_EQ(follower.gaps(), 1);
-  EXPECT_EQ(follower.Take(SnapshotAt(5)), Outcome::kApplied);
-  EXPECT_EQ(follower.Take(UpdateTo(6)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(SnapshotAt(5)), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(UpdateTo(6)), Outcome::kApplied);
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(6));
 }
 
-TEST(MapFollower, AppliesAnUpdateInPartsOnlyWhenAllAreThere) {
+TEST(MapFollower, AppliesAnUpdateWhenAllItsPartsHaveArrived) {
   MapFollower follower;
   const std::vector<MapUpdate> parts = SplitUpdate(SnapshotAt(7), 3);
   ASSERT_EQ(parts.size(), 3u);
-  EXPECT_EQ(follower.Take(parts[0]), Outcome::kWaiting);
-  EXPECT_EQ(follower.Take(parts[2]), Outcome::kWaiting);  // the middle is missing
+  EXPECT_EQ(follower.Apply(parts[0]), Outcome::kWaiting);
+  EXPECT_EQ(follower.Apply(parts[2]), Outcome::kWaiting);  // the middle is missing
   EXPECT_FALSE(follower.occupancy());
-  EXPECT_EQ(follower.Take(UpdateTo(8)), Outcome::kNeedsSnapshot);
-  EXPECT_EQ(follower.Take(parts[1]), Outcome::kApplied) << "the last part is the first to complete";
+  EXPECT_EQ(follower.Apply(UpdateTo(8)), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(parts[1]), Outcome::kApplied)
+      << "the last part is the first to complete";
   EXPECT_TRUE(follower.in_sync());
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(7));
 }
 
-TEST(MapFollower, ANewMapNeedsASnapshotOfItsOwn) {
+TEST(MapFollower, NewMapNeedsItsOwnSnapshot) {
   MapFollower follower;
-  follower.Take(SnapshotAt(2));
+  follower.Apply(SnapshotAt(2));
   MapUpdate other = UpdateTo(3);
   other.map_id = "another";
-  EXPECT_EQ(follower.Take(other), Outcome::kNeedsSnapshot);
+  EXPECT_EQ(follower.Apply(other), Outcome::kNeedsSnapshot);
   MapUpdate snapshot = SnapshotAt(1);
   snapshot.map_id = "another";
-  EXPECT_EQ(follower.Take(snapshot), Outcome::kApplied);
+  EXPECT_EQ(follower.Apply(snapshot), Outcome::kApplied);
   EXPECT_EQ(follower.position().map_id, "another");
   EXPECT_EQ(follower.occupancy()->Digest(), DigestAt(1));
 }
 
-TEST(MapFollower, SaysWhichBlocksChangedAndEverywhereAfterASnapshot) {
+TEST(MapFollower, ReportsChangedBlocksAndEverythingAfterASnapshot) {
   MapFollower follower;
-  EXPECT_TRUE(follower.TakeChanges().everywhere);
-  EXPECT_TRUE(follower.TakeChanges().everywhere) << "there is no map yet";
-  follower.Take(SnapshotAt(2));
-  const OccupancyChanges first = follower.TakeChanges();
+  EXPECT_TRUE(follower.ConsumeChanges().everywhere);
+  EXPECT_TRUE(follower.ConsumeChanges().everywhere) << "there is no map yet";
+  follower.Apply(SnapshotAt(2));
+  const OccupancyChanges first = follower.ConsumeChanges();
   EXPECT_TRUE(first.everywhere);
   EXPECT_TRUE(first.blocks.empty());
-  EXPECT_TRUE(follower.TakeChanges().blocks.empty());
+  EXPECT_TRUE(follower.ConsumeChanges().blocks.empty());
 
   std::set<BlockIndex> changed;
   for (int64_t revision = 3; revision < 9; ++revision) {
-    follower.Take(UpdateTo(revision));
+    follower.Apply(UpdateTo(revision));
     for (const auto& entry : UpdateTo(revision).delta.blocks) changed.insert(entry.first);
   }
-  const OccupancyChanges after = follower.TakeChanges();
+  const OccupancyChanges after = follower.ConsumeChanges();
   EXPECT_FALSE(after.everywhere);
   EXPECT_EQ(after.blocks, std::vector<BlockIndex>(changed.begin(), changed.end()));
   EXPECT_FALSE(after.blocks.empty());
-  follower.Take(UpdateTo(20));
-  EXPECT_TRUE(follower.TakeChanges().blocks.empty()) << "it was not applied";
-  follower.Take(SnapshotAt(20));
-  follower.Take(UpdateTo(21));
-  EXPECT_TRUE(follower.TakeChanges().everywhere);
+  follower.Apply(UpdateTo(20));
+  EXPECT_TRUE(follower.ConsumeChanges().blocks.empty()) << "it was not applied";
+  follower.Apply(SnapshotAt(20));
+  follower.Apply(UpdateTo(21));
+  EXPECT_TRUE(follower.ConsumeChanges().everywhere);
 }
 
-TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {
+TEST(MeshUpdate, PositionsAreExactToAHundredthOfAVoxelAndIdsExactly) {
   MeshUpdate update{7, "map", 3, false, 0, 1, 0.08, {4, {}}};
   BlockMesh block{{-2, 0, 5}, {}};
   for (int i = 0; i < 3; ++i) {
@@ -178,7 +179,7 @@ TEST(MeshUpdate, KeepsPositionsToAHundredthOfAVoxelAndIdsExactly) {
   EXPECT_FALSE(Decode(bad));
 }
 
-TEST(ObjectList, SurvivesTheMessageWithoutStructure) {
+TEST(ObjectList, DecodeInvertsEncodeButLeavesOutStructure) {
   ObjectList list{5, "map", 9, {}};
   ObjectSummary chair;
   chair.instance = InstanceId{3};
@@ -224,7 +225,7 @@ TEST(ObjectList, SurvivesTheMessageWithoutStructure) {
   EXPECT_FALSE(Decode(bad));
 }
 
-TEST(OctreeMessage, CarriesACompleteStreamAndRefusesADamagedOne) {
+TEST(OctreeMessage, RejectsADamagedStream) {
   OccupancyMap map(0.01);
   map.Set({0, 0, 0}, BlockOccupancy(CellState::kFree));
   map.Set({1, 0, 0}, BlockOccupancy(CellState::kOccupied));

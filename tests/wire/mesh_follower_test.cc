@@ -53,12 +53,12 @@ bool Same(const MeshVertex& a, const MeshVertex& b) {
          a.instance == b.instance && a.class_id == b.class_id;
 }
 
-// What a follower should hold.
+// The naive reference: the state that a follower must have.
 struct Expected {
   std::map<BlockIndex, Mesh> blocks;
   MeshDigest digest;
 
-  void Take(const mesh_delta_t& message) {
+  void Apply(const mesh_delta_t& message) {
     if (message.full) *this = {};
     for (const mesh_block_t& block : message.blocks) {
       BlockMesh decoded = *Decode(block);
@@ -89,30 +89,30 @@ struct Expected {
   }
 };
 
-TEST(MeshFollower, HoldsWhatTheUpdatesSay) {
+TEST(MeshFollower, EqualsTheUpdatesAppliedNaively) {
   testing_support::RandomNumbers random(12);
   MeshFollower follower;
   Expected expected;
   for (int64_t revision = 0; revision < 30; ++revision) {
     const mesh_delta_t update = RandomUpdate(revision, &random);
-    ASSERT_EQ(follower.Take(update), FollowOutcome::kApplied);
-    expected.Take(update);
+    ASSERT_EQ(follower.Apply(update), FollowOutcome::kApplied);
+    expected.Apply(update);
     expected.Compare(follower);
   }
   EXPECT_GT(expected.blocks.size(), 10u);
 }
 
-TEST(MeshFollower, WhatContradictsItselfChangesNothing) {
+TEST(MeshFollower, InconsistentUpdateChangesNothing) {
   testing_support::RandomNumbers random(13);
   MeshFollower follower;
   Expected expected;
   const mesh_delta_t first = RandomUpdate(0, &random);
-  ASSERT_EQ(follower.Take(first), FollowOutcome::kApplied);
-  expected.Take(first);
+  ASSERT_EQ(follower.Apply(first), FollowOutcome::kApplied);
+  expected.Apply(first);
   const mesh_delta_t good = RandomUpdate(1, &random);
   ASSERT_GT(good.n_blocks, 2);
   const auto expect_broken = [&](const mesh_delta_t& bad) {
-    EXPECT_EQ(follower.Take(bad), FollowOutcome::kBroken);
+    EXPECT_EQ(follower.Apply(bad), FollowOutcome::kBroken);
     EXPECT_FALSE(Decode(bad));
     expected.Compare(follower);
   };
@@ -134,7 +134,7 @@ TEST(MeshFollower, WhatContradictsItselfChangesNothing) {
   mesh_delta_t part = good;
   part.part = part.parts;
   expect_broken(part);
-  EXPECT_EQ(follower.Take(good), FollowOutcome::kApplied);
+  EXPECT_EQ(follower.Apply(good), FollowOutcome::kApplied);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
-#include "detector/detect.h"
+#include "detector/recorded_detector.h"
 
 #include <vismap/rgbd_frame_t.hpp>
 
+#include "base/format.h"
 #include "wire/detections.h"
 #include "wire/rgbd_frame.h"
 
@@ -15,8 +16,8 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
   if (!header) return tl::unexpected(header.error());
   context->status->Set(ProcessState::kRunning);
   if (!source.DetectorRan(*header)) {
-    context->bus->Publish(kDetectionsChannel, EncodeNotLooked(*header));
-    context->status->Count("frames_not_looked_at");
+    context->bus->Publish(kDetectionsChannel, EncodeDetectorDidNotRun(*header));
+    context->status->Count("frames_skipped");
     return {};
   }
   const Result<DetectionSet> set = source.ForFrame(*header);
@@ -30,7 +31,7 @@ Result<void> Answer(const rgbd_frame_t& message, const DetectionSource& source,
 
 }  // namespace
 
-Outcome Detect(const DetectionSource& source, int camera_id, ProcessContext& context) {
+Outcome RunRecordedDetector(const DetectionSource& source, int camera_id, ProcessContext& context) {
   context.bus->Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                        [&](const rgbd_frame_t& message) -> Result<void> {
                                          if (camera_id >= 0 && message.camera_id != camera_id)
@@ -39,8 +40,8 @@ Outcome Detect(const DetectionSource& source, int camera_id, ProcessContext& con
                                        });
   context.status->Set(ProcessState::kReady);
   context.bus->Run();
-  LogInfo("answered " + std::to_string(context.status->counter("frames")) + " frames with " +
-          std::to_string(context.status->counter("detections")) + " detections");
+  LogInfo("published " + FormatCount(context.status->counter("detections"), "detection") + " for " +
+          FormatCount(context.status->counter("frames"), "frame"));
   return {};
 }
 
