@@ -293,7 +293,8 @@ TEST(MapFile, ForeignAndNewerFilesAreNamed) {
   newer[8] = 2;
   const auto loaded = DecodeMap(newer, "b.vismap");
   ASSERT_FALSE(loaded);
-  EXPECT_THAT(loaded.error().message, HasSubstr("expected map format 1, found 2; a newer version of vismap"));
+  EXPECT_THAT(loaded.error().message,
+              HasSubstr("expected map format 1, found 2; a newer version of vismap"));
 }
 
 TEST(MapFile, FileRoundTripAndErrorsOfTheSystem) {

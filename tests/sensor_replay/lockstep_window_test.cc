@@ -28,7 +28,7 @@ TEST(LockstepWindow, RepeatedAndForeignCommitsDoNotCount) {
   EXPECT_TRUE(window.Commit(Key(100), 1));
   EXPECT_FALSE(window.Commit(Key(100), 1));
   EXPECT_FALSE(window.Commit(Key(100, 7), 1));
-  EXPECT_EQ(window.open(), 2U);
+  EXPECT_EQ(window.in_flight(), 2U);
 }
 
 TEST(LockstepWindow, WithoutCommitsAllFramesAreDueOnceInOrder) {
