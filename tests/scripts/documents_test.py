@@ -114,7 +114,7 @@ def check_paths(root, path, text):
 
 @functools.cache
 def help_of(*command):
-    done = subprocess.run([*command, "--help"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*command, "--help"], capture_output=True, text=True, timeout=240)
     if done.returncode != 0:
         raise AssertionError(f"{command} --help: exit code {done.returncode}\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -218,7 +218,8 @@ def check_keys(root, path, text):
 @functools.cache
 def default_config():
     """(section, key) -> value, as a program prints them."""
-    done = subprocess.run([BIN / "vismap-map-server", "--print-config"], capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run([BIN / "vismap-map-server", "--print-config"], capture_output=True, text=True, timeout=240,
+                          check=True)
     values, section = {}, None
     for line in done.stdout.splitlines():
         if line.endswith("{"):
