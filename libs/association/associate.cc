@@ -7,6 +7,7 @@
 
 #include "association/label_matching.h"
 #include "association/point_counts.h"
+#include "base/option_check.h"
 #include "base/require.h"
 
 namespace vismap {
@@ -106,19 +107,15 @@ void FindCuts(const SegmentedFrame& frame, const FrameCounts& counts, const Labe
 }  // namespace
 
 std::vector<std::string> Validate(const AssociationOptions& options) {
-  std::vector<std::string> problems;
-  const auto check = [&](bool ok, const char* text) {
-    if (!ok) problems.emplace_back(text);
-  };
-  check(options.min_overlap_points >= 0, "association: min_overlap_points must be 0 or more");
-  check(options.max_distance_voxels > 0, "association: max_distance_voxels must be positive");
-  check(options.pixel_stride >= 1 && options.pixel_stride <= 16,
-        "association: pixel_stride must be 1..16");
-  check(options.merge_overlap_ratio > 0 && options.merge_overlap_ratio <= 1,
-        "association: merge_overlap_ratio must be in (0, 1]");
-  check(options.min_range_m >= 0 && options.max_range_m > options.min_range_m,
-        "association: max_range_m must be above min_range_m, which must be 0 or more");
-  return problems;
+  OptionCheck check;
+  VISMAP_CHECK_AT_LEAST(check, options.min_overlap_points, 0);
+  check.Unless(options.max_distance_voxels > 0, "max_distance_voxels must be above 0");
+  VISMAP_CHECK_RANGE(check, options.pixel_stride, 1, 16);
+  check.Unless(options.merge_overlap_ratio > 0 && options.merge_overlap_ratio <= 1,
+               "merge_overlap_ratio must be above 0 and at most 1");
+  check.Unless(options.min_range_m >= 0 && options.max_range_m > options.min_range_m,
+               "max_range_m must be above min_range_m, which must be at least 0");
+  return std::move(check).problems();
 }
 
 FrameAssociation Associate(const SegmentedFrame& frame, const MapView& map,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/option_check.h"
 #include "base/parallel.h"
 #include "base/require.h"
 #include "mapping/fuse_block.h"
@@ -128,37 +129,26 @@ void MergeLabels(const FrameAssociation& association, const MaskCuts& cuts, doub
 }  // namespace
 
 std::vector<std::string> Validate(const IntegrationOptions& options) {
-  std::vector<std::string> problems;
-  const auto check = [&](bool ok, const char* text) {
-    if (!ok) problems.emplace_back(text);
-  };
-  check(options.min_range_m > 0, "integration: min_range_m must be positive");
-  check(options.max_range_m > options.min_range_m,
-        "integration: max_range_m must be above min_range_m");
-  check(options.free_space_range_m >= 0, "integration: free_space_range_m must be 0 or more");
-  check(options.max_weight >= 1 && options.max_weight <= 511,
-        "integration: max_weight must be 1..511");
-  check(options.vote_distance_voxels > 0, "integration: vote_distance_voxels must be positive");
-  check(options.max_unpacked_blocks >= 0, "integration: max_unpacked_blocks must be 0 or more");
-  check(options.merge_frames >= 0, "integration: merge_frames must be 0 (never) or more");
-  check(options.split_frames >= 0 && options.split_frames < MaskBonds::kMost,
-        "integration: split_frames must be 0 (never) or more, and below 5");
-  check(options.mask_evidence >= 0, "integration: mask_evidence must be 0 (never) or more");
-  check(options.cut_votes >= 0 && options.cut_votes <= 255,
-        "integration: cut_votes must be 0..255");
-  check(options.carve_frames >= 0 && options.carve_frames <= 100,
-        "integration: carve_frames must be 0 (no carving) to 100");
-  check(options.free_frames >= 0 && options.free_frames <= 10000,
-        "integration: free_frames must be 0 (no limit) to 10000");
-  check(options.carve_keep > 0 && options.carve_keep < 1,
-        "integration: carve_keep must be between 0 and 1");
-  check(options.carve_margin_voxels >= 2 && options.carve_margin_voxels <= 1000,
-        "integration: carve_margin_voxels must be 2..1000");
-  check(options.carve_sigmas >= 0 && options.carve_sigmas <= 100,
-        "integration: carve_sigmas must be 0..100");
-  check(options.carve_slope >= 0 && options.carve_slope <= 1000,
-        "integration: carve_slope must be 0..1000");
-  return problems;
+  OptionCheck check;
+  check.Unless(options.min_range_m > 0, "min_range_m must be above 0");
+  check.Unless(options.max_range_m > options.min_range_m, "max_range_m must be above min_range_m");
+  VISMAP_CHECK_AT_LEAST(check, options.free_space_range_m, 0);
+  VISMAP_CHECK_RANGE(check, options.max_weight, 1, 511);
+  check.Unless(options.vote_distance_voxels > 0, "vote_distance_voxels must be above 0");
+  VISMAP_CHECK_AT_LEAST(check, options.max_unpacked_blocks, 0);
+  VISMAP_CHECK_AT_LEAST(check, options.merge_frames, 0);
+  check.Unless(options.split_frames >= 0 && options.split_frames < MaskBonds::kMost,
+               "split_frames must be at least 0 and below 5");
+  VISMAP_CHECK_AT_LEAST(check, options.mask_evidence, 0);
+  VISMAP_CHECK_RANGE(check, options.cut_votes, 0, 255);
+  VISMAP_CHECK_RANGE(check, options.carve_frames, 0, 100);
+  VISMAP_CHECK_RANGE(check, options.free_frames, 0, 10000);
+  check.Unless(options.carve_keep > 0 && options.carve_keep < 1,
+               "carve_keep must be above 0 and below 1");
+  VISMAP_CHECK_RANGE(check, options.carve_margin_voxels, 2, 1000);
+  VISMAP_CHECK_RANGE(check, options.carve_sigmas, 0, 100);
+  VISMAP_CHECK_RANGE(check, options.carve_slope, 0, 1000);
+  return std::move(check).problems();
 }
 
 MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
