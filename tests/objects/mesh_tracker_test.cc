@@ -182,10 +182,10 @@ TEST(MeshTracker, KeepsTheSurfaceAndTheBlocksOfEachLabel) {
   const SemanticMap map = AnalyticRoom();
   MeshTracker tracker({});
   tracker.Start(map);
-  EXPECT_EQ(tracker.surfaces().Of(kBall).vertices, 0) << "not meshed yet";
+  EXPECT_EQ(tracker.surfaces().AmountOf(kBall).vertices, 0) << "not meshed yet";
   EXPECT_FALSE(tracker.places().BlocksOf(kBall).empty());
   tracker.MeshChanges(map, [](MeshPart) {});
-  EXPECT_GT(tracker.surfaces().Of(kBall).vertices, 100);
+  EXPECT_GT(tracker.surfaces().AmountOf(kBall).vertices, 100);
 }
 
 }  // namespace
