@@ -13,6 +13,7 @@ LIBS = {
     "base": [],
     "geometry": ["base"],
     "segmentation": ["geometry"],
+    "plausibility": ["segmentation"],
     "codecs": ["segmentation"],
     "map": ["geometry"],
     "association": ["segmentation", "map"],
