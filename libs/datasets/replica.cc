@@ -4,6 +4,7 @@
 // a metre). Frames count from 0, 30 a second.
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "datasets/formats.h"
 
 namespace vismap {
@@ -25,7 +26,9 @@ Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
   if (!fs::exists(path)) path = folder.parent_path() / "cam_params.json";
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
-  const nlohmann::json root = nlohmann::json::parse(*text, nullptr, false);
+  const Result<nlohmann::json> parsed = ParseJson(*text);
+  if (!parsed) return Fail(path.string() + ": " + parsed.error().message);
+  const nlohmann::json& root = *parsed;
   const auto camera = root.is_object() ? root.find("camera") : root.end();
   if (!root.is_object() || camera == root.end() || !camera->is_object()) {
     return Fail(path.string() + ": expected {\"camera\": {...}}");
