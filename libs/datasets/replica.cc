@@ -19,6 +19,7 @@ bool LooksLikeReplica(const fs::path& folder) {
 struct ReplicaCamera {
   PinholeCamera camera;
   double scale = 0;
+  std::string path;
 };
 
 Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
@@ -47,7 +48,8 @@ Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
   return ReplicaCamera{
       {(*camera)["w"].get<int>(), (*camera)["h"].get<int>(), (*camera)["fx"].get<double>(),
        (*camera)["fy"].get<double>(), (*camera)["cx"].get<double>(), (*camera)["cy"].get<double>()},
-      scale};
+      scale,
+      path.string()};
 }
 
 Result<void> SetReplicaPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
@@ -83,11 +85,12 @@ Result<SequenceFiles> ListReplica(const fs::path& folder) {
     return Fail(set.error().message);
   }
   for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, kUsualRate);
-  return SequenceFiles{.camera = parameters->camera,
-                       .depth_from = {},
-                       .color_camera = {},
-                       .depth_unit_m = 1 / parameters->scale,
-                       .frames = std::move(*frames)};
+  SequenceFiles files;
+  files.known_camera = KnownCamera{parameters->camera, parameters->path, false};
+  files.depth_unit_m = 1 / parameters->scale;
+  files.depth_unit_source = parameters->path;
+  files.frames = std::move(*frames);
+  return files;
 }
 
 }  // namespace
