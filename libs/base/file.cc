@@ -6,7 +6,10 @@
 
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
+#include <optional>
+#include <string>
 #include <system_error>
 
 namespace vismap {
@@ -55,9 +58,19 @@ bool WriteAll(int fd, std::span<const uint8_t> bytes) {
   return true;
 }
 
-Result<void> WriteAndSync(const std::filesystem::path& path, std::span<const uint8_t> bytes) {
+// The permissions of the file that will be replaced; nullopt when there is none, or no regular one.
+std::optional<mode_t> PermissionsOf(const std::filesystem::path& path) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+  return status.st_mode & 0777;
+}
+
+Result<void> WriteAndSync(const std::filesystem::path& path, std::span<const uint8_t> bytes,
+                          std::optional<mode_t> permissions) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
   if (file.get() < 0) return SystemFault(path, "create the file");
+  if (permissions && ::fchmod(file.get(), *permissions) != 0)
+    return SystemFault(path, "set the permissions");
   if (!WriteAll(file.get(), bytes)) return SystemFault(path, "write");
   if (::fsync(file.get()) != 0) return SystemFault(path, "flush to disk");
   if (!file.Close()) return SystemFault(path, "close");
@@ -79,7 +92,7 @@ Result<void> SyncFolder(const std::filesystem::path& path) {
 Result<void> WriteFileAtomically(const std::filesystem::path& path,
                                  std::span<const uint8_t> bytes) {
   const std::filesystem::path temporary = TemporaryName(path);
-  if (Result<void> written = WriteAndSync(temporary, bytes); !written) {
+  if (Result<void> written = WriteAndSync(temporary, bytes, PermissionsOf(path)); !written) {
     ::unlink(temporary.c_str());
     return written;
   }
@@ -97,7 +110,7 @@ Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_
 }
 
 Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, uint64_t max_bytes) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) return SystemFault(path, "open");
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) return SystemFault(path, "read the size");
@@ -118,6 +131,25 @@ Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, ui
   }
   bytes.resize(filled);
   return bytes;
+}
+
+int RemoveStaleTemporaries(const std::filesystem::path& path) {
+  const std::string prefix = path.filename().string() + ".tmp-";
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  int removed = 0;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const std::string rest = name.substr(prefix.size());  // PID-COUNTER
+    const size_t digits = rest.find_first_not_of("0123456789");
+    if (digits == 0 || digits == std::string::npos || rest[digits] != '-' || digits > 9) continue;
+    const pid_t pid = std::stoi(rest.substr(0, digits));
+    const bool alive = pid != ::getpid() && (::kill(pid, 0) == 0 || errno != ESRCH);
+    if (alive || !entry.is_regular_file(error)) continue;
+    if (::unlink(entry.path().c_str()) == 0) ++removed;
+  }
+  return removed;
 }
 
 Result<void> CreateFolder(const std::filesystem::path& folder) {

@@ -14,16 +14,22 @@ namespace vismap {
 /// Writes a file so that readers see either all of the old content or all of the new one, even
 /// after a power cut: writes a temporary file in the same folder, fsync, rename, fsync of the
 /// folder. On failure (folder missing, not writable, disk full) the old file stays, the temporary
-/// one is removed, and the Error names the path, the step and the system's reason.
+/// one is removed, and the Error names the path, the step and the system's reason. The new file has
+/// the permissions of the one that it replaces.
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
+
+/// Removes temporary files of WriteFileAtomically beside `path` whose process no longer exists, for
+/// example since it was killed. Returns how many.
+int RemoveStaleTemporaries(const std::filesystem::path& path);
 
 /// Creates a folder and its parents where they are missing. The Error names the folder and the
 /// system's reason.
 Result<void> CreateFolder(const std::filesystem::path& folder);
 
-/// The whole content of a regular file. Fails when it cannot be read or is larger than `max_bytes`;
-/// the Error names the path and the reason.
+/// The whole content of a regular file. Fails when it cannot be read, is no regular file (a pipe or
+/// a device is never waited for) or is larger than `max_bytes`; the Error names the path and the
+/// reason.
 Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path,
                                            uint64_t max_bytes = uint64_t{1} << 34);
 

@@ -2,6 +2,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "codecs/mask_codec.h"
 #include "datasets/detections_file.h"
 #include "datasets/text_file.h"
@@ -56,7 +57,7 @@ class CocoResults : public DetectionSource {
 };
 
 /// The start of a JSON value, for error messages.
-std::string ShortText(const Json& value) { return value.dump().substr(0, 40); }
+std::string ShortText(const Json& value) { return DescribeJson(value); }
 
 /// The value of a key, for error messages.
 std::string ShortText(const Json& object, const char* key) {
@@ -72,8 +73,8 @@ Result<int64_t> IntegerAt(const Json& object, const char* key, int64_t low, int6
   const bool above =
       found->is_number_unsigned() && found->get<uint64_t>() > static_cast<uint64_t>(high);
   if (above || found->get<int64_t>() < low || found->get<int64_t>() > high) {
-    return Fail(std::string(key) + " is " + found->dump() + "; expected " + std::to_string(low) +
-                ".." + std::to_string(high));
+    return Fail(std::string(key) + " is " + DescribeJson(*found) + "; expected " +
+                std::to_string(low) + ".." + std::to_string(high));
   }
   return found->get<int64_t>();
 }
@@ -84,7 +85,7 @@ Result<float> ScoreOf(const Json& object) {
     return Fail("score: expected a number, found " + ShortText(object, "score"));
   const double score = found->get<double>();
   if (!(score >= 0 && score <= 1))
-    return Fail("score is " + found->dump() + "; expected a number in [0, 1]");
+    return Fail("score is " + DescribeJson(*found) + "; expected [0, 1]");
   return static_cast<float>(score);
 }
 
@@ -95,7 +96,7 @@ Result<MaskRuns> RunsOf(const Json& counts) {
   MaskRuns runs;
   for (const Json& run : counts) {
     if (!run.is_number_unsigned() || run.get<uint64_t>() > UINT32_MAX) {
-      return Fail("counts: expected run lengths, found " + ShortText(run));
+      return Fail("counts: expected run lengths, found " + DescribeJson(run));
     }
     runs.push_back(run.get<uint32_t>());
   }
@@ -116,7 +117,7 @@ Result<void> ReadSegmentation(const Json& object, Entry* entry) {
   }
   for (const Json& side : *size) {
     if (!side.is_number_unsigned() || side.get<uint64_t>() < 1 || side.get<uint64_t>() > 16384) {
-      return Fail("segmentation size: expected numbers in 1..16384, found " + ShortText(side));
+      return Fail("segmentation size: expected 1..16384, found " + DescribeJson(side));
     }
   }
   entry->height = (*size)[0].get<int>();
@@ -149,15 +150,10 @@ Result<std::pair<int64_t, Entry>> ParseEntry(const Json& object) {
 Result<std::unique_ptr<DetectionSource>> LoadCocoResults(const std::string& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
-  Json root;
-  try {
-    root = Json::parse(*text);
-  } catch (const Json::exception& e) {
-    return Fail(path +
-                ": expected a JSON array of COCO results, but the file is not JSON: " + e.what());
-  }
-  if (!root.is_array())
-    return Fail(path + ": expected a JSON array of COCO results, found " + ShortText(root));
+  const Result<Json> parsed = ParseJson(*text);
+  if (!parsed) return Fail(path + ": " + parsed.error().message);
+  const Json& root = *parsed;
+  if (!root.is_array()) return Fail(path + ": expected a JSON array of COCO results");
   std::map<int64_t, std::vector<Entry>> frames;
   for (size_t i = 0; i < root.size(); ++i) {
     Result<std::pair<int64_t, Entry>> entry = ParseEntry(root[i]);

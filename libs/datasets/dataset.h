@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,11 +14,22 @@
 
 namespace vismap {
 
-/// Which frames of a sequence are used.
+/// Whether depth was recorded as the colour camera sees it.
+enum class DepthRegistration {
+  kAuto,        ///< as the sequence states; registered when it states nothing
+  kRegistered,  ///< it was
+  kKinect,      ///< as a Kinect's infrared camera sees it; it is registered when it is read
+};
+
+/// Which frames of a sequence are used, and calibration that replaces what the sequence states.
 struct DatasetOptions {
   int stride = 1;         ///< use every stride-th recorded frame, from the first; >= 1
   int max_frames = 0;     ///< use at most so many usable frames; 0 = all
   CameraId camera_id{0};  ///< id of the camera in all headers
+  /// fx, fy, cx, cy of the depth images [px]; nullopt = those that the sequence states.
+  std::optional<std::array<double, 4>> intrinsics = std::nullopt;
+  double depth_unit_m = 0;  ///< metres per step of the depth images; 0 = as the sequence states
+  DepthRegistration registration = DepthRegistration::kAuto;
 };
 
 /// Fails if an option is out of range, and names it.
@@ -48,6 +60,9 @@ class Dataset {
   virtual Result<SensorFrame> Read(size_t i) const = 0;
   /// The recorded frames that were left out because they cannot be used.
   virtual const std::vector<SkippedFrame>& skipped() const = 0;
+  /// How the sequence is read, one sentence each, for the log: where the intrinsics and the depth
+  /// unit come from, and whether depth counts as registered to colour.
+  virtual std::vector<std::string> remarks() const { return {}; }
   /// The path of the detections that belong to the sequence, for OpenDetections; none if there are
   /// no detections. In a folder, it is the file detections.json.
   virtual std::optional<std::string> default_detections_path() const = 0;
@@ -56,7 +71,7 @@ class Dataset {
 /// Opens the sequence in the folder `path`. `format` is one of the names above, or "" to recognise
 /// it by the files of the folder. Fails, naming the file, if it is missing or malformed. A pose
 /// that cannot be used (infinite, NaN, not rigid) is not an error: its frame is left out, see
-/// skipped().
+/// skipped(). Fails if no frame is left, with the most frequent reason.
 Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std::string& format,
                                              const DatasetOptions& options = {});
 

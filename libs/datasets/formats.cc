@@ -11,13 +11,66 @@ int64_t UtimeAtRate(int64_t number, double rate) {
   return std::llround(static_cast<double>(number) * 1e6 / rate);
 }
 
-Result<PinholeCamera> WithSizeOfFirstDepth(PinholeCamera camera,
-                                           const std::vector<FrameFiles>& frames) {
-  const Result<ImageFileInfo> info = ReadImageInfo(frames.front().depth);
-  if (!info) return Fail(info.error().message);
-  camera.width = info->width;
-  camera.height = info->height;
-  return camera;
+namespace {
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// A negative fy means an image whose y axis points up, hence a left-handed camera and world (those
+// of POV-Ray). Mirroring y of both gives a right-handed camera with y down in a right-handed
+// world.
+void MakeRightHanded(SequenceFiles* files) {
+  if (!(files->camera.fy < 0)) return;
+  files->camera.fy = -files->camera.fy;
+  const Eigen::Vector4d mirror(1, -1, 1, 1);
+  for (FrameFiles& frame : files->frames) {
+    if (!frame.T_W_C) continue;
+    frame.T_W_C = MakePose(mirror.asDiagonal() * frame.T_W_C->matrix() * mirror.asDiagonal());
+  }
+}
+
+Result<void> CheckAssumedSize(const std::filesystem::path& folder, const KnownCamera& known,
+                              const ImageFileInfo& image) {
+  if (!known.assumed || (image.width == known.camera.width && image.height == known.camera.height))
+    return {};
+  return Fail(folder.string() + ": the intrinsics are unknown: the depth images are " +
+              SizeText(image.width, image.height) + ", but the values that are " + known.source +
+              " hold for " + SizeText(known.camera.width, known.camera.height) +
+              "; give them with --intrinsics fx,fy,cx,cy");
+}
+
+KnownCamera GivenCamera(const std::array<double, 4>& intrinsics, const KnownCamera& stated) {
+  PinholeCamera camera{
+      .fx = intrinsics[0], .fy = intrinsics[1], .cx = intrinsics[2], .cy = intrinsics[3]};
+  if (!stated.assumed) {
+    camera.width = stated.camera.width;
+    camera.height = stated.camera.height;
+  }
+  return {camera, "the option --intrinsics", false};
+}
+
+}  // namespace
+
+Result<std::string> ResolveCamera(const std::filesystem::path& folder,
+                                  const std::optional<std::array<double, 4>>& intrinsics,
+                                  SequenceFiles* files) {
+  if (!intrinsics && !files->known_camera) return tl::unexpected(files->known_camera.error());
+  KnownCamera known = files->known_camera.value_or(KnownCamera{});
+  if (intrinsics) known = GivenCamera(*intrinsics, known);
+  files->camera = known.camera;
+  if (known.assumed || known.camera.width == 0) {
+    const Result<ImageFileInfo> info = ReadImageInfo(files->frames.front().depth);
+    if (!info) return tl::unexpected(info.error());
+    if (const auto checked = CheckAssumedSize(folder, known, *info); !checked)
+      return tl::unexpected(checked.error());
+    files->camera.width = info->width;
+    files->camera.height = info->height;
+  }
+  MakeRightHanded(files);
+  if (const auto checked = ValidateCamera(files->camera); !checked)
+    return Fail(folder.string() + ": " + checked.error().message);
+  return known.source;
 }
 
 Result<std::vector<LoggedPose>> ReadTrajectoryLog(const std::filesystem::path& path) {

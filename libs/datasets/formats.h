@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -22,15 +23,29 @@ struct FrameFiles {
   Result<Pose> T_W_C = Pose::Identity();  ///< the error says why the frame cannot be used
 };
 
+/// The camera of the depth images, and how it is known.
+struct KnownCamera {
+  PinholeCamera camera;  ///< width 0 = the size is that of the first depth image
+  std::string source;    ///< the file that states it, or "assumed for a Kinect"
+  /// The folder does not state the intrinsics. The values are those of a usual sensor, and hold for
+  /// images of the size in `camera` only.
+  bool assumed = false;
+};
+
 /// The content of a sequence's folder, in any format.
 struct SequenceFiles {
-  /// The camera of the frames. It is the camera of the depth images, or, if `depth_from` is set,
-  /// that of the colour images, to which depth is registered.
+  Result<KnownCamera> known_camera = Fail("the intrinsics are unknown");
+  /// The camera of the frames, see ResolveCamera. It is the camera of the depth images, or, if
+  /// `depth_from` is set, that of the colour images, to which depth is registered.
   PinholeCamera camera;
-  std::optional<DepthSource> depth_from;      ///< set if depth is not registered to colour
-  std::optional<PinholeCamera> color_camera;  ///< set if colour has another size than depth
-  double depth_unit_m = 0.001;                ///< metres per step of the depth images
-  std::vector<FrameFiles> frames;             ///< as recorded, also those that cannot be used
+  std::optional<DepthSource> depth_from;         ///< set if depth is not registered to colour
+  std::optional<PinholeCamera> color_camera;     ///< set if colour has another size than depth
+  double depth_unit_m = 0.001;                   ///< metres per step of the depth images
+  std::string depth_unit_source = "the format";  ///< or the file that states it
+  /// The depth may be that of a Kinect's infrared camera, not registered to colour. It is if pixels
+  /// without a return are 65535.
+  bool may_be_kinect_depth = false;
+  std::vector<FrameFiles> frames;  ///< as recorded, also those that cannot be used
 };
 
 /// A layout of a sequence's folder: functions that recognise it and list its files. Each .cc file
@@ -56,10 +71,18 @@ inline constexpr double kUsualRate = 30;
 /// The time of frame `number` of a camera with `rate` frames per second [us].
 int64_t UtimeAtRate(int64_t number, double rate);
 
-/// The camera with the size of the first depth image, for formats that do not state the size. Fails
-/// if the image cannot be read.
-Result<PinholeCamera> WithSizeOfFirstDepth(PinholeCamera camera,
-                                           const std::vector<FrameFiles>& frames);
+/// Sets `files->camera` to `intrinsics` (fx, fy, cx, cy), or to the known camera if there are none,
+/// with the size of the first depth image if the folder does not state the size. A left-handed
+/// camera (fy below 0) is mirrored together with its poses. Fails, naming `folder`, if the camera
+/// is unknown or impossible, or was assumed for images of another size. Returns the source of the
+/// camera for the log.
+Result<std::string> ResolveCamera(const std::filesystem::path& folder,
+                                  const std::optional<std::array<double, 4>>& intrinsics,
+                                  SequenceFiles* files);
+
+/// Registers depth of a Kinect's infrared camera to its colour camera with the nominal calibration:
+/// `camera` becomes that of colour, and the poses follow. Fails if the images are not 640x480.
+Result<void> RegisterKinectDepth(SequenceFiles* files);
 
 /// A pose of a trajectory.log with its index. The error says why the pose cannot be used.
 struct LoggedPose {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "base/json_text.h"
 #include "codecs/mask_codec.h"
 #include "datasets/detections_file.h"
 #include "datasets/image_file.h"
@@ -129,9 +130,11 @@ Result<InstanceTable> ParseCsv(const std::string& text) {
   return table;
 }
 
-Result<InstanceTable> ParseJson(const std::string& text) {
-  const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
-  if (!root.is_array()) return Fail("expected a JSON array of objects, but the file has none");
+Result<InstanceTable> ParseJsonTable(const std::string& text) {
+  const Result<nlohmann::json> parsed = ParseJson(text);
+  if (!parsed) return tl::unexpected(parsed.error());
+  const nlohmann::json& root = *parsed;
+  if (!root.is_array()) return Fail("expected a JSON array of objects");
   InstanceTable table;
   for (size_t i = 0; i < root.size(); ++i) {
     const std::string where = "entry " + std::to_string(i) + ": ";
@@ -149,7 +152,8 @@ Result<InstanceTable> ParseJson(const std::string& text) {
 Result<InstanceTable> ReadTable(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
-  Result<InstanceTable> table = path.extension() == ".json" ? ParseJson(*text) : ParseCsv(*text);
+  Result<InstanceTable> table =
+      path.extension() == ".json" ? ParseJsonTable(*text) : ParseCsv(*text);
   if (!table) return Fail(path.string() + ": " + table.error().message);
   return table;
 }

@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cstdio>
+#include <iterator>
+#include <map>
 
 #include "base/require.h"
 #include "codecs/color_codec.h"
@@ -20,13 +23,19 @@ constexpr std::array<const DatasetFormat*, 7> kFormats{
 /// The usable frames of a sequence's folder.
 class FolderDataset : public Dataset {
  public:
-  FolderDataset(fs::path folder, const char* format, SequenceFiles files, CameraId camera_id)
-      : folder_(std::move(folder)), format_(format), files_(std::move(files)), camera_(camera_id) {}
+  FolderDataset(fs::path folder, const char* format, SequenceFiles files, CameraId camera_id,
+                std::vector<std::string> remarks)
+      : folder_(std::move(folder)),
+        format_(format),
+        files_(std::move(files)),
+        camera_(camera_id),
+        remarks_(std::move(remarks)) {}
 
   std::string name() const override { return folder_.filename().string(); }
   std::string format() const override { return format_; }
   size_t size() const override { return files_.frames.size(); }
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
+  std::vector<std::string> remarks() const override { return remarks_; }
 
   FrameHeader Header(size_t i) const override {
     Require(i < size(), "the index of a frame is below the number of frames");
@@ -95,6 +104,7 @@ class FolderDataset : public Dataset {
   SequenceFiles files_;
   CameraId camera_;
   std::vector<SkippedFrame> skipped_;
+  std::vector<std::string> remarks_;
 };
 
 Result<const DatasetFormat*> FindFormat(const fs::path& folder, const std::string& name) {
@@ -120,6 +130,56 @@ Result<void> CheckTimes(const fs::path& folder, const std::vector<FrameFiles>& f
   return {};
 }
 
+// Whether pixels without a return are 65535, as a Kinect's infrared camera has them.
+bool HasKinectHoles(const SequenceFiles& files) {
+  const Result<Image<uint16_t>> depth =
+      ReadPng16(files.frames.front().depth, files.camera.width, files.camera.height);
+  return depth &&
+         std::find(depth->pixels().begin(), depth->pixels().end(), 65535) != depth->pixels().end();
+}
+
+// Registers depth of a Kinect if the options or the sequence say that it is not. Returns what was
+// done, for the log.
+Result<std::string> ApplyRegistration(DepthRegistration registration, SequenceFiles* files) {
+  const bool found = registration == DepthRegistration::kAuto && files->may_be_kinect_depth &&
+                     HasKinectHoles(*files);
+  if (!found && registration != DepthRegistration::kKinect)
+    return "depth counts as registered to colour";
+  if (const auto registered = RegisterKinectDepth(files); !registered)
+    return tl::unexpected(registered.error());
+  return std::string(
+             "depth is registered from a Kinect's infrared camera to its colour camera with "
+             "the nominal calibration, ") +
+         (found ? "since its intrinsics and its pixels of 65535 are those of the original 7-Scenes"
+                : "as the options say");
+}
+
+// Sets camera, depth unit and registration as the options and the sequence say. Returns how, one
+// sentence each.
+Result<std::vector<std::string>> ApplyCalibration(const fs::path& folder,
+                                                  const DatasetOptions& options,
+                                                  SequenceFiles* files) {
+  const Result<std::string> source = ResolveCamera(folder, options.intrinsics, files);
+  if (!source) return tl::unexpected(source.error());
+  const PinholeCamera& camera = files->camera;
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), "fx %.6g fy %.6g cx %.6g cy %.6g (%dx%d): ", camera.fx,
+                camera.fy, camera.cx, camera.cy, camera.width, camera.height);
+  std::vector<std::string> remarks{text.data() + (options.intrinsics || files->known_camera->assumed
+                                                      ? *source
+                                                      : "from " + *source)};
+  if (options.depth_unit_m > 0) {
+    files->depth_unit_m = options.depth_unit_m;
+    files->depth_unit_source = "the option --depth-unit";
+  }
+  std::snprintf(text.data(), text.size(), "depth unit %.6g m: from ", files->depth_unit_m);
+  remarks.push_back(text.data() + files->depth_unit_source);
+  const Result<std::string> registration = ApplyRegistration(options.registration, files);
+  if (!registration) return Fail(folder.string() + ": " + registration.error().message);
+  remarks.push_back(*registration);
+  return remarks;
+}
+
 Result<fs::path> CheckFolder(const std::string& path) {
   std::error_code error;
   const fs::path folder = fs::canonical(path, error);
@@ -128,18 +188,44 @@ Result<fs::path> CheckFolder(const std::string& path) {
   return folder;
 }
 
+// A reason without its numbers, so that equal reasons of several frames are counted together.
+std::string WithoutDigits(const std::string& reason) {
+  std::string text;
+  std::copy_if(reason.begin(), reason.end(), std::back_inserter(text),
+               [](char c) { return (c < '0' || c > '9') && c != '.'; });
+  return text;
+}
+
+// Why no frame is left: the most frequent reason with its first example.
+std::string NoUsableFrames(const Dataset& dataset) {
+  struct Reason {
+    size_t frames = 0;
+    std::string example;
+  };
+  std::map<std::string, Reason> reasons;
+  for (const SkippedFrame& skipped : dataset.skipped()) {
+    Reason& reason = reasons[WithoutDigits(skipped.reason)];
+    if (reason.frames++ == 0) reason.example = skipped.reason;
+  }
+  const auto most = std::max_element(
+      reasons.begin(), reasons.end(),
+      [](const auto& a, const auto& b) { return a.second.frames < b.second.frames; });
+  if (most == reasons.end()) return "no usable frames";
+  return "no usable frames (" + std::to_string(most->second.frames) + " of " +
+         std::to_string(dataset.skipped().size()) + ": " + most->second.example + ")";
+}
+
 }  // namespace
 
 Result<void> CheckOptions(const DatasetOptions& options) {
-  if (options.stride < 1) {
-    return Fail("data set options: stride is " + std::to_string(options.stride) +
-                "; expected 1 or more");
+  if (!(options.depth_unit_m >= 0 && options.depth_unit_m <= 1)) {
+    return Fail("data set options: the depth unit is " + std::to_string(options.depth_unit_m) +
+                " m; expected metres per step, at most 1");
   }
-  if (options.max_frames < 0) {
-    return Fail("data set options: max_frames is " + std::to_string(options.max_frames) +
-                "; expected 0 or more");
-  }
-  return {};
+  if (options.stride >= 1 && options.max_frames >= 0) return {};
+  return Fail("data set options: stride is " + std::to_string(options.stride) +
+              " (expected 1 or more), max_frames is " + std::to_string(options.max_frames) +
+              " (expected 0 or more)");
 }
 
 Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std::string& format,
@@ -151,15 +237,15 @@ Result<std::unique_ptr<Dataset>> OpenDataset(const std::string& path, const std:
   if (!found) return Fail(found.error().message);
   Result<SequenceFiles> files = (*found)->list(*folder);
   if (!files) return Fail(files.error().message);
-  if (const auto checked = ValidateCamera(files->camera); !checked) {
-    return Fail(folder->string() + ": " + checked.error().message);
-  }
+  const auto remarks = ApplyCalibration(*folder, options, &*files);
+  if (!remarks) return tl::unexpected(remarks.error());
   if (const auto checked = CheckTimes(*folder, files->frames); !checked) {
     return Fail(checked.error().message);
   }
   auto dataset = std::make_unique<FolderDataset>(*folder, (*found)->name, std::move(*files),
-                                                 options.camera_id);
+                                                 options.camera_id, *remarks);
   dataset->Select(options);
+  if (dataset->size() == 0) return Fail(folder->string() + ": " + NoUsableFrames(*dataset));
   return dataset;
 }
 

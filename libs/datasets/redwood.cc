@@ -1,7 +1,9 @@
-// Redwood / Open3D: color/N.jpg, depth/N.png (16-bit, mm) and trajectory.log, whose k-th pose is
-// that of the k-th image. The camera is that of intrinsics.txt ("width height fx fy cx cy
-// units_per_metre"), or, without that file, the PrimeSense default of Redwood. 30 frames per
-// second.
+// Redwood / Open3D: color/N.jpg, depth/N.png (16-bit, mm), trajectory.log; the k-th image has the
+// k-th pose of the log. intrinsics.txt ("width height fx fy cx cy units_per_metre") when there is
+// one, else the PrimeSense default that Redwood names. 30 frames a second.
+#include <nlohmann/json.hpp>
+
+#include "base/json_text.h"
 #include "datasets/formats.h"
 
 namespace vismap {
@@ -15,12 +17,16 @@ bool LooksLikeRedwood(const fs::path& folder) {
 }
 
 struct RedwoodCamera {
-  PinholeCamera camera{640, 480, 525, 525, 319.5, 239.5};
-  double units = 1000;  ///< depth steps per metre
+  KnownCamera camera{{640, 480, 525, 525, 319.5, 239.5},
+                     "assumed for a Kinect (there is neither intrinsics.txt nor "
+                     "camera_intrinsic.json)",
+                     true};
+  double steps_per_metre = 1000;
+  std::string steps_source = "the format";
 };
 
-Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& path) {
-  if (!fs::exists(path)) return RedwoodCamera{};
+// intrinsics.txt: "width height fx fy cx cy steps_per_metre".
+Result<RedwoodCamera> ReadRedwoodText(const fs::path& path) {
   const Result<std::vector<double>> n = ReadNumbers(path, 7);
   if (!n) return Fail(n.error().message);
   if (!((*n)[0] >= 1 && (*n)[0] <= 16384 && (*n)[1] >= 1 && (*n)[1] <= 16384 && (*n)[6] >= 1)) {
@@ -30,30 +36,77 @@ Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& path) {
         "at least 1 unit per metre");
   }
   return RedwoodCamera{
-      {static_cast<int>((*n)[0]), static_cast<int>((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]},
-      (*n)[6]};
+      {{static_cast<int>((*n)[0]), static_cast<int>((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]},
+       path.string(),
+       false},
+      (*n)[6],
+      path.string()};
+}
+
+// camera_intrinsic.json, as Open3D's recorders write it: width, height, and the 3x3 matrix column
+// by column.
+Result<RedwoodCamera> ReadRedwoodJson(const fs::path& path) {
+  const Result<std::string> text = ReadTextFile(path);
+  if (!text) return Fail(text.error().message);
+  const Result<nlohmann::json> json = ParseJson(*text);
+  if (!json) return Fail(path.string() + ": " + json.error().message);
+  const auto size = [&](const char* key) {
+    const auto found = json->is_object() ? json->find(key) : json->end();
+    const bool number = json->is_object() && found != json->end() && found->is_number();
+    const double value = number ? found->get<double>() : 0;
+    return value >= 1 && value <= 16384 ? static_cast<int>(value) : 0;
+  };
+  std::vector<double> matrix;
+  if (json->is_object() && json->contains("intrinsic_matrix")) {
+    for (const auto& value : (*json)["intrinsic_matrix"])
+      matrix.push_back(value.is_number() ? value.get<double>() : 0);
+  }
+  if (size("width") == 0 || size("height") == 0 || matrix.size() != 9) {
+    return Fail(path.string() +
+                ": expected {\"width\", \"height\", \"intrinsic_matrix\": 9 numbers}");
+  }
+  RedwoodCamera parameters;
+  parameters.camera = {{size("width"), size("height"), matrix[0], matrix[4], matrix[6], matrix[7]},
+                       path.string(),
+                       false};
+  return parameters;
+}
+
+Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& folder) {
+  if (fs::exists(folder / "intrinsics.txt")) return ReadRedwoodText(folder / "intrinsics.txt");
+  if (fs::exists(folder / "camera_intrinsic.json"))
+    return ReadRedwoodJson(folder / "camera_intrinsic.json");
+  return RedwoodCamera{};
+}
+
+// Poses belong to images by their order, so there must be as many.
+Result<void> SetRedwoodPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
+  const Result<std::vector<LoggedPose>> poses = ReadTrajectoryLog(path);
+  if (!poses) return Fail(poses.error().message);
+  if (poses->size() != frames->size()) {
+    return Fail(path.string() + ": " + std::to_string(poses->size()) + " poses for " +
+                std::to_string(frames->size()) +
+                " images; which pose belongs to which image cannot be told");
+  }
+  for (size_t k = 0; k < frames->size(); ++k) (*frames)[k].T_W_C = (*poses)[k].T_W_C;
+  return {};
 }
 
 Result<SequenceFiles> ListRedwood(const fs::path& folder) {
-  const Result<RedwoodCamera> parameters = ReadRedwoodCamera(folder / "intrinsics.txt");
+  const Result<RedwoodCamera> parameters = ReadRedwoodCamera(folder);
   if (!parameters) return Fail(parameters.error().message);
   Result<std::vector<FrameFiles>> frames =
       PairByNumber({folder / "color", "", {".jpg", ".png"}}, {folder / "depth", "", {".png"}});
   if (!frames) return Fail(frames.error().message);
-  const Result<std::vector<LoggedPose>> poses = ReadTrajectoryLog(folder / "trajectory.log");
-  if (!poses) return Fail(poses.error().message);
-  for (size_t k = 0; k < frames->size(); ++k) {
-    FrameFiles& frame = (*frames)[k];
-    frame.utime = UtimeAtRate(frame.number, kUsualRate);
-    frame.T_W_C = k < poses->size()
-                      ? (*poses)[k].T_W_C
-                      : Fail("trajectory.log has only " + std::to_string(poses->size()) + " poses");
-  }
-  return SequenceFiles{.camera = parameters->camera,
-                       .depth_from = {},
-                       .color_camera = {},
-                       .depth_unit_m = 1 / parameters->units,
-                       .frames = std::move(*frames)};
+  for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, kUsualRate);
+  if (const auto set = SetRedwoodPoses(folder / "trajectory.log", &*frames); !set)
+    return tl::unexpected(set.error());
+  SequenceFiles files;
+  files.known_camera = parameters->camera;
+  files.depth_unit_m = 1 / parameters->steps_per_metre;
+  files.depth_unit_source = parameters->steps_source;
+  files.frames = std::move(*frames);
+  return files;
 }
 
 }  // namespace

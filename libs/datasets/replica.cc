@@ -4,6 +4,7 @@
 // per metre). Frames count from 0; 30 frames per second.
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.h"
 #include "datasets/formats.h"
 
 namespace vismap {
@@ -17,7 +18,8 @@ bool LooksLikeReplica(const fs::path& folder) {
 
 struct ReplicaCamera {
   PinholeCamera camera;
-  double scale = 0;  ///< depth steps per metre
+  double scale = 0;
+  std::string path;
 };
 
 Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
@@ -25,7 +27,9 @@ Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
   if (!fs::exists(path)) path = folder.parent_path() / "cam_params.json";
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
-  const nlohmann::json root = nlohmann::json::parse(*text, nullptr, false);
+  const Result<nlohmann::json> parsed = ParseJson(*text);
+  if (!parsed) return Fail(path.string() + ": " + parsed.error().message);
+  const nlohmann::json& root = *parsed;
   const auto camera = root.is_object() ? root.find("camera") : root.end();
   if (!root.is_object() || camera == root.end() || !camera->is_object()) {
     return Fail(path.string() +
@@ -46,7 +50,8 @@ Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
   return ReplicaCamera{
       {(*camera)["w"].get<int>(), (*camera)["h"].get<int>(), (*camera)["fx"].get<double>(),
        (*camera)["fy"].get<double>(), (*camera)["cx"].get<double>(), (*camera)["cy"].get<double>()},
-      scale};
+      scale,
+      path.string()};
 }
 
 Result<void> SetReplicaPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
@@ -82,11 +87,12 @@ Result<SequenceFiles> ListReplica(const fs::path& folder) {
     return Fail(set.error().message);
   }
   for (FrameFiles& frame : *frames) frame.utime = UtimeAtRate(frame.number, kUsualRate);
-  return SequenceFiles{.camera = parameters->camera,
-                       .depth_from = {},
-                       .color_camera = {},
-                       .depth_unit_m = 1 / parameters->scale,
-                       .frames = std::move(*frames)};
+  SequenceFiles files;
+  files.known_camera = KnownCamera{parameters->camera, parameters->path, false};
+  files.depth_unit_m = 1 / parameters->scale;
+  files.depth_unit_source = parameters->path;
+  files.frames = std::move(*frames);
+  return files;
 }
 
 }  // namespace

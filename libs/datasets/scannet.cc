@@ -54,15 +54,19 @@ Result<SequenceFiles> ListScanNet(const fs::path& folder) {
     frame.T_W_C = std::move(*pose);
     frame.utime = UtimeAtRate(frame.number, kUsualRate);
   }
-  const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, *frames);
-  if (!camera) return Fail(camera.error().message);
-  const auto color_camera = FindColorCamera(folder, *camera, frames->front().color);
+  const Result<ImageFileInfo> depth = ReadImageInfo(frames->front().depth);
+  if (!depth) return Fail(depth.error().message);
+  SequenceFiles files;
+  files.known_camera =
+      KnownCamera{*intrinsics, (folder / "intrinsic" / "intrinsic_depth.txt").string(), false};
+  files.known_camera->camera.width = depth->width;
+  files.known_camera->camera.height = depth->height;
+  const auto color_camera =
+      FindColorCamera(folder, files.known_camera->camera, frames->front().color);
   if (!color_camera) return Fail(color_camera.error().message);
-  return SequenceFiles{.camera = *camera,
-                       .depth_from = {},
-                       .color_camera = *color_camera,
-                       .depth_unit_m = 0.001,
-                       .frames = std::move(*frames)};
+  files.color_camera = *color_camera;
+  files.frames = std::move(*frames);
+  return files;
 }
 
 }  // namespace

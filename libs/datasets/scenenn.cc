@@ -15,6 +15,7 @@ struct Ini {
   PinholeCamera camera;
   double rate = 30;  ///< frames per second
   double depth_unit_m = 0.001;
+  bool states_depth_unit = false;
 };
 
 bool LooksLikeSceneNn(const fs::path& folder) {
@@ -55,7 +56,8 @@ Result<Ini> ReadIni(const fs::path& path) {
     return Fail(path.string() + ": depth_fps is " + std::to_string(ini.rate) +
                 "; expected frames per second, above 0 and below 10000");
   }
-  if (values.contains("depth_unit_m")) ini.depth_unit_m = values["depth_unit_m"];
+  ini.states_depth_unit = values.contains("depth_unit_m");
+  if (ini.states_depth_unit) ini.depth_unit_m = values["depth_unit_m"];
   if (!(ini.depth_unit_m > 0 && ini.depth_unit_m <= 1)) {
     return Fail(path.string() + ": depth_unit_m is " + std::to_string(ini.depth_unit_m) +
                 "; expected metres in (0, 1]");
@@ -132,11 +134,12 @@ Result<SequenceFiles> ListSceneNn(const fs::path& folder) {
   if (const auto set = SetLoggedPoses(folder / "trajectory.log", &*frames); !set) {
     return Fail(set.error().message);
   }
-  return SequenceFiles{.camera = ini->camera,
-                       .depth_from = {},
-                       .color_camera = {},
-                       .depth_unit_m = ini->depth_unit_m,
-                       .frames = std::move(*frames)};
+  SequenceFiles files;
+  files.known_camera = KnownCamera{ini->camera, ini_path->string(), false};
+  files.depth_unit_m = ini->depth_unit_m;
+  if (ini->states_depth_unit) files.depth_unit_source = ini_path->string();
+  files.frames = std::move(*frames);
+  return files;
 }
 
 }  // namespace

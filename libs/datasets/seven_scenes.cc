@@ -9,13 +9,15 @@ namespace {
 namespace fs = std::filesystem;
 
 // The intrinsics that the authors of the data set give for its depth camera.
-constexpr PinholeCamera kDefaultCamera{.fx = 585, .fy = 585, .cx = 320, .cy = 240};
+constexpr PinholeCamera kDefaultCamera{
+    .width = 640, .height = 480, .fx = 585, .fy = 585, .cx = 320, .cy = 240};
 
 // Depth was recorded in the frame of the infrared camera, and the authors give no calibration to
 // the colour camera. Without registration, masks are off by up to 20 pixels from the depth of their
 // objects. With the nominal colour camera of a Kinect (OpenNI), the error is one or two pixels: in
 // redkitchen, the edges of depth and colour agree best for fx 528 and a baseline of 22 mm.
-constexpr PinholeCamera kKinectColor{.fx = 525, .fy = 525, .cx = 320, .cy = 240};
+constexpr PinholeCamera kKinectColor{
+    .width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 320, .cy = 240};
 constexpr double kKinectBaseline = 0.025;  // [m] along x
 
 bool IsKinectDepth(const PinholeCamera& camera) {
@@ -29,24 +31,16 @@ bool LooksLikeSevenScenes(const fs::path& folder) {
   return poses && depths && !poses->empty() && !depths->empty();
 }
 
-Result<PinholeCamera> ReadSevenScenesIntrinsics(const fs::path& path) {
-  if (!fs::exists(path)) return kDefaultCamera;
+Result<KnownCamera> ReadSevenScenesIntrinsics(const fs::path& path) {
+  if (!fs::exists(path)) {
+    return KnownCamera{
+        kDefaultCamera,
+        "assumed for the Kinect of 7-Scenes (there is no " + path.filename().string() + ")", true};
+  }
   const Result<std::vector<double>> k = ReadNumbers(path, 9);
   if (!k) return Fail(k.error().message);
-  return PinholeCamera{.fx = (*k)[0], .fy = (*k)[4], .cx = (*k)[2], .cy = (*k)[5]};
-}
-
-// Sets the depth registration to the colour camera, and changes the poses to those of that camera.
-void RegisterToKinectColor(SequenceFiles* files) {
-  DepthSource from{files->camera, Pose::Identity()};
-  from.T_C_D.translation() = Eigen::Vector3d(-kKinectBaseline, 0, 0);
-  files->camera = kKinectColor;
-  files->camera.width = from.camera.width;
-  files->camera.height = from.camera.height;
-  for (FrameFiles& frame : files->frames) {
-    if (frame.T_W_C) frame.T_W_C = *frame.T_W_C * from.T_C_D.inverse();
-  }
-  files->depth_from = from;
+  return KnownCamera{
+      {.fx = (*k)[0], .fy = (*k)[4], .cx = (*k)[2], .cy = (*k)[5]}, path.string(), false};
 }
 
 Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
@@ -61,21 +55,31 @@ Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
     frame.T_W_C = std::move(*pose);
     frame.utime = UtimeAtRate(frame.number, kUsualRate);
   }
-  const Result<PinholeCamera> intrinsics =
-      ReadSevenScenesIntrinsics(folder / "camera-intrinsics.txt");
-  if (!intrinsics) return Fail(intrinsics.error().message);
-  const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, *frames);
-  if (!camera) return Fail(camera.error().message);
-  SequenceFiles files{.camera = *camera,
-                      .depth_from = {},
-                      .color_camera = {},
-                      .depth_unit_m = 0.001,
-                      .frames = std::move(*frames)};
-  if (IsKinectDepth(*camera)) RegisterToKinectColor(&files);
+  SequenceFiles files;
+  files.known_camera = ReadSevenScenesIntrinsics(folder / "camera-intrinsics.txt");
+  if (!files.known_camera) return tl::unexpected(files.known_camera.error());
+  files.may_be_kinect_depth = IsKinectDepth(files.known_camera->camera);
+  files.frames = std::move(*frames);
   return files;
 }
 
 }  // namespace
+
+Result<void> RegisterKinectDepth(SequenceFiles* files) {
+  const PinholeCamera& recorded = files->camera;
+  if (recorded.width != kKinectColor.width || recorded.height != kKinectColor.height) {
+    return Fail("depth of a Kinect is registered for images of 640x480 only; these are " +
+                std::to_string(recorded.width) + "x" + std::to_string(recorded.height));
+  }
+  DepthSource from{recorded, Pose::Identity()};
+  from.T_C_D.translation() = Eigen::Vector3d(-kKinectBaseline, 0, 0);
+  files->camera = kKinectColor;
+  for (FrameFiles& frame : files->frames) {
+    if (frame.T_W_C) frame.T_W_C = *frame.T_W_C * from.T_C_D.inverse();
+  }
+  files->depth_from = from;
+  return {};
+}
 
 const DatasetFormat kSevenScenesFormat{"7scenes", "frame-N.depth.png and frame-N.pose.txt",
                                        LooksLikeSevenScenes, ListSevenScenes};

@@ -28,7 +28,9 @@ std::vector<std::string_view> SplitWords(std::string_view line) {
 Result<std::string> ReadTextFile(const std::filesystem::path& path) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxTextBytes);
   if (!bytes) return Fail(bytes.error().message);
-  return std::string(bytes->begin(), bytes->end());
+  std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark
+  return std::string(text);
 }
 
 std::vector<TextLine> SplitLines(std::string_view text) {

@@ -15,8 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDepthUnit = 1.0 / 5000;
-constexpr double kMaxTimeDifference = 0.02;  // [s], as in the tools of the benchmark
+constexpr double kMaxTimeDifference = 0.02;  // [s], as the tools of the benchmark
+constexpr size_t kMaxCandidates = 64;
+constexpr double kMaxPoseGap = 0.1;  // [s] between samples that are interpolated
 constexpr double kIclRate = 30;
 
 struct TimedFile {
@@ -33,6 +34,15 @@ struct TimedPose {
   Result<Pose> T_W_C = Pose::Identity();
 };
 
+// Seconds whose microseconds a message can hold.
+Result<void> CheckTime(double time, const fs::path& path, const TextLine& line) {
+  constexpr double kMaxTime = 9e12;
+  if (std::abs(time) <= kMaxTime) return {};
+  return Fail(path.string() + ":" + std::to_string(line.number) + ": the time " +
+              std::string(line.words[0].substr(0, 40)) +
+              " is out of range; expected seconds (is it in nanoseconds?)");
+}
+
 Result<std::vector<TimedFile>> ReadList(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return Fail(text.error().message);
@@ -42,6 +52,8 @@ Result<std::vector<TimedFile>> ReadList(const fs::path& path) {
     if (line.words.size() != 2 || !time || !std::isfinite(*time)) {
       return FailAtLine(path, line, "\"TIME FILE\"");
     }
+    if (const auto checked = CheckTime(*time, path, line); !checked)
+      return tl::unexpected(checked.error());
     files.push_back({*time, path.parent_path() / line.words[1]});
   }
   if (files.empty()) return Fail(path.string() + ": expected lines \"TIME FILE\", found none");
@@ -57,6 +69,8 @@ Result<TimedPair> ParseAssociation(const fs::path& path, const TextLine& line) {
   for (size_t i = 0; i < 2; ++i) {
     const auto time = ParseNumber(line.words[2 * i]);
     if (!time || !std::isfinite(*time)) return FailAtLine(path, line, "\"TIME FILE TIME FILE\"");
+    if (const auto checked = CheckTime(*time, path, line); !checked)
+      return tl::unexpected(checked.error());
     files[i] = {*time, path.parent_path() / line.words[2 * i + 1]};
     is_depth[i] = line.words[2 * i + 1].find("depth") != std::string_view::npos;
   }
@@ -86,14 +100,19 @@ std::vector<TimedPair> Associate(std::vector<TimedFile> colors, std::vector<Time
   const auto by_time = [](const TimedFile& a, const TimedFile& b) { return a.time < b.time; };
   std::stable_sort(colors.begin(), colors.end(), by_time);
   std::stable_sort(depths.begin(), depths.end(), by_time);
+  // A recorder may write a line twice. Of several files with one time the first one is used.
+  const auto same_time = [](const TimedFile& a, const TimedFile& b) { return a.time == b.time; };
+  colors.erase(std::unique(colors.begin(), colors.end(), same_time), colors.end());
+  depths.erase(std::unique(depths.begin(), depths.end(), same_time), depths.end());
   std::vector<std::tuple<double, size_t, size_t>> candidates;
   size_t begin = 0;
   for (size_t d = 0; d < depths.size(); ++d) {
     while (begin < colors.size() && colors[begin].time < depths[d].time - kMaxTimeDifference) {
       ++begin;
     }
-    for (size_t c = begin; c < colors.size(); ++c) {
-      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;  // all others are later
+    // Cameras take a few images in this time; more are not compared, so that no list takes long.
+    for (size_t c = begin; c < std::min(begin + kMaxCandidates, colors.size()); ++c) {
+      if (colors[c].time > depths[d].time + kMaxTimeDifference) break;
       candidates.emplace_back(std::abs(colors[c].time - depths[d].time), d, c);
     }
   }
@@ -144,14 +163,33 @@ Result<std::vector<TimedPose>> ReadPoses(const fs::path& path) {
   return poses;
 }
 
-/// The pose that is nearest in time. Fails if it is farther away than `max_difference`.
+// The pose between two samples: translations are interpolated linearly, rotations on the shortest
+// arc.
+Pose Interpolate(const TimedPose& before, const TimedPose& after, double time) {
+  const double share = (time - before.time) / (after.time - before.time);
+  const Eigen::Quaterniond from(before.T_W_C->linear()), to(after.T_W_C->linear());
+  Pose pose = Pose::Identity();
+  pose.linear() = from.slerp(share, to).toRotationMatrix();
+  pose.translation() =
+      (1 - share) * before.T_W_C->translation() + share * after.T_W_C->translation();
+  return pose;
+}
+
+// The pose at a time: that of a sample at this time, else interpolated between two samples that are
+// at most kMaxPoseGap apart, else that of the nearest sample within `max_difference`.
 Result<Pose> PoseAt(const std::vector<TimedPose>& poses, double time, double max_difference) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), time,
                        [](const TimedPose& pose, double at) { return pose.time < at; });
+  if (after != poses.end() && after->time == time) return after->T_W_C;
   auto nearest = after == poses.end() ? after - 1 : after;
   if (nearest != poses.begin() && time - (nearest - 1)->time < std::abs(nearest->time - time)) {
     --nearest;
+  }
+  if (max_difference > 0 && after != poses.end() && after != poses.begin()) {
+    const TimedPose& before = *(after - 1);
+    if (after->time - before.time <= kMaxPoseGap && before.T_W_C && after->T_W_C)
+      return Interpolate(before, *after, time);
   }
   const double difference = std::abs(nearest->time - time);
   if (difference <= max_difference) return nearest->T_W_C;
@@ -159,10 +197,30 @@ Result<Pose> PoseAt(const std::vector<TimedPose>& poses, double time, double max
               std::to_string(nearest->time));
 }
 
-Result<PinholeCamera> ReadCameraFile(const fs::path& path) {
-  const Result<std::vector<double>> n = ReadNumbers(path, 4);
-  if (!n) return Fail(n.error().message);
-  return PinholeCamera{.fx = (*n)[0], .fy = (*n)[1], .cx = (*n)[2], .cy = (*n)[3]};
+// The intrinsics of a sequence and its depth steps per metre.
+struct Calibration {
+  Result<KnownCamera> camera = Fail("the intrinsics are unknown");
+  double steps_per_metre = 5000;
+  std::string steps_source = "the format";
+};
+
+// camera.txt: "fx fy cx cy", and optionally the depth steps per metre.
+Result<Calibration> ReadCameraFile(const fs::path& path) {
+  Result<std::vector<double>> n = ReadNumbers(path, 4);
+  if (!n) n = ReadNumbers(path, 5);
+  if (!n) {
+    return Fail(path.string() +
+                ": expected four numbers \"fx fy cx cy\", or five with the depth steps per metre");
+  }
+  Calibration calibration;
+  calibration.camera = KnownCamera{
+      {.fx = (*n)[0], .fy = (*n)[1], .cx = (*n)[2], .cy = (*n)[3]}, path.string(), false};
+  if (n->size() == 4) return calibration;
+  calibration.steps_per_metre = (*n)[4];
+  calibration.steps_source = path.string();
+  if ((*n)[4] >= 1 && (*n)[4] <= 1e6) return calibration;
+  return Fail(path.string() + ": the fifth number is " + std::to_string((*n)[4]) +
+              "; expected depth steps per metre, 1 to 1000000");
 }
 
 bool Contains(const std::string& text, std::initializer_list<const char*> words) {
@@ -172,36 +230,31 @@ bool Contains(const std::string& text, std::initializer_list<const char*> words)
 
 /// The intrinsics that the benchmark recommends: the ROS default for fr1 and fr2, whose images are
 /// distorted, and the calibration for fr3, whose images are undistorted.
-Result<PinholeCamera> TumCamera(const fs::path& folder) {
+Result<Calibration> TumCalibration(const fs::path& folder) {
   if (fs::exists(folder / "camera.txt")) return ReadCameraFile(folder / "camera.txt");
   const std::string name = folder.filename().string();
+  Calibration calibration;
   if (Contains(name, {"fr1", "freiburg1", "fr2", "freiburg2"})) {
-    return PinholeCamera{.fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
+    calibration.camera = KnownCamera{
+        {640, 480, 525, 525, 319.5, 239.5}, "assumed for fr1 and fr2 of the TUM benchmark", true};
+  } else if (Contains(name, {"fr3", "freiburg3"})) {
+    calibration.camera = KnownCamera{
+        {640, 480, 535.4, 539.2, 320.1, 247.6}, "assumed for fr3 of the TUM benchmark", true};
+  } else {
+    calibration.camera = Fail(
+        folder.string() +
+        ": the intrinsics are unknown: the folder's name has none of fr1, fr2, fr3 and there is no "
+        "camera.txt with \"fx fy cx cy\"; write one, or give --intrinsics fx,fy,cx,cy");
   }
-  if (Contains(name, {"fr3", "freiburg3"})) {
-    return PinholeCamera{.fx = 535.4, .fy = 539.2, .cx = 320.1, .cy = 247.6};
-  }
-  return Fail(
-      folder.string() +
-      ": the intrinsics are unknown; expected a camera.txt with \"fx fy cx cy\", or fr1, fr2 "
-      "or fr3 in the name of the folder");
+  return calibration;
 }
 
-Result<PinholeCamera> IclCamera(const fs::path& folder) {
+Result<Calibration> IclCalibration(const fs::path& folder) {
   if (fs::exists(folder / "camera.txt")) return ReadCameraFile(folder / "camera.txt");
-  return PinholeCamera{.fx = 481.2, .fy = -480, .cx = 319.5, .cy = 239.5};
-}
-
-/// Converts a left-handed camera and world (those of POV-Ray) to right-handed ones by mirroring y
-/// of both. A left-handed camera has a negative fy: y of its images points up.
-void MakeRightHanded(SequenceFiles* files) {
-  if (!(files->camera.fy < 0)) return;
-  files->camera.fy = -files->camera.fy;
-  const Eigen::Vector4d mirror(1, -1, 1, 1);
-  for (FrameFiles& frame : files->frames) {
-    if (!frame.T_W_C) continue;
-    frame.T_W_C = MakePose(mirror.asDiagonal() * frame.T_W_C->matrix() * mirror.asDiagonal());
-  }
+  Calibration calibration;
+  calibration.camera =
+      KnownCamera{{640, 480, 481.2, -480, 319.5, 239.5}, "assumed for ICL-NUIM", true};
+  return calibration;
 }
 
 std::vector<FrameFiles> MakeFrames(const std::vector<TimedPair>& pairs,
@@ -221,17 +274,14 @@ std::vector<FrameFiles> MakeFrames(const std::vector<TimedPair>& pairs,
   return frames;
 }
 
-Result<SequenceFiles> Finish(const Result<PinholeCamera>& intrinsics,
+Result<SequenceFiles> Finish(const Result<Calibration>& calibration,
                              std::vector<FrameFiles> frames) {
-  if (!intrinsics) return Fail(intrinsics.error().message);
-  const Result<PinholeCamera> camera = WithSizeOfFirstDepth(*intrinsics, frames);
-  if (!camera) return Fail(camera.error().message);
-  SequenceFiles files{.camera = *camera,
-                      .depth_from = {},
-                      .color_camera = {},
-                      .depth_unit_m = kDepthUnit,
-                      .frames = std::move(frames)};
-  MakeRightHanded(&files);
+  if (!calibration) return tl::unexpected(calibration.error());
+  SequenceFiles files;
+  files.known_camera = calibration->camera;
+  files.depth_unit_m = 1 / calibration->steps_per_metre;
+  files.depth_unit_source = calibration->steps_source;
+  files.frames = std::move(frames);
   return files;
 }
 
@@ -249,7 +299,7 @@ Result<SequenceFiles> ListTum(const fs::path& folder) {
   if (!pairs) return Fail(pairs.error().message);
   const Result<std::vector<TimedPose>> poses = ReadPoses(folder / "groundtruth.txt");
   if (!poses) return Fail(poses.error().message);
-  return Finish(TumCamera(folder), MakeFrames(*pairs, *poses, kMaxTimeDifference));
+  return Finish(TumCalibration(folder), MakeFrames(*pairs, *poses, kMaxTimeDifference));
 }
 
 bool LooksLikeTum(const fs::path& folder) {
@@ -283,7 +333,7 @@ Result<SequenceFiles> ListIcl(const fs::path& folder) {
     frame.number = *number;
     frame.utime = UtimeAtRate(*number, kIclRate);
   }
-  return Finish(IclCamera(folder), std::move(frames));
+  return Finish(IclCalibration(folder), std::move(frames));
 }
 
 bool LooksLikeIcl(const fs::path& folder) {

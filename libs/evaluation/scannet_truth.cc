@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "base/class_names.h"
+#include "base/json_text.h"
 #include "datasets/text_file.h"
 #include "evaluation/class_list.h"
 #include "evaluation/ground_truth.h"
@@ -18,9 +19,9 @@ const std::string kMeshEnding = "_vh_clean_2.ply";
 Result<nlohmann::json> ReadJson(const fs::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return tl::unexpected(text.error());
-  nlohmann::json json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object())
-    return Fail(path.string() + ": expected a JSON object, but the file has none");
+  Result<nlohmann::json> json = ParseJson<nlohmann::json>(*text);
+  if (!json) return Fail(path.string() + ": " + json.error().message);
+  if (!json->is_object()) return Fail(path.string() + ": expected a JSON object");
   return json;
 }
 
@@ -37,7 +38,8 @@ Result<std::vector<int64_t>> ReadSegments(const fs::path& path, size_t vertices)
   std::vector<int64_t> segments;
   for (const nlohmann::json& segment : *found) {
     if (!segment.is_number_integer())
-      return Fail(path.string() + ": segIndices: expected integers, found " + segment.dump());
+      return Fail(path.string() + ": segIndices: expected integers, found " +
+                  DescribeJson(segment));
     segments.push_back(segment.get<int64_t>());
   }
   return segments;

@@ -16,8 +16,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are little endian");
 
-// Its line break shows whether a file was copied as text.
-constexpr std::string_view kMagic = "VISMAP\r\n";
 constexpr size_t kPrefixBytes = 12;
 constexpr size_t kRecordHeadBytes = 16;
 

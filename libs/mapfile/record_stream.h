@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -11,6 +12,8 @@ namespace vismap::mapfile {
 /// The content of a record.
 enum class RecordKind : uint32_t { kHeader = 1, kLabels = 2, kBlocks = 3, kEnd = 4 };
 
+/// What every map file begins with. Its line break shows whether a file was copied as text.
+inline constexpr std::string_view kMagic = "VISMAP\r\n";
 /// Version of the format. A reader accepts no other one.
 inline constexpr uint32_t kFormatVersion = 1;
 

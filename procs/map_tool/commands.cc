@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/class_names.h"
-#include "base/format.h"
+#include "base/json_text.h"
 #include "exports/statistics.h"
 #include "map_tool/compare_runs.h"
 #include "map_tool/live_map.h"
@@ -85,14 +85,18 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context) {
     std::printf("%s\n", statistics->c_str());
     return {};
   }
-  PrintFacts(nlohmann::ordered_json::parse(*statistics));
+  const auto json = ParseJson<nlohmann::ordered_json>(*statistics).value();
+  for (const auto& [key, value] : json.items()) {
+    std::printf("%-20s %s\n", key.c_str(),
+                value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+  }
   return {};
 }
 
 Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context) {
   const auto statistics = Statistics(arguments, context);
   if (!statistics) return tl::unexpected(statistics.error());
-  std::printf("%s\n", nlohmann::json::parse(*statistics).at("hash").get<std::string>().c_str());
+  std::printf("%s\n", ParseJson(*statistics).value().at("hash").get<std::string>().c_str());
   return {};
 }
 
@@ -146,7 +150,7 @@ Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
   if (!mesh) return tl::unexpected(mesh.error());
   const auto exporter = RequestFromServer(arguments, context, "octomap-digest");
   if (!exporter) return tl::unexpected(exporter.error());
-  const auto facts = nlohmann::json::parse(PayloadText(*statistics));
+  const auto facts = ParseJson(PayloadText(*statistics)).value();
   const nlohmann::ordered_json digests = {{"map_id", statistics->map_id},
                                           {"map_revision", statistics->revision},
                                           {"occupancy_server", facts.at("occupancy_digest")},

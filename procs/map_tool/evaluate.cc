@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "base/json_text.h"
 #include "evaluation/report.h"
 #include "exports/ply.h"
 #include "freespace/coarsen.h"
@@ -30,8 +31,10 @@ Result<std::map<InstanceId, double>> ReadScores(const fs::path& path) {
   if (!bytes) return tl::unexpected(bytes.error());
   std::map<InstanceId, double> scores;
   try {
-    const auto json = nlohmann::json::parse(*bytes);
-    for (const auto& object : json.at("objects"))
+    const Result<nlohmann::json> json =
+        ParseJson({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+    if (!json) return Fail(path.string() + ": " + json.error().message);
+    for (const auto& object : json->at("objects"))
       scores[InstanceId{object.at("instance").get<uint32_t>()}] = object.at("score").get<double>();
   } catch (const nlohmann::json::exception& error) {
     return Fail(path.string() + ": expected objects with instance and score: " + error.what());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/class_names.h"
+#include "base/json_text.h"
 
 namespace vismap {
 namespace {
@@ -63,7 +64,7 @@ void PrintRemoved(const nlohmann::json& object) {
 }  // namespace
 
 void PrintObjects(const std::string& objects_json, bool all) {
-  const nlohmann::json list = nlohmann::json::parse(objects_json);
+  const nlohmann::json list = ParseJson(objects_json).value();
   std::printf("%8s  %-16s %5s  %7s %7s  %-21s  %-24s %7s  %s\n", "id", "class", "score", "points",
               "area m2", "size [m]", "center [m]", "frames", "seen [s]  probabilities");
   for (const auto& object : list.at("objects")) PrintObject(object);

@@ -4,6 +4,7 @@
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
 
+#include "base/json_text.h"
 #include "runtime/clock.h"
 
 namespace vismap {
@@ -44,15 +45,14 @@ void MapContents::Request() {
 
 Result<void> MapContents::OnReply(const std::string& requester, int64_t request_id, bool ok,
                                   const std::string& payload) {
-  if (!requested_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
-  const auto json = nlohmann::json::parse(payload, nullptr, false);
+  if (!asked_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
+  const Result<nlohmann::json> json = ParseJson(payload);
+  if (!json || !json->is_array()) return Fail("answer to 'frames': expected a JSON array");
   std::set<FrameKey> frames;
-  for (const auto& frame : json) {
+  for (const auto& frame : *json) {
     if (!frame.is_array() || frame.size() != 2 || !frame[0].is_number_integer() ||
         !frame[1].is_number_integer()) {
-      return Fail(
-          "the answer to the request 'frames' must consist of [camera_id, utime], but has " +
-          frame.dump());
+      return Fail("answer to 'frames': expected [camera_id, utime], found " + DescribeJson(frame));
     }
     frames.insert({CameraId{frame[0].get<int32_t>()}, frame[1].get<int64_t>()});
   }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -78,6 +80,46 @@ TEST_F(FileTest, ReadingSaysWhy) {
   ASSERT_TRUE(WriteFileAtomically(folder_ / "a", "12345"));
   EXPECT_TRUE(ReadFileBytes(folder_ / "a", 5));
   EXPECT_FALSE(ReadFileBytes(folder_ / "a", 4));
+}
+
+TEST_F(FileTest, ReplacingKeepsThePermissions) {
+  const fs::path path = folder_ / "a.txt";
+  ASSERT_TRUE(WriteFileAtomically(path, "first"));
+  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+  ASSERT_TRUE(WriteFileAtomically(path, "second"));
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(FileTest, ASymbolicLinkIsReplacedAndNotFollowed) {
+  const fs::path target = folder_ / "target", link = folder_ / "link";
+  ASSERT_TRUE(WriteFileAtomically(target, "mine"));
+  fs::create_symlink(target, link);
+  ASSERT_TRUE(WriteFileAtomically(link, "new"));
+  EXPECT_EQ(Text(target), "mine");
+  EXPECT_EQ(Text(link), "new");
+  EXPECT_FALSE(fs::is_symlink(link));
+}
+
+TEST_F(FileTest, APipeIsNoFileAndIsNotWaitedFor) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(Text(pipe), pipe.string() + ": expected a regular file");
+}
+
+TEST_F(FileTest, TemporariesOfDeadProcessesAreRemovedAndNoOthers) {
+  const fs::path path = folder_ / "map.vismap";
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  const std::string dead = std::to_string(child), alive = std::to_string(::getppid());
+  for (const std::string& name : {"map.vismap.tmp-" + dead + "-0", "map.vismap.tmp-" + alive + "-0",
+                                  std::string("map.vismap.tmp-x-0"), std::string("map.vismap.tmp-"),
+                                  "other.tmp-" + dead + "-0", std::string("map.vismap")}) {
+    ASSERT_TRUE(WriteFileAtomically(folder_ / name, "x"));
+  }
+  EXPECT_EQ(RemoveStaleTemporaries(path), 1);
+  EXPECT_FALSE(fs::exists(folder_ / ("map.vismap.tmp-" + dead + "-0")));
+  EXPECT_EQ(FilesInFolder(), 5u);
 }
 
 }  // namespace

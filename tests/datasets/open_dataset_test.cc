@@ -14,6 +14,7 @@ namespace vismap {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
 
 constexpr int kWidth = 16, kHeight = 12;
@@ -52,6 +53,15 @@ void WriteSevenScenes(const TempFolder& folder) {
     folder.Write(name + ".depth.png", GreyPng(kWidth, kHeight, k == 4 ? 65535 : 1000));
     folder.Write(name + ".pose.txt", kRigid);
   }
+  folder.Write("seq/camera-intrinsics.txt", "525 0 8\n0 525 6\n0 0 1\n");
+}
+
+// As the original 7-Scenes: a Kinect's depth, whose pixels without a return are `hole`, and no
+// intrinsics.
+void WriteKinect(const TempFolder& folder, int hole) {
+  folder.Write("seq/frame-000000.color.jpg", ColorJpeg(640, 480));
+  folder.Write("seq/frame-000000.depth.png", GreyPng(640, 480, hole));
+  folder.Write("seq/frame-000000.pose.txt", kRigid);
 }
 
 void WriteTum(const TempFolder& folder, const std::string& name = "seq_fr1_x") {
@@ -67,6 +77,7 @@ void WriteTum(const TempFolder& folder, const std::string& name = "seq_fr1_x") {
   folder.Write(name + "/rgb.txt", rgb);
   folder.Write(name + "/depth.txt", depth);
   folder.Write(name + "/groundtruth.txt", poses);
+  folder.Write(name + "/camera.txt", "525 525 319.5 239.5\n");
 }
 
 void WriteIcl(const TempFolder& folder) {
@@ -80,6 +91,7 @@ void WriteIcl(const TempFolder& folder) {
   }
   folder.Write("seq/associations.txt", pairs);
   folder.Write("seq/livingRoom0.gt.freiburg", poses);
+  folder.Write("seq/camera.txt", "481.2 -480 319.5 239.5\n");
 }
 
 void WriteScanNet(const TempFolder& folder) {
@@ -211,7 +223,7 @@ TEST(SevenScenes, PassesJpegThrough) {
   EXPECT_EQ(frame.header.frame_number, 2);
   EXPECT_EQ(frame.header.utime, 66667);
   EXPECT_EQ(frame.header.camera_id, CameraId{3});
-  EXPECT_EQ(frame.header.camera, (PinholeCamera{16, 12, 525, 525, 320, 240}));
+  EXPECT_EQ(frame.header.camera, (PinholeCamera{16, 12, 525, 525, 8, 6}));
 }
 
 TEST(SevenScenes, ReadsIntrinsics) {
@@ -226,14 +238,39 @@ TEST(SevenScenes, ReadsIntrinsics) {
 
 TEST(SevenScenes, RawKinectDepthAndPosesBecomeThoseOfTheColourCamera) {
   const TempFolder folder;
-  WriteSevenScenes(folder);
+  WriteKinect(folder, 65535);
   const auto raw = OpenOrFail(folder / "seq");
-  folder.Write("seq/camera-intrinsics.txt", "5.0e+02 0 8\n0 5.1e+02 6\n0 0 1\n");
-  const auto registered = OpenOrFail(folder / "seq");
+  const auto registered =
+      OpenOrFail(folder / "seq", {.registration = DepthRegistration::kRegistered});
   ASSERT_TRUE(raw && registered);
   const Pose T_D_C = registered->Header(0).T_W_C.inverse() * raw->Header(0).T_W_C;
   EXPECT_TRUE(T_D_C.linear().isIdentity(1e-9));
   EXPECT_TRUE(T_D_C.translation().isApprox(Eigen::Vector3d(0.025, 0, 0), 1e-9));
+}
+
+TEST(SevenScenes, DepthIsRegisteredUnlessTheSequenceOrTheOptionsSayOtherwise) {
+  const TempFolder folder;
+  WriteKinect(folder, 0);  // the intrinsics of a Kinect alone do not say so
+  folder.Write("seq/camera-intrinsics.txt", "585 0 320\n0 585 240\n0 0 1\n");
+  const auto dataset = OpenOrFail(folder / "seq");
+  const auto told = OpenOrFail(folder / "seq", {.registration = DepthRegistration::kKinect});
+  ASSERT_TRUE(dataset && told);
+  EXPECT_EQ(dataset->Header(0).camera.fx, 585);
+  EXPECT_THAT(dataset->remarks(), Contains(HasSubstr("depth counts as registered")));
+  EXPECT_EQ(told->Header(0).camera.fx, 525);
+  EXPECT_THAT(told->remarks(), Contains(HasSubstr("as the options say")));
+}
+
+TEST(SevenScenes, AssumedIntrinsicsHoldForTheirSizeOnly) {
+  const TempFolder folder;
+  WriteSevenScenes(folder);
+  std::filesystem::remove(folder / "seq/camera-intrinsics.txt");
+  EXPECT_THAT(ErrorOf(folder / "seq"),
+              AllOf(HasSubstr("intrinsics are unknown"), HasSubstr("16x12"), HasSubstr("640x480"),
+                    HasSubstr("--intrinsics")));
+  const auto given = OpenOrFail(folder / "seq", {.intrinsics = {{20, 21, 7.5, 5.5}}});
+  ASSERT_TRUE(given);
+  EXPECT_EQ(given->Header(0).camera, (PinholeCamera{16, 12, 20, 21, 7.5, 5.5}));
 }
 
 TEST(SevenScenes, CountsUnusablePosesWithTheirReason) {
@@ -297,21 +334,94 @@ TEST(Tum, LeavesOutFramesWithoutPartnerOrPose) {
 TEST(Tum, WantsToKnowTheCamera) {
   const TempFolder folder;
   WriteTum(folder, "desk");
+  std::filesystem::remove(folder / "desk/camera.txt");
   EXPECT_THAT(ErrorOf(folder / "desk"), HasSubstr("intrinsics are unknown"));
   folder.Write("desk/camera.txt", "500 501 7 5\n");
   const auto dataset = OpenOrFail(folder / "desk");
   ASSERT_TRUE(dataset);
   EXPECT_EQ(dataset->Header(0).camera, (PinholeCamera{16, 12, 500, 501, 7, 5}));
+  EXPECT_THAT(dataset->remarks(), Contains(AllOf(HasSubstr("fx 500 fy 501 cx 7 cy 5 (16x12)"),
+                                                 HasSubstr("desk/camera.txt"))));
+}
+
+TEST(Tum, IntrinsicsAssumedByTheNameHoldForTheirSizeOnly) {
+  const TempFolder folder;
+  WriteTum(folder, "lab_fr1_walk");
+  std::filesystem::remove(folder / "lab_fr1_walk/camera.txt");
+  EXPECT_THAT(ErrorOf(folder / "lab_fr1_walk"), AllOf(HasSubstr("fr1"), HasSubstr("16x12")));
+}
+
+TEST(Tum, DepthStepsPerMetreAreTheFifthNumberOrAnOption) {
+  const TempFolder folder;
+  WriteTum(folder);
+  EXPECT_EQ(ReadOrFail(*OpenOrFail(folder / "seq_fr1_x"), 0).depth_unit_m, 1.0 / 5000);
+  folder.Write("seq_fr1_x/camera.txt", "500 501 7 5 1000\n");
+  EXPECT_EQ(ReadOrFail(*OpenOrFail(folder / "seq_fr1_x"), 0).depth_unit_m, 0.001);
+  EXPECT_EQ(ReadOrFail(*OpenOrFail(folder / "seq_fr1_x", {.depth_unit_m = 0.0001}), 0).depth_unit_m,
+            0.0001);
+}
+
+TEST(Tum, PosesAreInterpolatedBetweenSamples) {
+  const TempFolder folder;
+  WriteTum(folder);
+  folder.Write("seq_fr1_x/groundtruth.txt",
+               "1305031235.985000 0 0 0 0 0 0 1\n"
+               "1305031236.025000 2 4 0 0 0 0.70710678118 0.70710678118\n"
+               "1305031236.205000 1 1 1 0 0 0 1\n");
+  const auto dataset = OpenOrFail(folder / "seq_fr1_x");
+  ASSERT_TRUE(dataset);
+  ASSERT_EQ(dataset->size(), 2u);  // the second frame lies in a gap of 180 ms
+  const Pose& middle = dataset->Header(0).T_W_C;
+  EXPECT_NEAR((middle.translation() - Eigen::Vector3d(1, 2, 0)).norm(), 0, 1e-4);
+  EXPECT_NEAR(Eigen::AngleAxisd(middle.linear()).angle(), M_PI / 4, 1e-4);
+  EXPECT_EQ(dataset->Header(1).T_W_C.translation(), Eigen::Vector3d(1, 1, 1));
+  EXPECT_THAT(dataset->skipped()[0].reason, HasSubstr("no pose at time"));
+}
+
+TEST(Tum, TimesOutOfRangeAreAnErrorWithTheirText) {
+  const TempFolder folder;
+  WriteTum(folder);
+  folder.Write("seq_fr1_x/depth.txt", "1305031236005000000 depth/1305031236.005000.png\n");
+  EXPECT_THAT(
+      ErrorOf(folder / "seq_fr1_x"),
+      AllOf(HasSubstr("depth.txt:1"), HasSubstr("1305031236005000000"), HasSubstr("nanoseconds")));
+}
+
+TEST(Tum, RepeatedLinesAndManyEqualTimesCostNothing) {
+  const TempFolder folder;
+  WriteTum(folder);
+  std::string many;
+  for (int i = 0; i < 20000; ++i) many += "1305031236.005000 rgb/1305031236.005000.png\n";
+  folder.Write("seq_fr1_x/rgb.txt", many);
+  std::string depths;
+  for (int i = 0; i < 20000; ++i) depths += "1305031236.005000 depth/1305031236.005000.png\n";
+  folder.Write("seq_fr1_x/depth.txt", depths);
+  const auto dataset = OpenOrFail(folder / "seq_fr1_x");
+  ASSERT_TRUE(dataset);
+  EXPECT_EQ(dataset->size(), 1u);
+}
+
+TEST(Tum, FilesOfWindowsAreRead) {
+  const TempFolder folder;
+  WriteTum(folder);
+  folder.Write("seq_fr1_x/camera.txt",
+               "\xEF\xBB\xBF"
+               "500 501 7 5\r\n");
+  const auto dataset = OpenOrFail(folder / "seq_fr1_x");
+  ASSERT_TRUE(dataset);
+  EXPECT_EQ(dataset->Header(0).camera.fx, 500);
 }
 
 TEST(Tum, AQuaternionFarFromUnitLengthIsNoPose) {
   const TempFolder folder;
   WriteTum(folder);
   folder.Write("seq_fr1_x/groundtruth.txt", "1305031236.005000 0 0 0 0 0 0 0.9\n");
-  const auto dataset = OpenOrFail(folder / "seq_fr1_x");
-  ASSERT_TRUE(dataset);
-  EXPECT_EQ(dataset->size(), 0u);
-  EXPECT_THAT(dataset->skipped()[0].reason, HasSubstr("quaternion has length 0.9"));
+  EXPECT_THAT(ErrorOf(folder / "seq_fr1_x"), HasSubstr("no usable frames (2 of 3: no pose at"));
+  folder.Write("seq_fr1_x/groundtruth.txt",
+               "1305031236.005000 0 0 0 0 0 0 0.9\n"
+               "1305031236.105000 0 0 0 0 0 0 0.9\n");
+  EXPECT_THAT(ErrorOf(folder / "seq_fr1_x"),
+              HasSubstr("no usable frames (2 of 3: quaternion has length 0.9"));
 }
 
 // With y up in the image, a pixel of ICL below the centre (v > cy) at depth z is the point
@@ -396,6 +506,26 @@ TEST(Redwood, ReadsEverything) {
   EXPECT_EQ(dataset->size(), 3u);
   EXPECT_EQ(dataset->Header(0).camera, (PinholeCamera{16, 12, 20, 21, 7.5, 5.5}));
   EXPECT_EQ(ReadOrFail(*dataset, 0).header.T_W_C.matrix(), RigidMatrix());
+}
+
+TEST(Redwood, ReadsTheIntrinsicsOfOpen3dsRecorders) {
+  const TempFolder folder;
+  WriteRedwood(folder);
+  std::filesystem::remove(folder / "seq/intrinsics.txt");
+  EXPECT_THAT(ErrorOf(folder / "seq"), HasSubstr("intrinsics are unknown"));
+  folder.Write("seq/camera_intrinsic.json", R"({"width": 16, "height": 12,
+      "intrinsic_matrix": [20.0, 0, 0, 0, 21.0, 0, 7.5, 5.5, 1]})");
+  EXPECT_EQ(OpenOrFail(folder / "seq")->Header(0).camera,
+            (PinholeCamera{16, 12, 20, 21, 7.5, 5.5}));
+  folder.Write("seq/camera_intrinsic.json", R"({"width": 16, "intrinsic_matrix": 3})");
+  EXPECT_THAT(ErrorOf(folder / "seq"), HasSubstr("camera_intrinsic.json: expected"));
+}
+
+TEST(Redwood, OtherNumbersOfPosesThanOfImagesAreAnError) {
+  const TempFolder folder;
+  WriteRedwood(folder);
+  folder.Write("seq/trajectory.log", std::string("0 0 1\n") + kRigid + "1 1 2\n" + kRigid);
+  EXPECT_THAT(ErrorOf(folder / "seq"), HasSubstr("2 poses for 3 images"));
 }
 
 TEST(OpenDataset, StrideCountsRecordedFramesMaxFramesUsableOnes) {
@@ -588,7 +718,7 @@ std::vector<Breakage> Breakages() {
       {"TumBadCamera",
        PlainTum,
        Put("seq_fr1/camera.txt", "500 500 8\n"),
-       {"camera.txt", "expected 4 numbers, found 3"}},
+       {"camera.txt", "expected four numbers"}},
       {"IclNameWithoutNumber",
        WriteIcl,
        [](const TempFolder& folder) {

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+
+namespace vismap {
+
+/// Reads JSON that others have written. Fails with line and column when it is no JSON, and when it
+/// is nested deeper than 64 levels: whoever walks such a text, or writes it out again, would
+/// overflow the stack. `Json` is nlohmann::json or nlohmann::ordered_json.
+template <typename Json = nlohmann::json>
+Result<Json> ParseJson(std::string_view text);
+
+/// What a value is, for error messages: "an object", "an array of 3 values", the number itself, or
+/// the first characters of a text without control characters. At most 60 characters.
+std::string DescribeJson(const nlohmann::json& value);
+
+extern template Result<nlohmann::json> ParseJson<nlohmann::json>(std::string_view);
+extern template Result<nlohmann::ordered_json> ParseJson<nlohmann::ordered_json>(std::string_view);
+
+}  // namespace vismap

@@ -1,0 +1,64 @@
+#include "mapfile/map_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "mapfile/map_file.h"
+#include "support/temp_folder.h"
+
+namespace vismap {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+void SaveEmptyMap(const fs::path& path) {
+  ASSERT_TRUE(SaveMap(SemanticMap(VoxelGridOptions{}), {}, path));
+}
+
+TEST(MapFolder, NamesBecomeFilesOfTheFolder) {
+  const TempFolder folder;
+  const MapFolder maps(folder.path());
+  EXPECT_EQ(maps.ForSaving("kitchen").value(), folder / "kitchen.vismap");
+  EXPECT_EQ(maps.ForSaving("kitchen-2.vismap").value(), folder / "kitchen-2.vismap");
+  SaveEmptyMap(folder / "kitchen.vismap");
+  EXPECT_TRUE(maps.ForSaving("kitchen"));  // a map may be replaced
+  EXPECT_EQ(maps.ForLoading("kitchen").value(), folder / "kitchen.vismap");
+  EXPECT_THAT(maps.ForLoading("garden").error().message, HasSubstr("no map of this name"));
+}
+
+TEST(MapFolder, PathsAreRefused) {
+  const TempFolder folder;
+  const MapFolder maps(folder.path());
+  for (const std::string name : {"", "/etc/passwd", "../map", "a/b", "..", ".", ".profile", "a\\b",
+                                 "a b", "a\nb", "\xc3\xa4", "~", "a;b"}) {
+    EXPECT_THAT(maps.ForSaving(name).error().message, HasSubstr("no path")) << name;
+    EXPECT_THAT(maps.ForLoading(name).error().message, HasSubstr("no path")) << name;
+  }
+  EXPECT_FALSE(maps.ForSaving(std::string(101, 'a')));
+  EXPECT_FALSE(maps.ForSaving(std::string("a\0b", 3)));
+}
+
+TEST(MapFolder, OnlyMapsAreReplaced) {
+  const TempFolder folder;
+  const MapFolder maps(folder.path());
+  folder.Write("notes.vismap", "not a map");
+  folder.Write("empty.vismap", "");
+  SaveEmptyMap(folder / "real.vismap");
+  fs::create_symlink(folder / "real.vismap", folder / "link.vismap");
+  fs::create_directory(folder / "folder.vismap");
+  ASSERT_EQ(::mkfifo((folder / "pipe.vismap").c_str(), 0600), 0);
+  for (const std::string name : {"notes", "empty", "link", "folder", "pipe"})
+    EXPECT_THAT(maps.ForSaving(name).error().message, HasSubstr("not replaced")) << name;
+  for (const std::string name : {"link", "folder", "pipe"})
+    EXPECT_THAT(maps.ForLoading(name).error().message, HasSubstr("regular file")) << name;
+}
+
+TEST(MapFolder, WithoutAFolderClientsMayDoNeither) {
+  EXPECT_THAT(MapFolder("").ForSaving("a").error().message, HasSubstr("map_folder"));
+  EXPECT_THAT(MapFolder("").ForLoading("a").error().message, HasSubstr("map_folder"));
+}
+
+}  // namespace
+}  // namespace vismap
