@@ -6,8 +6,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -66,7 +68,8 @@ Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options) {
   return hub;
 }
 
-Hub::Hub(const HubOptions& options) : options_(options), faults_(options.faults) {}
+Hub::Hub(const HubOptions& options)
+    : options_(options), faults_(options.faults), budgets_(options.max_hold) {}
 
 Hub::~Hub() {
   if (socket_ >= 0) close(socket_);
@@ -107,7 +110,8 @@ void Hub::Run(const StopSignal& stop, const std::function<void()>& each_round) {
 }
 
 void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
-  std::vector<pollfd> waiting = {{stop.fd(), POLLIN, 0}, {socket_, POLLIN, 0}};
+  const bool accepts = MonotonicSeconds() >= accept_again_at_;
+  std::vector<pollfd> waiting = {{stop.fd(), POLLIN, 0}, {accepts ? socket_ : -1, POLLIN, 0}};
   std::vector<std::shared_ptr<Client>> polled(clients_.begin(), clients_.end());
   for (const std::shared_ptr<Client>& client : polled) {
     const int events =
@@ -121,7 +125,9 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
     for (const std::shared_ptr<Client>& client : polled) client->connection.Flush();
     if (waiting[1].revents != 0) Accept();
   }
-  DisconnectStalled();
+  ChargeHolds();
+  DisconnectLate();
+  DisconnectLargest();
   RemoveDead();
 }
 
@@ -130,9 +136,15 @@ void Hub::Accept() {
   socklen_t size = sizeof(address);
   Socket socket(
       accept4(socket_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-  if (!socket.open()) return;
+  if (!socket.open()) {
+    if (errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM) return;
+    LogWarningRateLimited("descriptors", std::string("no client can connect now: ") +
+                                             std::strerror(errno) + "; trying again in a second");
+    accept_again_at_ = MonotonicSeconds() + 1;
+    return;
+  }
   const std::string name = AddressText(address);
-  if (client_count() >= options_.max_clients) {
+  if (client_count() >= options_.max_clients && !MakeRoomForClient()) {
     ++counters_.clients_cut_off;
     LogWarningRateLimited("full", name + " was refused: there are already " +
                                       std::to_string(client_count()) + " clients");
@@ -142,9 +154,24 @@ void Hub::Accept() {
   ++counters_.clients_accepted;
   LogDebug(name + " connected");
   auto client = std::make_shared<Client>(std::move(socket), name, options_.max_message_bytes,
-                                         options_.queue_bytes);
+                                         QueueLimits{options_.queue_bytes, options_.max_wait});
   client->connection.Flush();
   clients_.push_back(std::move(client));
+}
+
+// Of the clients that have neither subscribed nor published anything, the oldest one makes room.
+bool Hub::MakeRoomForClient() {
+  const auto idle = std::find_if(clients_.begin(), clients_.end(),
+                                 [](const auto& client) { return !client->active; });
+  if (idle == clients_.end()) return false;
+  Disconnect(**idle, "had neither subscribed nor published, and there are too many clients");
+  RemoveDead();
+  return true;
+}
+
+void Hub::UpdateCritical(Client* client) {
+  client->critical = !client->source.empty() && options_.critical.Match(client->source) &&
+                     budgets_.MayHold(client->source);
 }
 
 void Hub::Read(Client& client) {
@@ -167,11 +194,13 @@ void Hub::Disconnect(Client& client, const std::string& why) {
 }
 
 void Hub::HandleRecord(Client& client, TcpqRecord record) {
+  client.active = true;
   switch (record.kind) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
       client.LearnName(record);
+      UpdateCritical(&client);
       if (faults_.Drops(record.name)) {
         ++counters_.dropped_on_purpose;
         return;
@@ -191,8 +220,9 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
   const RoutedMessage message = RouteMessage(record, &options_.policies);
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
-    // A client does not wait for itself, and the hub (no sender) never waits.
-    const bool sender_waits = sender != nullptr && sender != client.get();
+    // A client does not wait for itself, the hub (no sender) never waits, and no client waits
+    // for one that is not critical.
+    const bool sender_waits = sender != nullptr && sender != client.get() && client->critical;
     Count(*client, message, client->connection.Add(message, sender_waits));
     // Only the sender of a lossless message has to wait for a full queue.
     if (!sender_waits || message.policy != QueuePolicy::kLossless) continue;
@@ -222,18 +252,55 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
   }
 }
 
-void Hub::DisconnectStalled() {
+void Hub::ChargeHolds() {
+  const double now = MonotonicSeconds();
+  const double seconds = charged_at_ > 0 ? now - charged_at_ : 0;
+  charged_at_ = now;
+  budgets_.Refill(seconds);
+  std::set<std::string> held_for;
   for (const std::shared_ptr<Client>& client : clients_) {
     if (!client->MustWait()) continue;
+    counters_.held_back_ms += static_cast<int64_t>(seconds * 1e3);
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
-      const std::shared_ptr<Client> slow = entry.lock();
-      if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience) continue;
-      if (!slow->dead) {
-        Disconnect(*slow, "has read nothing for " + FormatDuration(options_.patience) + " while " +
-                              client->name + " had to wait");
-      }
+      if (const std::shared_ptr<Client> slow = entry.lock()) held_for.insert(slow->source);
     }
   }
+  for (const std::string& name : held_for) budgets_.Charge(name, seconds);
+  for (const std::shared_ptr<Client>& client : clients_) UpdateCritical(client.get());
+}
+
+void Hub::DisconnectLate() {
+  constexpr double kSlowestLink = 65536;  // [bytes/s] of a large message
+  for (const std::shared_ptr<Client>& client : clients_) {
+    const QueuedConnection& connection = client->connection;
+    if (connection.SecondsBehind() > options_.patience) {
+      Disconnect(*client,
+                 "is " + FormatDuration(connection.SecondsBehind()) + " behind with reading");
+    } else if (!connection.has_greeting() &&
+               connection.SecondsIncomplete(kSlowestLink) > options_.greeting_time) {
+      Disconnect(*client, "has not said that it speaks LCM's tcpq protocol");
+    } else if (connection.SecondsIncomplete(kSlowestLink) > options_.patience &&
+               !client->MustWait()) {
+      Disconnect(*client, "has begun a message and not completed it");
+    }
+  }
+}
+
+// The total of what waits for clients and of what arrives from them is bounded: the client with
+// most of it goes.
+void Hub::DisconnectLargest() {
+  size_t total = 0;
+  Client* largest = nullptr;
+  for (const std::shared_ptr<Client>& client : clients_) {
+    if (client->dead) continue;
+    const size_t bytes = client->connection.buffered_bytes();
+    total += bytes;
+    if (largest == nullptr || bytes > largest->connection.buffered_bytes()) largest = client.get();
+  }
+  if (total <= options_.total_bytes || largest == nullptr) return;
+  Disconnect(*largest, "had " + FormatBytes(largest->connection.buffered_bytes()) +
+                           " waiting, and all clients together more than " +
+                           FormatBytes(options_.total_bytes));
 }
 
 void Hub::RemoveDead() {
@@ -256,9 +323,10 @@ void Hub::PublishStatus() {
   AddCounter(&message, "delivered", counters_.delivered);
   AddCounter(&message, "dropped", counters_.dropped);
   AddCounter(&message, "held_back", counters_.held_back);
+  AddCounter(&message, "held_back_ms", counters_.held_back_ms);
   size_t queued = 0;
   for (const std::shared_ptr<Client>& client : clients_) {
-    queued += client->connection.queue().bytes();
+    queued += client->connection.buffered_bytes();
   }
   AddCounter(&message, "queued_bytes", static_cast<int64_t>(queued));
   if (options_.faults.drop_fraction > 0) {

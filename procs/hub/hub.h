@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "hub/client.h"
 #include "hub/fault_injection.h"
+#include "hub/hold_budgets.h"
 #include "queueing/channel_policies.h"
 #include "runtime/lcm_url.h"
 #include "runtime/stop_signal.h"
@@ -25,8 +26,17 @@ struct HubOptions {
       kMaxMessageBytes;         ///< a client that sends a larger message is disconnected
   int socket_buffer_bytes = 0;  ///< SO_RCVBUF and SO_SNDBUF of the connections; 0 = system default
   int max_clients = 256;
-  /// A client that makes others wait is disconnected after so long without progress [s].
+  /// A client is disconnected when what waits for it is older than this, or when a message from it
+  /// takes longer to arrive [s].
   double patience = 30;
+  double greeting_time = 10;  ///< a client that has not said by then that it speaks tcpq goes [s]
+  /// Publishers of lossless channels wait for a critical process when messages have waited for it
+  /// so long, or have filled its queue [s] ...
+  double max_wait = 10;
+  double max_hold = 60;  ///< ... but no longer than this in total, see HoldBudgets [s]
+  /// Names of critical processes on the bus. All other clients never make a publisher wait.
+  ChannelPatterns critical;
+  size_t total_bytes = 1024 * kMegabyte;  ///< of all queues and of messages that are arriving
   ChannelPolicies policies;
   FaultOptions faults;  ///< for tests
 };
@@ -51,15 +61,17 @@ struct HubCounters {
   int64_t held_back = 0;           ///< how often a client had to wait because another one was slow
   int64_t dropped_on_purpose = 0;  ///< received but not forwarded, see FaultOptions
   int64_t clients_accepted = 0, clients_cut_off = 0;
+  int64_t held_back_ms = 0;  ///< time that publishers have waited
   NamedCounts dropped_by_channel, replaced_by_channel, dropped_by_client;
 };
 
 /// Forwards messages between the clients of one bus over TCP. It uses LCM's tcpq protocol, so that
 /// every LCM program can connect. It has one thread, which no client can block: messages for a slow
 /// client wait in the queue of that client. QueuePolicy decides what happens when this queue is
-/// full. For a lossless channel the hub stops reading from the publishers until the queue has room,
-/// or until the slow client has made no progress for `patience` and is disconnected. A client never
-/// waits for itself. Each client receives messages in the order in which they arrived at the hub.
+/// full. For a lossless channel and a critical process the hub stops reading from the publishers
+/// until the queue has room, for a bounded time in total; other slow clients lose messages. A
+/// client that falls behind by more than `patience` is disconnected. A client never waits for
+/// itself. Each client receives messages in the order in which they arrived at the hub.
 class Hub {
  public:
   /// Starts to listen. Fails with the reason, for example when the address is in use or does not
@@ -89,7 +101,11 @@ class Hub {
   void Route(const TcpqRecord& record, Client* sender);
   void Count(const Client& client, const RoutedMessage& message, MessageQueue::Added added);
   void Disconnect(Client& client, const std::string& why);
-  void DisconnectStalled();
+  void DisconnectLate();
+  void DisconnectLargest();
+  void ChargeHolds();
+  void UpdateCritical(Client* client);
+  bool MakeRoomForClient();
   void RemoveDead();
   void PublishStatus();
   std::string StatusSentence() const;
@@ -99,6 +115,9 @@ class Hub {
   uint16_t port_ = 0;
   std::list<std::shared_ptr<Client>> clients_;
   FaultInjection faults_;
+  HoldBudgets budgets_;
+  double charged_at_ = 0;       // MonotonicSeconds
+  double accept_again_at_ = 0;  // after the system had no descriptor left
   HubCounters counters_;
   int64_t start_utime_ = 0;
   int64_t status_seq_ = 0;

@@ -28,6 +28,7 @@ HubOptions SmallQueues(const PolicyLists& lists = {}) {
   auto policies = ChannelPolicies::Make(lists);
   EXPECT_TRUE(policies);
   if (policies) options.policies = *policies;
+  EXPECT_TRUE(options.critical.Add(".*"));
   return options;
 }
 
@@ -43,6 +44,7 @@ TEST(LosslessChannel, PublisherWaitsForASlowReaderAndNothingIsLost) {
   RunningHub hub(SmallQueues({{"MAP_DELTA"}, {}, {}}));
   auto sender = Join(hub, "sender"), slow = Join(hub, "slow");
   const auto got = Collect(slow.get());
+  Introduce(slow.get());
   Settle(slow.get());
   std::atomic<int> sent{0};
   std::thread sending([&] {
@@ -73,6 +75,8 @@ TEST(LosslessChannel, StalledReaderIsDisconnectedWhileOthersContinue) {
   RunningHub hub(options);
   auto sender = Join(hub, "sender"), hung = Join(hub, "hung"), reader = Join(hub, "reader");
   const auto got = Collect(reader.get()), never = Collect(hung.get());
+  Introduce(hung.get());
+  Introduce(reader.get());
   Settle(reader.get());
   Settle(hung.get());
   std::thread sending([&] {
@@ -109,6 +113,8 @@ TEST(LosslessChannel, TwoClientsThatFloodEachOtherBothFinish) {
   const auto by_b = Collect(b.get());
   int by_a = 0;
   a->Subscribe<object_list_t>(kObjectsChannel, [&](const object_list_t&) { ++by_a; });
+  Introduce(a.get());
+  Introduce(b.get());
   Settle(a.get());
   Settle(b.get());
   constexpr int kMessages = 40;
@@ -162,8 +168,7 @@ TEST(DropNewestChannel, StatusCountsDroppedMessagesByChannelAndClient) {
   RunningHub hub(SmallQueues());
   auto sender = Join(hub, "sender"), slow = Join(hub, "slow"), reader = Join(hub, "reader");
   const auto got = Collect(slow.get());
-  process_status_t introduction{};
-  slow->Publish(kStatusChannel, introduction);
+  Introduce(slow.get());
   Settle(slow.get());
   std::map<std::string, int64_t> counters;
   reader->Subscribe<process_status_t>(kStatusChannel, [&](const process_status_t& status) {
