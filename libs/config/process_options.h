@@ -73,7 +73,17 @@ struct HubOptions {
   int queue_mb = 256;           ///< may wait for a client, of lossless messages and of others
   int socket_buffer_bytes = 0;  ///< SO_RCVBUF and SO_SNDBUF of the connections; 0 = the system's
   int max_clients = 256;        ///< connections beyond are refused
-  double patience_s = 30;       ///< with a client that takes nothing while others wait for it
+  /// A client is disconnected when what waits for it is older, or when its messages take longer to
+  /// arrive.
+  double patience_s = 30;
+  double greeting_s = 10;  ///< time in which a client must say that it speaks tcpq
+  /// Names of processes (patterns) for which publishers of lossless channels wait. All other slow
+  /// readers lose messages.
+  std::vector<std::string> critical = {"map-server.*", "depth-segmenter.*", "detector.*",
+                                       "sensor-replay.*", "bridge.*"};
+  double max_wait_s = 10;  ///< publishers wait when messages wait so long for a critical process
+  double max_hold_s = 60;  ///< and in total no longer than this for one name, see HoldBudgets
+  int total_mb = 1024;     ///< of all that waits for clients or arrives from them
   /// Patterns of channels, see QueuePolicy.
   std::vector<std::string> lossless, latest, drop_newest;
 };

@@ -132,6 +132,10 @@ std::vector<std::string> Problems(const HubOptions& hub) {
   VISMAP_CHECK_AT_LEAST(check, hub.socket_buffer_bytes, 0);
   VISMAP_CHECK_RANGE(check, hub.max_clients, 1, 10000);
   VISMAP_CHECK_RANGE(check, hub.patience_s, 0.1, 60);
+  VISMAP_CHECK_RANGE(check, hub.greeting_s, 0.1, 60);
+  VISMAP_CHECK_RANGE(check, hub.max_wait_s, 0.1, 60);
+  VISMAP_CHECK_RANGE(check, hub.max_hold_s, 0, 86400);
+  VISMAP_CHECK_RANGE(check, hub.total_mb, 1, 1048576);
   return std::move(check).problems();
 }
 

@@ -23,7 +23,7 @@ constexpr int kMessagesPerTurn = 16;
 class HubEnd : public BridgeEnd {
  public:
   HubEnd(const LcmUrl& url, const BridgeEndOptions& options)
-      : url_(url), options_(options), connection_(kMaxMessageBytes, options.queue_bytes) {}
+      : url_(url), options_(options), connection_(kMaxMessageBytes, QueueLimits{options.queue_bytes}) {}
 
   const std::string& url() const override { return url_.text; }
   bool connected() const override { return connection_.open(); }

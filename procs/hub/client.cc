@@ -10,8 +10,8 @@
 namespace vismap {
 
 HubClient::HubClient(Socket socket, const std::string& address, size_t max_message_bytes,
-                     size_t queue_bytes)
-    : name(address), connection(max_message_bytes, queue_bytes) {
+                     const QueueLimits& limits)
+    : name(address), connection(max_message_bytes, limits) {
   connection.Open(std::move(socket), RecordReader(TcpqMagic::kClient, max_message_bytes),
                   TcpqHello(TcpqMagic::kHub));
 }
@@ -20,7 +20,8 @@ void HubClient::LearnName(const TcpqRecord& record) {
   if (named || record.name != kStatusChannel.name) return;
   const std::optional<MessageHead> head = PeekHead(record.data());
   if (!head || head->source.empty() || head->source.size() > 64) return;
-  name = head->source + " (" + name + ")";
+  source = head->source;
+  name = source + " (" + name + ")";
   named = true;
 }
 
@@ -33,7 +34,7 @@ void HubClient::WaitFor(const std::shared_ptr<HubClient>& slow) {
 bool HubClient::MustWait() {
   std::erase_if(waits_for, [](const std::weak_ptr<HubClient>& entry) {
     const std::shared_ptr<HubClient> slow = entry.lock();
-    return slow == nullptr || slow->dead || !slow->connection.queue().full();
+    return slow == nullptr || slow->dead || !slow->critical || !slow->connection.queue().full();
   });
   return !waits_for.empty();
 }

@@ -12,7 +12,7 @@ namespace vismap {
 /// One client of the hub.
 struct HubClient {
   HubClient(Socket socket, const std::string& address, size_t max_message_bytes,
-            size_t queue_bytes);
+            const QueueLimits& limits);
 
   /// Sets the name of this client if the record is its STATUS message, which has the name of the
   /// process.
@@ -22,12 +22,15 @@ struct HubClient {
   /// Whether this client still has to wait for a slow one, so that the hub must not read from it.
   bool MustWait();
 
-  std::string name;  ///< for log lines: its address and, when known, its name on the bus
+  std::string source;  ///< its name on the bus; "" = not yet known
+  std::string name;    ///< for log lines: its address and, when known, its name on the bus
   QueuedConnection connection;
   ChannelPatterns subscriptions;
   std::vector<std::weak_ptr<HubClient>> waits_for;  ///< the slow clients, see WaitFor
   bool named = false;                               ///< `name` has its name on the bus
   bool dead = false;                                ///< disconnected, will be removed
+  bool active = false;                              ///< has subscribed or published
+  bool critical = false;                            ///< publishers may wait for it
 };
 
 }  // namespace vismap

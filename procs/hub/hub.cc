@@ -6,8 +6,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -43,6 +45,15 @@ Result<ChannelPolicies> PoliciesOf(const HubOptions& options) {
   return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest});
 }
 
+Result<ChannelPatterns> CriticalOf(const HubOptions& options) {
+  ChannelPatterns names;
+  for (const std::string& pattern : options.critical) {
+    if (const Result<void> added = names.Add(pattern); !added)
+      return Fail("hub.critical (--critical): " + added.error().message);
+  }
+  return names;
+}
+
 }  // namespace
 
 void NamedCounts::Add(const std::string& name) {
@@ -60,6 +71,7 @@ Result<void> CheckOptions(const HubOptions& options) {
   if (const auto listen = ParseTcpAddress(options.listen); !listen)
     return Fail("hub.listen (--listen): " + listen.error().message);
   if (const auto policies = PoliciesOf(options); !policies) return tl::unexpected(policies.error());
+  if (const auto critical = CriticalOf(options); !critical) return tl::unexpected(critical.error());
   return {};
 }
 
@@ -69,6 +81,7 @@ Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options, const std::str
     return tl::unexpected(checked.error());
   std::unique_ptr<Hub> hub(new Hub(options, name, faults));
   hub->policies_ = std::move(*PoliciesOf(options));
+  hub->critical_ = std::move(*CriticalOf(options));
   if (const auto listening = hub->Listen(*ParseTcpAddress(options.listen)); !listening)
     return Fail("cannot listen on " + options.listen + ": " + listening.error().message);
   if (name.empty()) hub->name_ = "hub-" + HostName() + "-" + std::to_string(hub->port_);
@@ -79,9 +92,11 @@ Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options, const std::str
 Hub::Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults)
     : options_(options),
       queue_bytes_(static_cast<size_t>(options.queue_mb) * kMegabyte),
+      total_bytes_(static_cast<size_t>(options.total_mb) * kMegabyte),
       name_(name),
       faults_(faults),
-      loses_messages_(faults.drop_fraction > 0) {}
+      loses_messages_(faults.drop_fraction > 0),
+      budgets_(options.max_hold_s) {}
 
 Hub::~Hub() {
   if (socket_ >= 0) close(socket_);
@@ -122,7 +137,8 @@ void Hub::Run(const StopSignal& stop, const std::function<void()>& each_round) {
 }
 
 void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
-  std::vector<pollfd> waiting = {{stop.fd(), POLLIN, 0}, {socket_, POLLIN, 0}};
+  const bool accepts = MonotonicSeconds() >= accept_again_at_;
+  std::vector<pollfd> waiting = {{stop.fd(), POLLIN, 0}, {accepts ? socket_ : -1, POLLIN, 0}};
   std::vector<std::shared_ptr<Client>> polled(clients_.begin(), clients_.end());
   for (const std::shared_ptr<Client>& client : polled) {
     const int events =
@@ -136,7 +152,9 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
     for (const std::shared_ptr<Client>& client : polled) client->connection.Flush();
     if (waiting[1].revents != 0) Accept();
   }
-  DisconnectStalled();
+  ChargeHolds();
+  DisconnectLate();
+  DisconnectLargest();
   RemoveDead();
 }
 
@@ -145,9 +163,15 @@ void Hub::Accept() {
   socklen_t size = sizeof(address);
   Socket socket(
       accept4(socket_, reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-  if (!socket.open()) return;
+  if (!socket.open()) {
+    if (errno != EMFILE && errno != ENFILE && errno != ENOBUFS && errno != ENOMEM) return;
+    LogWarningRateLimited("descriptors", std::string("no client can connect now: ") +
+                                             std::strerror(errno) + "; trying again in a second");
+    accept_again_at_ = MonotonicSeconds() + 1;
+    return;
+  }
   const std::string name = AddressText(address);
-  if (client_count() >= options_.max_clients) {
+  if (client_count() >= options_.max_clients && !MakeRoomForClient()) {
     ++counters_.clients_cut_off;
     LogWarningRateLimited("full", name + " was refused: there are already " +
                                       std::to_string(client_count()) + " clients");
@@ -156,9 +180,25 @@ void Hub::Accept() {
   TuneTcp(socket.fd());
   ++counters_.clients_accepted;
   LogDebug(name + " connected");
-  auto client = std::make_shared<Client>(std::move(socket), name, kMaxMessageBytes, queue_bytes_);
+  auto client = std::make_shared<Client>(std::move(socket), name, kMaxMessageBytes,
+                                         QueueLimits{queue_bytes_, options_.max_wait_s});
   client->connection.Flush();
   clients_.push_back(std::move(client));
+}
+
+// Of the clients that have neither subscribed nor published anything, the oldest one makes room.
+bool Hub::MakeRoomForClient() {
+  const auto idle = std::find_if(clients_.begin(), clients_.end(),
+                                 [](const auto& client) { return !client->active; });
+  if (idle == clients_.end()) return false;
+  Disconnect(**idle, "had neither subscribed nor published, and there are too many clients");
+  RemoveDead();
+  return true;
+}
+
+void Hub::UpdateCritical(Client* client) {
+  client->critical = !client->source.empty() && critical_.Match(client->source) &&
+                     budgets_.MayHold(client->source);
 }
 
 void Hub::Read(Client& client) {
@@ -181,11 +221,13 @@ void Hub::Disconnect(Client& client, const std::string& why) {
 }
 
 void Hub::HandleRecord(Client& client, TcpqRecord record) {
+  client.active = true;
   switch (record.kind) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
       client.LearnName(record);
+      UpdateCritical(&client);
       if (faults_.Drops(record.name)) {
         ++counters_.dropped_on_purpose;
         return;
@@ -205,8 +247,9 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
   const RoutedMessage message = RouteMessage(record, &policies_);
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
-    // A client does not wait for itself, and the hub (no sender) never waits.
-    const bool sender_waits = sender != nullptr && sender != client.get();
+    // A client does not wait for itself, the hub (no sender) never waits, and no client waits
+    // for one that is not critical.
+    const bool sender_waits = sender != nullptr && sender != client.get() && client->critical;
     Count(*client, message, client->connection.Add(message, sender_waits));
     // Only the sender of a lossless message has to wait for a full queue.
     if (!sender_waits || message.policy != QueuePolicy::kLossless)
@@ -237,18 +280,55 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
   }
 }
 
-void Hub::DisconnectStalled() {
+void Hub::ChargeHolds() {
+  const double now = MonotonicSeconds();
+  const double seconds = charged_at_ > 0 ? now - charged_at_ : 0;
+  charged_at_ = now;
+  budgets_.Refill(seconds);
+  std::set<std::string> held_for;
   for (const std::shared_ptr<Client>& client : clients_) {
     if (!client->MustWait()) continue;
+    counters_.held_back_ms += static_cast<int64_t>(seconds * 1e3);
     for (const std::weak_ptr<Client>& entry : client->waits_for) {
-      const std::shared_ptr<Client> slow = entry.lock();
-      if (slow == nullptr || slow->connection.SecondsStuck() < options_.patience_s) continue;
-      if (!slow->dead) {
-        Disconnect(*slow, "has read nothing for " + FormatDuration(options_.patience_s) +
-                              " while " + client->name + " had to wait");
-      }
+      if (const std::shared_ptr<Client> slow = entry.lock()) held_for.insert(slow->source);
     }
   }
+  for (const std::string& name : held_for) budgets_.Charge(name, seconds);
+  for (const std::shared_ptr<Client>& client : clients_) UpdateCritical(client.get());
+}
+
+void Hub::DisconnectLate() {
+  constexpr double kSlowestLink = 65536;  // [bytes/s] of a large message
+  for (const std::shared_ptr<Client>& client : clients_) {
+    const QueuedConnection& connection = client->connection;
+    if (connection.SecondsBehind() > options_.patience_s) {
+      Disconnect(*client,
+                 "is " + FormatDuration(connection.SecondsBehind()) + " behind with reading");
+    } else if (!connection.has_greeting() &&
+               connection.SecondsIncomplete(kSlowestLink) > options_.greeting_s) {
+      Disconnect(*client, "has not said that it speaks LCM's tcpq protocol");
+    } else if (connection.SecondsIncomplete(kSlowestLink) > options_.patience_s &&
+               !client->MustWait()) {
+      Disconnect(*client, "has begun a message and not completed it");
+    }
+  }
+}
+
+// The total of what waits for clients and of what arrives from them is bounded: the client with
+// most of it goes.
+void Hub::DisconnectLargest() {
+  size_t total = 0;
+  Client* largest = nullptr;
+  for (const std::shared_ptr<Client>& client : clients_) {
+    if (client->dead) continue;
+    const size_t bytes = client->connection.buffered_bytes();
+    total += bytes;
+    if (largest == nullptr || bytes > largest->connection.buffered_bytes()) largest = client.get();
+  }
+  if (total <= total_bytes_ || largest == nullptr) return;
+  Disconnect(*largest, "had " + FormatBytes(largest->connection.buffered_bytes()) +
+                           " waiting, and all clients together more than " +
+                           FormatBytes(total_bytes_));
 }
 
 void Hub::RemoveDead() {
@@ -271,9 +351,10 @@ void Hub::PublishStatus() {
   AddCounter(&message, "delivered", counters_.delivered);
   AddCounter(&message, "dropped", counters_.dropped);
   AddCounter(&message, "held_back", counters_.held_back);
+  AddCounter(&message, "held_back_ms", counters_.held_back_ms);
   size_t queued = 0;
   for (const std::shared_ptr<Client>& client : clients_) {
-    queued += client->connection.queue().bytes();
+    queued += client->connection.buffered_bytes();
   }
   AddCounter(&message, "queued_bytes", static_cast<int64_t>(queued));
   if (loses_messages_) {

@@ -11,6 +11,7 @@
 #include "config/process_options.h"
 #include "hub/client.h"
 #include "hub/fault_injection.h"
+#include "hub/hold_budgets.h"
 #include "queueing/channel_policies.h"
 #include "runtime/lcm_url.h"
 #include "runtime/stop_signal.h"
@@ -41,15 +42,17 @@ struct HubCounters {
   int64_t held_back = 0;           ///< how often a client had to wait because another one was slow
   int64_t dropped_on_purpose = 0;  ///< received but not forwarded, see FaultOptions
   int64_t clients_accepted = 0, clients_cut_off = 0;
+  int64_t held_back_ms = 0;  ///< time that publishers have waited
   NamedCounts dropped_by_channel, replaced_by_channel, dropped_by_client;
 };
 
 /// Forwards messages between the clients of one bus over TCP. It uses LCM's tcpq protocol, so that
 /// every LCM program can connect. It has one thread, which no client can block: messages for a slow
 /// client wait in the queue of that client. QueuePolicy decides what happens when this queue is
-/// full. For a lossless channel the hub stops reading from the publishers until the queue has room,
-/// or until the slow client has made no progress for patience_s and is disconnected. A client never
-/// waits for itself. Each client receives messages in the order in which they arrived at the hub.
+/// full. For a lossless channel and a critical process the hub stops reading from the publishers
+/// until the queue has room, for a bounded time in total; other slow clients lose messages. A
+/// client that falls behind by more than patience_s is disconnected. A client never waits for
+/// itself. Each client receives messages in the order in which they arrived at the hub.
 class Hub {
  public:
   /// Starts to listen. `name` is that on the bus; "" = hub-COMPUTER-PORT, which is unique also on
@@ -81,20 +84,28 @@ class Hub {
   void Route(const TcpqRecord& record, Client* sender);
   void Count(const Client& client, const RoutedMessage& message, MessageQueue::Added added);
   void Disconnect(Client& client, const std::string& why);
-  void DisconnectStalled();
+  void DisconnectLate();
+  void DisconnectLargest();
+  void ChargeHolds();
+  void UpdateCritical(Client* client);
+  bool MakeRoomForClient();
   void RemoveDead();
   void PublishStatus();
   std::string StatusSentence() const;
 
   HubOptions options_;
-  size_t queue_bytes_;
+  size_t queue_bytes_, total_bytes_;
   std::string name_;
   ChannelPolicies policies_;
+  ChannelPatterns critical_;  // names of processes
   int socket_ = -1;
   uint16_t port_ = 0;
   std::list<std::shared_ptr<Client>> clients_;
   FaultInjection faults_;
   bool loses_messages_;  // intentionally, for a test
+  HoldBudgets budgets_;
+  double charged_at_ = 0;       // MonotonicSeconds
+  double accept_again_at_ = 0;  // after the system had no descriptor left
   HubCounters counters_;
   int64_t start_utime_ = 0;
   int64_t status_seq_ = 0;

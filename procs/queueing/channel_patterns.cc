@@ -1,44 +1,45 @@
 #include "queueing/channel_patterns.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxPatterns = 1024;
 constexpr size_t kMaxKnown = 4096;
-
-// Match in polynomial time, so that a pattern from the bus cannot stop the hub.
-constexpr auto kRegexFlags =
-    std::regex::ECMAScript | std::regex::nosubs | std::regex_constants::__polynomial;
+constexpr size_t kMaxKnownName = 256;  // longer names are matched anew each time [characters]
 
 }  // namespace
 
 Result<void> ChannelPatterns::Add(const std::string& pattern) {
-  if (entries_.size() >= kMaxPatterns)
-    return Fail("there are already " + std::to_string(kMaxPatterns) + " patterns");
-  try {
-    entries_.push_back({pattern, std::regex(pattern, kRegexFlags)});
-  } catch (const std::regex_error& error) {
-    return Fail("pattern '" + pattern + "': " + error.what());
+  Result<ChannelPattern> compiled = ChannelPattern::Compile(pattern);
+  if (!compiled) return tl::unexpected(compiled.error());
+  if (patterns_.size() >= kMaxPatterns || bytes_ + compiled->bytes() > kMaxBytes) {
+    return Fail("there are " + std::to_string(patterns_.size()) +
+                " patterns already, and one more would take more memory than is allowed");
   }
+  bytes_ += compiled->bytes();
+  patterns_.push_back(std::move(*compiled));
   known_.clear();
   return {};
 }
 
 void ChannelPatterns::Remove(const std::string& pattern) {
-  const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const Entry& e) { return e.pattern == pattern; });
-  if (found != entries_.end()) entries_.erase(found);
+  const auto found = std::find_if(patterns_.begin(), patterns_.end(),
+                                  [&](const ChannelPattern& p) { return p.text() == pattern; });
+  if (found == patterns_.end()) return;
+  bytes_ -= found->bytes();
+  patterns_.erase(found);
   known_.clear();
 }
 
 bool ChannelPatterns::Match(const std::string& channel) {
   if (const auto known = known_.find(channel); known != known_.end()) return known->second;
+  const bool match =
+      std::any_of(patterns_.begin(), patterns_.end(),
+                  [&](const ChannelPattern& pattern) { return pattern.Matches(channel); });
+  if (channel.size() > kMaxKnownName) return match;
   if (known_.size() >= kMaxKnown) known_.clear();
-  const bool match = std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return std::regex_match(channel, entry.regex);
-  });
   known_[channel] = match;
   return match;
 }

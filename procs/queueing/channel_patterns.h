@@ -1,32 +1,33 @@
 #pragma once
 
 #include <list>
-#include <regex>
 #include <string>
 #include <unordered_map>
 
 #include "base/result.h"
+#include "queueing/channel_pattern.h"
 
 namespace vismap {
 
-/// A set of channels, given by regular expressions. As in LCM's subscriptions, a pattern must match
-/// the whole name of a channel.
+/// A set of channels, given by patterns (see ChannelPattern).
 class ChannelPatterns {
  public:
-  /// Fails when `pattern` is not a valid regular expression, or when there are too many patterns.
+  /// Bounds of one set: what one client of a hub can use.
+  static constexpr size_t kMaxPatterns = 1024;
+  static constexpr size_t kMaxBytes = size_t{8} << 20;  ///< of the patterns, see ChannelPattern
+
+  /// Fails when the pattern cannot be used, or when the set would grow beyond its bounds.
   Result<void> Add(const std::string& pattern);
-  /// Removes one pattern that equals `pattern`, if there is one.
+  /// Undoes one Add of the same pattern, if there was one.
   void Remove(const std::string& pattern);
-  /// Whether a pattern matches this channel.
   bool Match(const std::string& channel);
 
+  size_t bytes() const { return bytes_; }  ///< an upper bound of what the patterns take
+
  private:
-  struct Entry {
-    std::string pattern;
-    std::regex regex;
-  };
-  std::list<Entry> entries_;
-  std::unordered_map<std::string, bool> known_;  // cached results of Match, by channel
+  std::list<ChannelPattern> patterns_;
+  size_t bytes_ = 0;
+  std::unordered_map<std::string, bool> known_;  // earlier answers
 };
 
 }  // namespace vismap

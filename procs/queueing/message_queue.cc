@@ -1,5 +1,9 @@
 #include "queueing/message_queue.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/clock.h"
 #include "wire/envelope.h"
 
 namespace vismap {
@@ -16,33 +20,62 @@ size_t* MessageQueue::BytesOf(const RoutedMessage& message) {
   return message.policy == QueuePolicy::kLossless ? &lossless_bytes_ : &other_bytes_;
 }
 
+std::deque<double>* MessageQueue::TimesOf(const RoutedMessage& message) {
+  return message.policy == QueuePolicy::kLossless ? &lossless_since_ : &other_since_;
+}
+
+bool MessageQueue::full() const {
+  const bool late =
+      !lossless_since_.empty() && MonotonicSeconds() - lossless_since_.front() >= limits_.max_wait;
+  return late || lossless_bytes_ >= limits_.max_bytes;
+}
+
+double MessageQueue::OldestSeconds() const {
+  double since = std::numeric_limits<double>::infinity();
+  if (!lossless_since_.empty()) since = lossless_since_.front();
+  if (!other_since_.empty()) since = std::min(since, other_since_.front());
+  return std::isfinite(since) ? MonotonicSeconds() - since : 0;
+}
+
 MessageQueue::Added MessageQueue::Add(const RoutedMessage& message, bool sender_waits) {
   size_t* bytes = BytesOf(message);
   const bool latest = message.policy == QueuePolicy::kLatest;
+  const size_t size = message.record->size() + kEntryBytes;
   if (latest) {
     // Keep the place of the older message in the queue. At the end of the queue, a message that is
     // renewed often would never be sent.
     const auto older = latest_.find({message.channel, message.source});
     if (older != latest_.end()) {
-      *bytes += message.record->size() - older->second->record->size();
-      older->second->record = message.record;
+      Entry& entry = *older->second;
+      *bytes += message.record->size() - entry.message.record->size();
+      entry.message.record = message.record;
+      entry.since = MonotonicSeconds();
       return Added::kReplacedOlder;
     }
   }
-  const bool keep = message.policy == QueuePolicy::kLossless && sender_waits;
-  if (!keep && *bytes > 0 && *bytes + message.record->size() > max_bytes_) return Added::kDropped;
-  entries_.push_back(message);
-  *bytes += message.record->size();
-  if (latest) latest_[{message.channel, message.source}] = std::prev(entries_.end());
+  const bool lossless = message.policy == QueuePolicy::kLossless;
+  const bool no_room = *bytes > 0 && *bytes + size > limits_.max_bytes;
+  if (!(lossless && sender_waits) && (no_room || (lossless && full()))) return Added::kDropped;
+  entries_.push_back({message, MonotonicSeconds()});
+  *bytes += size;
+  if (latest) {
+    latest_[{message.channel, message.source}] = std::prev(entries_.end());
+  } else {
+    TimesOf(message)->push_back(entries_.back().since);
+  }
   return Added::kQueued;
 }
 
-SharedBytes MessageQueue::Pop() {
-  const RoutedMessage first = std::move(entries_.front());
+MessageQueue::Entry MessageQueue::Pop() {
+  Entry first = std::move(entries_.front());
   entries_.pop_front();
-  *BytesOf(first) -= first.record->size();
-  if (first.policy == QueuePolicy::kLatest) latest_.erase({first.channel, first.source});
-  return first.record;
+  *BytesOf(first.message) -= first.message.record->size() + kEntryBytes;
+  if (first.message.policy == QueuePolicy::kLatest) {
+    latest_.erase({first.message.channel, first.message.source});
+  } else {
+    TimesOf(first.message)->pop_front();
+  }
+  return first;
 }
 
 }  // namespace vismap

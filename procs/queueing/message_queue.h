@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
+#include <limits>
 #include <list>
 #include <map>
 #include <span>
@@ -23,35 +25,52 @@ struct RoutedMessage {
 /// Determines policy and source of a received message.
 RoutedMessage RouteMessage(const TcpqRecord& record, ChannelPolicies* policies);
 
-/// The messages that wait for one reader, in order. Lossless messages and all others may each take
-/// up to `max_bytes`. A sender of lossless messages must stop while full(); what it has sent before
-/// it stops is still accepted. A single message always fits.
+/// Limits of a queue, for lossless messages and again for all others.
+struct QueueLimits {
+  size_t max_bytes = 0;
+  double max_wait = std::numeric_limits<double>::infinity();  ///< of the oldest lossless one [s]
+};
+
+/// The messages that wait for one reader, in order. A sender of lossless messages must stop while
+/// full(); what it has sent before it stops is still accepted. A single message always fits.
 class MessageQueue {
  public:
   enum class Added { kQueued, kReplacedOlder, kDropped };
+  /// What each entry takes beside its message, so that a queue of empty messages is bounded, too.
+  static constexpr size_t kEntryBytes = 256;
 
-  explicit MessageQueue(size_t max_bytes) : max_bytes_(max_bytes) {}
+  explicit MessageQueue(const QueueLimits& limits) : limits_(limits) {}
 
   /// `sender_waits` says that the sender stops sending while full(). Otherwise a lossless message,
   /// too, is dropped when there is no room.
   Added Add(const RoutedMessage& message, bool sender_waits);
 
-  /// Whether the lossless messages have reached their limit.
-  bool full() const { return lossless_bytes_ >= max_bytes_; }
+  /// Whether the lossless messages have reached one of their limits.
+  bool full() const;
   bool empty() const { return entries_.empty(); }
   /// Size of all queued messages [bytes].
   size_t bytes() const { return lossless_bytes_ + other_bytes_; }
+  /// How long the oldest message has been waiting [s]; 0 when none waits. Messages of which only
+  /// the latest counts are renewed, and do not count.
+  double OldestSeconds() const;
+
+  struct Entry {
+    RoutedMessage message;
+    double since = 0;  ///< when it was queued, or renewed [s]
+  };
   /// Removes and returns the oldest message. The queue must not be empty.
-  SharedBytes Pop();
+  Entry Pop();
 
  private:
   using Key = std::pair<std::string, std::string>;  // channel, source
   size_t* BytesOf(const RoutedMessage& message);
+  std::deque<double>* TimesOf(const RoutedMessage& message);
 
-  size_t max_bytes_;
-  std::list<RoutedMessage> entries_;
-  std::map<Key, std::list<RoutedMessage>::iterator> latest_;  // the queued messages of kLatest
+  QueueLimits limits_;
+  std::list<Entry> entries_;
+  std::map<Key, std::list<Entry>::iterator> latest_;  // the queued messages of kLatest
   size_t lossless_bytes_ = 0, other_bytes_ = 0;
+  std::deque<double> lossless_since_, other_since_;  // ascending, without those of kLatest
 };
 
 }  // namespace vismap

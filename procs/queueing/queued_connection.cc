@@ -2,6 +2,7 @@
 
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -9,20 +10,24 @@
 
 namespace vismap {
 
-QueuedConnection::QueuedConnection(size_t max_message_bytes, size_t queue_bytes)
-    : reader_(TcpqMagic::kHub, max_message_bytes), queue_(queue_bytes) {}
+QueuedConnection::QueuedConnection(size_t max_message_bytes, const QueueLimits& limits)
+    : reader_(TcpqMagic::kHub, max_message_bytes), queue_(limits) {}
 
 void QueuedConnection::Open(Socket socket, RecordReader reader, std::vector<uint8_t> opening) {
   socket_ = std::move(socket);
   reader_ = std::move(reader);
   opening_ = std::move(opening);
   sent_ = 0;
-  last_progress_ = MonotonicSeconds();
+  last_progress_ = sending_since_ = complete_since_ = MonotonicSeconds();
 }
 
 Result<void> QueuedConnection::Read(size_t max_bytes,
                                     const std::function<void(TcpqRecord)>& on_record) {
-  Result<void> read = reader_.ReadFrom(socket_.fd(), max_bytes, on_record);
+  Result<void> read = reader_.ReadFrom(socket_.fd(), max_bytes, [&](TcpqRecord record) {
+    complete_since_ = MonotonicSeconds();
+    on_record(std::move(record));
+  });
+  if (!reader_.has_part()) complete_since_ = MonotonicSeconds();
   if (!read) Close();
   return read;
 }
@@ -38,7 +43,11 @@ void QueuedConnection::Flush() {
     opening_.clear();
   }
   while (socket_.open() && (sending_ != nullptr || !queue_.empty())) {
-    if (sending_ == nullptr) sending_ = queue_.Pop();
+    if (sending_ == nullptr) {
+      MessageQueue::Entry entry = queue_.Pop();
+      sending_ = std::move(entry.message.record);
+      sending_since_ = entry.since;
+    }
     if (!SendSome(*sending_)) return;
     sending_.reset();
   }
@@ -59,6 +68,18 @@ bool QueuedConnection::SendSome(const std::vector<uint8_t>& bytes) {
   if (!socket_.open()) return false;
   sent_ = 0;
   return true;
+}
+
+double QueuedConnection::SecondsBehind() const {
+  if (!opening_.empty()) return MonotonicSeconds() - last_progress_;
+  const double sending = sending_ != nullptr ? MonotonicSeconds() - sending_since_ : 0;
+  return std::max(sending, queue_.OldestSeconds());
+}
+
+double QueuedConnection::SecondsIncomplete(double bytes_per_second) const {
+  if (!reader_.has_part()) return 0;
+  const double granted = static_cast<double>(reader_.missing_bytes()) / bytes_per_second;
+  return std::max(0.0, MonotonicSeconds() - complete_since_ - granted);
 }
 
 double QueuedConnection::SecondsStuck() const {

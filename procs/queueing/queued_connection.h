@@ -14,9 +14,8 @@ namespace vismap {
 /// wait in a queue, also while there is no connection.
 class QueuedConnection {
  public:
-  /// Starts without a connection. `max_message_bytes` is the limit for received messages,
-  /// `queue_bytes` that of MessageQueue.
-  QueuedConnection(size_t max_message_bytes, size_t queue_bytes);
+  /// Starts without a connection. `max_message_bytes` is the limit for received messages.
+  QueuedConnection(size_t max_message_bytes, const QueueLimits& limits);
 
   /// Takes over a connected socket. `reader` continues after the part of the greeting that has been
   /// read. `opening` is sent first, then the message that the previous connection had not sent
@@ -41,6 +40,15 @@ class QueuedConnection {
   /// How long data has been waiting without the other end accepting a single byte [s]; 0 when no
   /// data waits.
   double SecondsStuck() const;
+  /// How old the oldest data is that waits to be sent [s]; 0 when no data waits. A reader that
+  /// accepts a few bytes now and then falls behind, too.
+  double SecondsBehind() const;
+  /// How long a record, or the greeting, has been arriving without being complete [s]; 0 when none
+  /// is. A large record has more time than a small one: `bytes_per_second` for what is missing.
+  double SecondsIncomplete(double bytes_per_second) const;
+  bool has_greeting() const { return reader_.has_greeting(); }
+  /// What it keeps in memory: the queue, and what has arrived of an incomplete record [bytes].
+  size_t buffered_bytes() const { return queue_.bytes() + reader_.buffered_bytes(); }
 
  private:
   bool SendSome(const std::vector<uint8_t>& bytes);
@@ -52,6 +60,8 @@ class QueuedConnection {
   MessageQueue queue_;
   size_t sent_ = 0;  // bytes sent of opening_ or, if that is empty, of sending_
   double last_progress_ = 0;
+  double sending_since_ = 0;   // when what is being sent was queued
+  double complete_since_ = 0;  // when the last record was complete
 };
 
 }  // namespace vismap

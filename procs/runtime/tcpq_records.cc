@@ -16,8 +16,9 @@ namespace {
 
 constexpr uint32_t kMaxChannelName = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
 constexpr uint32_t kMaxPattern = 1024;
-constexpr size_t kGrowth =
-    size_t{4} << 20;  // largest growth of the buffer ahead of the arrived bytes [bytes]
+// The buffer grows by as much as has arrived, within these limits, so that a client that only
+// claims a large message takes little memory [bytes].
+constexpr size_t kLeastGrowth = size_t{64} << 10, kMostGrowth = size_t{4} << 20;
 
 void AppendWord(std::vector<uint8_t>* bytes, size_t value) {
   for (int shift = 24; shift >= 0; shift -= 8)
@@ -76,7 +77,7 @@ void RecordReader::Expect(Stage stage, size_t bytes) {
 Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
                                     const std::function<void(TcpqRecord)>& on_record) {
   for (size_t taken = 0; taken < max_bytes;) {
-    const size_t step = std::min(need_ - have_, kGrowth);
+    const size_t step = std::min(need_ - have_, std::clamp(have_, kLeastGrowth, kMostGrowth));
     if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
     const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);
     if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return {};

@@ -56,6 +56,12 @@ class RecordReader {
 
   /// Call it when the greeting of the other side has been read already.
   void SkipHello() { Expect(Stage::kHead, 8); }
+  bool has_greeting() const { return stage_ != Stage::kHello; }
+  /// Whether a part of a record, or of the greeting, has arrived.
+  bool has_part() const { return stage_ == Stage::kHello || have_ > 0; }
+  size_t buffered_bytes() const { return buffer_.size(); }
+  /// How much is still missing of the record, as far as it is known.
+  size_t missing_bytes() const { return need_ - have_; }
 
   /// Reads about `max_bytes` at most from a non-blocking socket and calls `on_record` for each
   /// complete record. Fails when the other side has closed the connection (message "") and when the

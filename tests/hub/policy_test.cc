@@ -29,6 +29,7 @@ HubOptions SmallQueues(const PolicyLists& lists = {}) {
   options.lossless = lists.lossless;
   options.latest = lists.latest;
   options.drop_newest = lists.drop_newest;
+  options.critical = {".*"};
   return options;
 }
 
@@ -44,6 +45,7 @@ TEST(LosslessChannel, PublisherWaitsForASlowReaderAndNothingIsLost) {
   RunningHub hub(SmallQueues({{"MAP_DELTA"}, {}, {}}));
   auto sender = Join(hub, "sender"), slow = Join(hub, "slow");
   const auto got = Collect(slow.get());
+  Introduce(slow.get());
   Settle(slow.get());
   std::atomic<int> sent{0};
   std::thread sending([&] {
@@ -74,6 +76,8 @@ TEST(LosslessChannel, StalledReaderIsDisconnectedWhileOthersContinue) {
   RunningHub hub(options);
   auto sender = Join(hub, "sender"), hung = Join(hub, "hung"), reader = Join(hub, "reader");
   const auto got = Collect(reader.get()), never = Collect(hung.get());
+  Introduce(hung.get());
+  Introduce(reader.get());
   Settle(reader.get());
   Settle(hung.get());
   std::thread sending([&] {
@@ -110,6 +114,8 @@ TEST(LosslessChannel, TwoClientsThatFloodEachOtherBothFinish) {
   const auto by_b = Collect(b.get());
   int by_a = 0;
   a->Subscribe<object_list_t>(kObjectsChannel, [&](const object_list_t&) { ++by_a; });
+  Introduce(a.get());
+  Introduce(b.get());
   Settle(a.get());
   Settle(b.get());
   constexpr int kMessages = 40;
@@ -163,8 +169,7 @@ TEST(DropNewestChannel, StatusCountsDroppedMessagesByChannelAndClient) {
   RunningHub hub(SmallQueues());
   auto sender = Join(hub, "sender"), slow = Join(hub, "slow"), reader = Join(hub, "reader");
   const auto got = Collect(slow.get());
-  process_status_t introduction{};
-  slow->Publish(kStatusChannel, introduction);
+  Introduce(slow.get());
   Settle(slow.get());
   std::map<std::string, int64_t> counters;
   reader->Subscribe<process_status_t>(kStatusChannel, [&](const process_status_t& status) {

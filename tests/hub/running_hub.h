@@ -10,6 +10,7 @@
 #include <utility>
 #include <vismap/map_delta_t.hpp>
 #include <vismap/map_request_t.hpp>
+#include <vismap/process_status_t.hpp>
 
 #include "hub/hub.h"
 #include "runtime/bus.h"
@@ -53,6 +54,12 @@ inline std::unique_ptr<Bus> Join(const RunningHub& hub, const std::string& sourc
   auto bus = Bus::Open(options);
   EXPECT_TRUE(bus) << bus.error().message;
   return std::move(*bus);
+}
+
+/// Tells the hub the name of a bus, as processes do with their STATUS.
+inline void Introduce(Bus* bus) {
+  process_status_t introduction{};
+  EXPECT_TRUE(bus->Publish(kStatusChannel, introduction));
 }
 
 template <typename Condition>

@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <time.h>
+
+#include <thread>
+#include <vector>
+
+#include "hub/running_hub.h"
+#include "runtime/tcp_socket.h"
+
+// What single clients, hostile or merely broken, can do to a hub: nothing that lasts.
+
+namespace vismap {
+namespace {
+
+HubOptions Strict() {
+  HubOptions options;
+  options.queue_mb = 2;
+  options.socket_buffer_bytes = 16384;
+  options.patience_s = 0.5;
+  options.greeting_s = 0.5;
+  options.max_hold_s = 0.5;
+  options.lossless = {"MAP_DELTA"};
+  options.critical = {"map-server"};
+  return options;
+}
+
+/// A client that speaks the protocol byte by byte.
+class RawClient {
+ public:
+  explicit RawClient(const RunningHub& hub) {
+    Result<Socket> socket = ConnectToHub({"127.0.0.1", hub.port()}, 5);
+    EXPECT_TRUE(socket);
+    if (socket) socket_ = std::move(*socket);
+  }
+  void Send(const std::vector<uint8_t>& bytes) {
+    EXPECT_EQ(send(socket_.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
+  }
+  /// Whether the hub has closed the connection within the deadline; reads at most `bytes_per_turn`
+  /// every 10 ms.
+  bool IsCutOff(size_t bytes_per_turn = 1) {
+    const double deadline = MonotonicSeconds() + kDeadline;
+    std::vector<uint8_t> bytes(bytes_per_turn);
+    while (MonotonicSeconds() < deadline) {
+      const ssize_t got = recv(socket_.fd(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+      if (got == 0 || (got < 0 && errno == ECONNRESET)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  }
+
+ private:
+  Socket socket_;
+};
+
+/// Publishes `count` messages of a megabyte and returns how long that took [s].
+double SecondsToPublish(Bus* bus, int count) {
+  const double start = MonotonicSeconds();
+  for (int i = 0; i < count; ++i) EXPECT_TRUE(bus->Publish(kMapDeltaChannel, Delta(i, kMegabyte)));
+  Settle(bus);
+  return MonotonicSeconds() - start;
+}
+
+TEST(HostileClient, AReaderThatIsNotCriticalMakesNoPublisherWait) {
+  RunningHub hub(Strict());
+  auto sender = Join(hub, "sender"), slow = Join(hub, "slow");
+  slow->Subscribe<map_delta_t>(kMapDeltaChannel, [](const map_delta_t&) {});
+  Introduce(slow.get());
+  Settle(slow.get());
+  SecondsToPublish(sender.get(), 50);
+  hub.Stop();
+  EXPECT_EQ(hub.counters().held_back, 0);
+  EXPECT_GT(hub.counters().dropped, 30);
+}
+
+TEST(HostileClient, ACriticalNameHoldsPublishersForABoundedTimeHoweverOftenItReconnects) {
+  HubOptions options = Strict();
+  options.patience_s = 0.2;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender");
+  double total = 0;
+  for (int round = 0; round < 8; ++round) {
+    auto hostile = Join(hub, "map-server");
+    hostile->Subscribe<map_delta_t>(kMapDeltaChannel, [](const map_delta_t&) {});
+    Introduce(hostile.get());
+    Settle(hostile.get());
+    total += SecondsToPublish(sender.get(), 10);
+  }
+  hub.Stop();
+  EXPECT_GT(hub.counters().held_back, 0);
+  EXPECT_LE(static_cast<double>(hub.counters().held_back_ms),
+            1e3 * (options.max_hold_s + 0.1 * total + 0.5));
+}
+
+TEST(HostileClient, AReaderThatTakesAFewBytesIsJudgedByWhatWaitsForIt) {
+  RunningHub hub(Strict());
+  auto sender = Join(hub, "sender");
+  RawClient drip(hub);
+  drip.Send(TcpqSubscribe("MAP_DELTA"));
+  Settle(sender.get());
+  SecondsToPublish(sender.get(), 3);
+  EXPECT_TRUE(drip.IsCutOff(20));  // 2 kB a second
+  hub.Stop();
+  EXPECT_EQ(hub.counters().clients_cut_off, 1);
+}
+
+TEST(HostileClient, AHalfSentMessageIsNotWaitedForForEver) {
+  RunningHub hub(Strict());
+  RawClient half(hub);
+  half.Send(TcpqPublishHead("MAP_DELTA", 1000));
+  half.Send({1, 2, 3});
+  EXPECT_TRUE(half.IsCutOff());
+}
+
+TEST(HostileClient, ASilentConnectionIsClosed) {
+  RunningHub hub(Strict());
+  Socket silent(socket(AF_INET, SOCK_STREAM, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(hub.port());
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(connect(silent.fd(), reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  char byte = 0;
+  timeval timeout{static_cast<time_t>(kDeadline), 0};
+  setsockopt(silent.fd(), SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout));
+  ssize_t got = 1;
+  while (got > 0) got = recv(silent.fd(), &byte, 1, 0);  // the hub's greeting, then the end
+  EXPECT_EQ(got, 0);
+}
+
+TEST(HostileClient, IdleConnectionsMakeRoomForProcesses) {
+  HubOptions options = Strict();
+  options.max_clients = 4;
+  RunningHub hub(options);
+  std::vector<std::unique_ptr<RawClient>> idle;
+  for (int i = 0; i < 4; ++i) idle.push_back(std::make_unique<RawClient>(hub));
+  auto process = Join(hub, "process");
+  Settle(process.get());
+  EXPECT_TRUE(idle[0]->IsCutOff(100));
+}
+
+TEST(HostileClient, AllQueuesTogetherAreBounded) {
+  HubOptions options = Strict();
+  options.total_mb = 5;
+  options.patience_s = 20;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender");
+  std::vector<std::unique_ptr<RawClient>> readers;
+  for (int i = 0; i < 6; ++i) {
+    readers.push_back(std::make_unique<RawClient>(hub));
+    readers.back()->Send(TcpqSubscribe("MAP_DELTA"));
+  }
+  Settle(sender.get());
+  SecondsToPublish(sender.get(), 10);
+  hub.Stop();
+  EXPECT_GE(hub.counters().clients_cut_off, 3);
+}
+
+TEST(HostileClient, EmptyMessagesAreCountedWithTheirOverhead) {
+  const QueueLimits limits{kMegabyte};
+  MessageQueue queue(limits);
+  ChannelPolicies policies;
+  const RoutedMessage empty = RouteMessage(TcpqPublish("ANY", {}), &policies);
+  int queued = 0;
+  while (queue.Add(empty, false) == MessageQueue::Added::kQueued && queued < 1'000'000) ++queued;
+  EXPECT_LT(queued, 5000);
+  EXPECT_LE(queue.bytes(), limits.max_bytes);
+}
+
+TEST(HostileClient, WithoutDescriptorsTheHubWaitsInsteadOfSpinning) {
+  RunningHub hub(Strict());
+  auto sender = Join(hub, "sender");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  Socket client(socket(AF_INET, SOCK_STREAM, 0));
+  const rlimit none{static_cast<rlim_t>(client.fd()) + 1, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(hub.port());
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(connect(client.fd(), reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
+  timespec start{}, end{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &start);
+  std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
+  setrlimit(RLIMIT_NOFILE, &before);
+  const double cpu = static_cast<double>(end.tv_sec - start.tv_sec) +
+                     static_cast<double>(end.tv_nsec - start.tv_nsec) * 1e-9;
+  EXPECT_LT(cpu, 0.4);
+  EXPECT_TRUE(sender->Publish(kMapDeltaChannel, Delta(1, 10)));
+  Settle(sender.get());
+}
+
+}  // namespace
+}  // namespace vismap
