@@ -15,14 +15,14 @@ constexpr double kRelativeTolerance = 0.06;  // of the distance
 constexpr int64_t kJudgedPoints = 100;       // fewer say nothing about a frame
 constexpr double kLeastAgreement = 0.6;
 
-struct DepthRange {
+struct DepthSpan {
   double nearest = std::numeric_limits<double>::infinity();
   double farthest = -std::numeric_limits<double>::infinity();
 };
 
 // The depths around a sample; empty when one of them has no return.
-DepthRange RangeAround(const Image<float>& depth, int v, int u) {
-  DepthRange range;
+DepthSpan RangeAround(const Image<float>& depth, int v, int u) {
+  DepthSpan range;
   for (int y = std::max(0, v - 1); y <= std::min(depth.height() - 1, v + 1); ++y) {
     for (int x = std::max(0, u - 1); x <= std::min(depth.width() - 1, u + 1); ++x) {
       if (!std::isfinite(depth(y, x))) continue;
@@ -38,7 +38,7 @@ void CountPoint(const Eigen::Vector3d& p_C, const FrameSample& to, PointCounts* 
   const Eigen::Vector2d pixel = to.header.camera.Project(p_C) / to.step;
   const double u = std::round(pixel.x()), v = std::round(pixel.y());
   if (!(u >= 0 && v >= 0 && u < to.depth.width() && v < to.depth.height())) return;
-  const DepthRange range = RangeAround(to.depth, static_cast<int>(v), static_cast<int>(u));
+  const DepthSpan range = RangeAround(to.depth, static_cast<int>(v), static_cast<int>(u));
   if (range.nearest > range.farthest) return;  // no return: the frame says nothing here
   const double tolerance = kTolerance + kRelativeTolerance * p_C.z();
   if (p_C.z() < range.nearest - tolerance) {
