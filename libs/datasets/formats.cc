@@ -13,10 +13,6 @@ int64_t UtimeAtRate(int64_t number, double rate) {
 
 namespace {
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 // A negative fy means an image whose y axis points up, hence a left-handed camera and world (those
 // of POV-Ray). Mirroring y of both gives a right-handed camera with y down in a right-handed
 // world.

@@ -17,10 +17,6 @@ constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 constexpr std::array<uint8_t, 16> kPngStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
                                             0,    0,   0,   13,  'I',  'H',  'D',  'R'};
 
-std::string SizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 int BigEndian(const uint8_t* b) {
   return int(uint32_t{b[0]} << 24 | b[1] << 16 | b[2] << 8 | b[3]);
 }
@@ -114,6 +110,10 @@ Result<T> WithPath(const std::filesystem::path& path, Result<T> result) {
 }
 
 }  // namespace
+
+std::string SizeText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
 
 Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes) {
   ImageFileInfo info;

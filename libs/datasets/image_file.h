@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -10,6 +11,9 @@
 #include "geometry/image.h"
 
 namespace vismap {
+
+/// The size of an image for people: "640x480".
+std::string SizeText(int width, int height);
 
 /// The properties of an image that are in the header of its file.
 struct ImageFileInfo {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/format.h"
+
 namespace vismap {
 namespace {
 
@@ -13,12 +15,6 @@ constexpr double kNearestBin = 1e-4, kFarthestBin = 1e3;  // [m]
 
 double Share(int64_t part, int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
-}
-
-std::string Percent(double share) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), share < 0.1 ? "%.1f %%" : "%.0f %%", 100 * share);
-  return text.data();
 }
 
 std::string Meters(double value) {
@@ -75,11 +71,11 @@ std::optional<std::string> DepthCheck::RangeFinding(double depth_unit_m) const {
   constexpr double kLeastDepth = 0.02, kLeastInLimits = 0.1;
   if (frames_ == 0) return std::nullopt;
   if (share_with_depth() < kLeastDepth) {
-    return "only " + Percent(share_with_depth()) +
+    return "only " + FormatPercent(share_with_depth()) +
            " of the pixels have a depth; is the depth image the right one?";
   }
   if (share_in_limits() >= kLeastInLimits) return std::nullopt;
-  return "only " + Percent(share_in_limits()) + " of the depths lie between " +
+  return "only " + FormatPercent(share_in_limits()) + " of the depths lie between " +
          Meters(limits_.nearest) + " and " + Meters(limits_.farthest) +
          ", where a map is made of them; their median is " + Meters(median()) +
          " with the unit that was taken, " + Meters(depth_unit_m) +
@@ -90,10 +86,10 @@ std::optional<std::string> DepthCheck::SegmentFinding() const {
   constexpr double kLeastInSegments = 1.0 / 3, kManyHoles = 0.3;
   if (in_limits_ == 0 || share_in_segments() >= kLeastInSegments) return std::nullopt;
   const double holes = Share(isolated_, in_limits_);
-  return "only " + Percent(share_in_segments()) +
+  return "only " + FormatPercent(share_in_segments()) +
          " of the pixels with depth lie in segments, so few objects can be found; " +
          (holes > kManyHoles
-              ? "the likely cause: " + Percent(holes) +
+              ? "the likely cause: " + FormatPercent(holes) +
                     " of the pixels with depth lie beside a hole"
               : "the likely cause: the depth is noisier than the sensor model says (see `surface "
                 "{ sensor }` in the config), or its unit is wrong");

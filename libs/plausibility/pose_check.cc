@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/format.h"
 #include "plausibility/pose_hypotheses.h"
 
 namespace vismap {
@@ -13,10 +14,6 @@ constexpr size_t kMinFrames = 4;        // fewer are no sequence
 constexpr double kMostFrames = 0.5;     // more contradicting frames than this are reported
 constexpr double kLeastInCommon = 0.1;  // of the points of successive frames
 constexpr double kExplains = 0.8;       // agreement under a hypothesis that explains the data
-
-std::string Percent(double share) {
-  return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
-}
 
 }  // namespace
 
@@ -55,13 +52,13 @@ std::optional<std::string> PoseCheck::Finding() const {
   const AgreementSummary found = Compare();
   const double contradicting = found.ContradictingShare();
   if (contradicting > kMostFrames) {
-    return "the frames contradict each other: in " + Percent(contradicting) +
+    return "the frames contradict each other: in " + FormatPercent(contradicting) +
            " of the frames that were compared, most surface lies where other frames saw empty "
            "space; " +
            LikelyCauses(found);
   }
   if (found.in_common < kLeastInCommon) {
-    return "successive frames have only " + Percent(found.in_common) +
+    return "successive frames have only " + FormatPercent(found.in_common) +
            " of their surface in common; " + LikelyCauses(found);
   }
   return std::nullopt;
@@ -90,12 +87,12 @@ std::string PoseCheck::LikelyCauses(const AgreementSummary& found) const {
     return a.agreement + a.in_common > b.agreement + b.in_common;
   });
   std::string text = "the likely cause: " + causes[0].sentence + " (then " +
-                     Percent(causes[0].agreement) + " of the points agree, now " +
-                     Percent(found.all.Agreement()) + ")";
+                     FormatPercent(causes[0].agreement) + " of the points agree, now " +
+                     FormatPercent(found.all.Agreement()) + ")";
   for (size_t i = 1; i < causes.size() && i < 3; ++i) {
     if (causes[i].agreement + causes[i].in_common < causes[0].agreement + causes[0].in_common - 0.1)
       break;
-    text += "; or " + causes[i].sentence + " (" + Percent(causes[i].agreement) + ")";
+    text += "; or " + causes[i].sentence + " (" + FormatPercent(causes[i].agreement) + ")";
   }
   return text;
 }

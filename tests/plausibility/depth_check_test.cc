@@ -43,7 +43,7 @@ TEST(DepthCheck, AWrongUnitIsToldWithTheMedianAndTheUnit) {
 TEST(DepthCheck, NearlyNoDepthIsTold) {
   DepthCheck check({0.1, 5});
   check.Add(FrameOf([](int, int) { return kNone; }, SegmentIndex{0}));
-  EXPECT_THAT(check.RangeFinding(0.001), Optional(HasSubstr("0.0 % of the pixels")));
+  EXPECT_THAT(check.RangeFinding(0.001), Optional(HasSubstr("0 % of the pixels")));
 }
 
 TEST(DepthCheck, HolesAreNamedAsTheCauseOfMissingSegments) {
