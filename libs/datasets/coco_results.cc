@@ -50,6 +50,10 @@ class CocoResults : public DetectionSource {
     for (const auto& [number, entries] : frames_) count += static_cast<int64_t>(entries.size());
     return count;
   }
+  std::optional<std::pair<int64_t, int64_t>> frame_numbers() const override {
+    if (frames_.empty()) return std::nullopt;
+    return std::pair(frames_.begin()->first, frames_.rbegin()->first);
+  }
 
  private:
   std::string path_;

@@ -63,6 +63,8 @@ class Dataset {
   /// How the sequence is read, one sentence each, for the log: where the intrinsics and the depth
   /// unit come from, and whether depth counts as registered to colour.
   virtual std::vector<std::string> remarks() const { return {}; }
+  /// Metres per step of the depth images; 0 = unknown.
+  virtual double depth_unit_m() const { return 0; }
   /// The path of the detections that belong to the sequence, for OpenDetections; none if there are
   /// no detections. In a folder, it is the file detections.json.
   virtual std::optional<std::string> default_detections_path() const = 0;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "base/result.h"
 #include "geometry/frame.h"
@@ -24,6 +26,9 @@ class DetectionSource {
   virtual bool DetectorRan(const FrameHeader&) const { return true; }
   /// Number of detections in all frames; -1 = unknown before every frame has been read.
   virtual int64_t size() const = 0;
+  /// The lowest and the highest frame_number that has detections; nullopt = unknown, or there are
+  /// none.
+  virtual std::optional<std::pair<int64_t, int64_t>> frame_numbers() const { return std::nullopt; }
 };
 
 /// Reads a file of COCO "results": a JSON array of {"image_id", "category_id", "score",

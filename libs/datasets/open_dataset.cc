@@ -36,6 +36,7 @@ class FolderDataset : public Dataset {
   size_t size() const override { return files_.frames.size(); }
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
   std::vector<std::string> remarks() const override { return remarks_; }
+  double depth_unit_m() const override { return files_.depth_unit_m; }
 
   FrameHeader Header(size_t i) const override {
     Require(i < size(), "the index of a frame is below the number of frames");

@@ -6,12 +6,14 @@ namespace vismap {
 
 MappedFrame MapFrame(RgbdFrame frame, const DetectionSet* detections,
                      const SegmentationStageOptions& options, MapSession* session,
-                     const Stopwatch& watch) {
+                     const Stopwatch& watch,
+                     const std::function<void(const SegmentedFrame&)>& on_segmented) {
   // Sec. III-A, geometric segmentation: the depth image is cut into regions r_i.
   // Sec. III-B, refinement: each region gets the detection o_i and the class c_i of the mask that
   // covers most of it.
   const SegmentedFrame segmented = watch.Measure(
       "segmentation", [&] { return SegmentFrame(std::move(frame), detections, options); });
+  if (on_segmented) on_segmented(segmented);
   return MapFrame(segmented, session, watch);
 }
 

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "exports/statistics.h"
 #include "logs/recording.h"
 #include "offline_mapper/offline_mapper.h"
+#include "plausibility/camera_check.h"
 #include "runtime/clock.h"
 #include "runtime/progress.h"
 #include "runtime/version.h"
@@ -25,6 +27,7 @@ struct Arguments {
   std::string dataset, format, detections, out;
   std::string model;  // of the network that looks at the frames; overrides the config
   DatasetOptions frames;
+  CalibrationOptions calibration;
   ThreadOption threads;
   VismapConfig config;
 };
@@ -46,6 +49,7 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
   line.Option("--max-frames", &arguments->frames.max_frames, "Use at most so many frames; 0 = all")
       .AtLeast(0);
   line.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
+  arguments->calibration.AddTo(line);
   line.Option("--out", &arguments->out, "Folder for the results").Required();
   arguments->threads.AddTo(line);
 }
@@ -83,12 +87,13 @@ nlohmann::ordered_json FiguresJson(const StageTimes& times) {
 
 Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
                          const MapSession& session, const std::vector<ObjectSummary>& objects,
-                         const StageTimes& times) {
+                         const StageTimes& times, const std::vector<std::string>& findings) {
   nlohmann::ordered_json report;
   report["dataset"] = dataset.name();
   report["format"] = dataset.format();
   report["frames"] = session.metadata().trajectory.size();
   report["frames_skipped"] = dataset.skipped().size();
+  report["findings"] = findings;
   report["stages_ms"] = FiguresJson(times);
   report["map"] = nlohmann::ordered_json::parse(StatisticsJson(session.map(), session.metadata()));
   report["map"]["objects"] = std::count_if(
@@ -100,6 +105,51 @@ Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
   report["version"] = Version();
   return WriteFileAtomically(std::filesystem::path(arguments.out) / "report.json",
                              report.dump(1) + "\n");
+}
+
+// "2 of 10 frames were left out: 2 x pose is not rigid".
+std::string LeftOutText(const Dataset& dataset) {
+  std::map<std::string, size_t> reasons;
+  for (const SkippedFrame& skipped : dataset.skipped()) ++reasons[skipped.reason];
+  std::string text = std::to_string(dataset.skipped().size()) + " of " +
+                     std::to_string(dataset.size() + dataset.skipped().size()) +
+                     " frames were left out";
+  constexpr size_t kMaxReasons = 5;
+  size_t shown = 0;
+  for (const auto& [reason, frames] : reasons) {
+    if (shown++ == kMaxReasons) return text + "; and for other reasons";
+    text += (shown == 1 ? ": " : "; ") + std::to_string(frames) + " x " + reason;
+  }
+  return text;
+}
+
+// What is suspect about a sequence and its map, with the likely causes.
+std::vector<std::string> FindingsOf(const Dataset& dataset, const SequenceCheck& check,
+                                    const Mesh& mesh) {
+  std::vector<std::string> findings = UnusualCamera(dataset.Header(0).camera);
+  if (mesh.triangles.empty()) findings.emplace_back("the map has no surface");
+  for (const std::string& finding : check.Findings()) findings.push_back(finding);
+  return findings;
+}
+
+// A sentence when detections belong to no frame of the whole sequence.
+std::optional<std::string> UnusedDetections(const Arguments& arguments, const Dataset& dataset,
+                                            const DetectionSource* detections, int64_t used) {
+  const bool whole = arguments.frames.stride == 1 && arguments.frames.max_frames == 0;
+  if (detections == nullptr || !whole || detections->size() <= used) return std::nullopt;
+  const int64_t unused = detections->size() - used;
+  if (used > 0 && 10 * unused < detections->size()) return std::nullopt;
+  std::string text =
+      used == 0 ? "none of " + std::to_string(detections->size()) + " detections belongs to a frame"
+                : std::to_string(unused) + " of " + std::to_string(detections->size()) +
+                      " detections belong to no frame";
+  if (const auto numbers = detections->frame_numbers()) {
+    text += " (image ids " + std::to_string(numbers->first) + ".." +
+            std::to_string(numbers->second) + ", frames " +
+            std::to_string(dataset.Header(0).frame_number) + ".." +
+            std::to_string(dataset.Header(dataset.size() - 1).frame_number) + ")";
+  }
+  return text;
 }
 
 void Summarise(const Arguments& arguments, const MapSession& session,
@@ -136,6 +186,9 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   const std::unique_ptr<Dataset>& dataset = recording->dataset;
+  for (const std::string& remark : dataset->remarks()) LogInfo(remark);
+  if (dataset->size() == 0)
+    return ExitWith(ExitCode::kUnreadable, arguments.dataset + ": no usable frames");
   for (const SkippedFrame& skipped : dataset->skipped()) {
     LogWarningRateLimited("skipped", "frame " + std::to_string(skipped.frame_number) +
                                          " left out: " + skipped.reason);
@@ -152,15 +205,20 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   metadata.created_by = std::string("vismap-offline-mapper ") + Version();
   MapSession session(arguments.config, std::move(metadata));
   StageTimes times;
+  SequenceCheck check(
+      {arguments.config.integration.min_range_m, arguments.config.integration.max_range_m},
+      dataset->depth_unit_m());
+  int64_t used_detections = 0;
   {
     Progress progress("mapping " + dataset->name(), static_cast<int64_t>(dataset->size()));
     const auto proceed = [&](size_t done) {
       progress.Show(static_cast<int64_t>(done));
       return !context.stop.requested();
     };
-    const auto mapped = MapSequence({*dataset, detections->get(), network->get()}, arguments.config,
-                                    proceed, &session, &times);
+    const auto mapped = MapSequence({*dataset, detections->get(), network->get(), &check},
+                                    arguments.config, proceed, &session, &times);
     if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
+    used_detections = *mapped;
   }
   if (context.stop.requested()) LogWarning("stopped early; writing what there is");
 
@@ -171,9 +229,15 @@ Outcome Run(Arguments& arguments, ProcessContext& context) {
   const auto written =
       WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  const auto reported = WriteReport(arguments, *dataset, session, products.objects, times);
+  std::vector<std::string> findings = FindingsOf(*dataset, check, products.mesh);
+  if (const auto unused = UnusedDetections(arguments, *dataset, detections->get(), used_detections))
+    findings.push_back(*unused);
+  const auto reported =
+      WriteReport(arguments, *dataset, session, products.objects, times, findings);
   if (!reported) return ExitWith(ExitCode::kFailed, reported.error().message);
   Summarise(arguments, session, products.objects, times);
+  std::printf("%s\n", LeftOutText(*dataset).c_str());
+  for (const std::string& finding : findings) LogWarning(finding);
   return {};
 }
 
@@ -189,7 +253,7 @@ int main(int argc, char** argv) {
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
   UseConfig(&arguments.config, &spec, [&] {
     if (!arguments.model.empty()) arguments.config.detector.dnn.model = arguments.model;
-    return Result<void>();
+    return arguments.calibration.SetIn(&arguments.frames);
   });
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);

@@ -49,10 +49,14 @@ Result<void> DetectObjects(const OfflineInput& input, const Stopwatch& watch, Re
 
 }  // namespace
 
-Result<void> MapSequence(const OfflineInput& input, const SegmentationStageOptions& options,
-                         const std::function<bool(size_t done)>& proceed, MapSession* session,
-                         StageTimes* times) {
+Result<int64_t> MapSequence(const OfflineInput& input, const SegmentationStageOptions& options,
+                            const std::function<bool(size_t done)>& proceed, MapSession* session,
+                            StageTimes* times) {
   const Stopwatch watch = WatchInto(times);
+  const auto check = [&](const SegmentedFrame& segmented) {
+    if (input.check != nullptr) input.check->Add(segmented);
+  };
+  int64_t used_detections = 0;
   for (size_t i = 0; i < input.dataset.size() && proceed(i); ++i) {
     Result<ReadyFrame> frame = watch.Measure("reading", [&] { return ReadFrame(input, i); });
     if (!frame) return tl::unexpected(frame.error());
@@ -61,10 +65,13 @@ Result<void> MapSequence(const OfflineInput& input, const SegmentationStageOptio
     if (const auto detected = DetectObjects(input, watch, &*frame); !detected)
       return tl::unexpected(detected.error());
     const DetectionSet* detections = frame->detections ? &*frame->detections : nullptr;
-    watch.Measure("total",
-                  [&] { MapFrame(std::move(frame->frame), detections, options, session, watch); });
+    if (detections != nullptr)
+      used_detections += static_cast<int64_t>(detections->detections.size());
+    watch.Measure("total", [&] {
+      MapFrame(std::move(frame->frame), detections, options, session, watch, check);
+    });
   }
-  return {};
+  return used_detections;
 }
 
 }  // namespace vismap

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "logs/recording.h"
+#include "plausibility/camera_check.h"
 #include "sensor_replay/replay.h"
 #include "settings/settings.h"
 
@@ -14,6 +15,7 @@ struct Arguments {
   std::string dataset, format;
   int camera_id = 0;
   DatasetOptions sequence;
+  CalibrationOptions calibration;
   ReplayBounds bounds;
   VismapConfig config;
   std::unique_ptr<Dataset> opened;
@@ -32,6 +34,7 @@ void AddInput(CommandLine& line, Arguments* arguments) {
   line.Option("--stride", &sequence.stride, "Use every n-th frame only").Positive();
   line.Option("--max-frames", &sequence.max_frames, "Use at most so many frames; 0 = all")
       .AtLeast(0);
+  arguments->calibration.AddTo(line);
 }
 
 void AddOptions(CommandLine& line, Arguments* arguments) {
@@ -67,6 +70,11 @@ Outcome Open(Arguments* arguments) {
   auto recording = OpenRecording(arguments->dataset, arguments->format, arguments->sequence);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   for (const std::string& remark : recording->remarks) LogWarning(remark);
+  for (const std::string& remark : recording->dataset->remarks()) LogInfo(remark);
+  if (recording->dataset->size() == 0)
+    return ExitWith(ExitCode::kUnreadable, arguments->dataset + ": no usable frames");
+  for (const std::string& sentence : UnusualCamera(recording->dataset->Header(0).camera))
+    LogWarning(sentence);
   arguments->opened = std::move(recording->dataset);
   return {};
 }
@@ -79,7 +87,8 @@ int main(int argc, char** argv) {
   spec.name = "sensor-replay";
   spec.summary = "Publishes the frames of a recorded or synthetic RGB-D sequence.";
   spec.add_options = [&](CommandLine& line) { AddOptions(line, &arguments); };
-  UseConfig(&arguments.config, &spec);
+  UseConfig(&arguments.config, &spec,
+            [&] { return arguments.calibration.SetIn(&arguments.sequence); });
   spec.read_config = [&](const std::string& text, const std::string& path) {
     return ReadOptions(text, path, &arguments);
   };

@@ -36,6 +36,33 @@ void ThreadOption::AddTo(CommandLine& line) {
   line.Option("--threads", &threads_, "Number of threads; 0 = all processors").AtLeast(0);
 }
 
+void CalibrationOptions::AddTo(CommandLine& line) {
+  line.Option("--intrinsics", &intrinsics_,
+              "fx,fy,cx,cy of the depth images in pixels, instead of what the sequence states");
+  line.Option("--depth-unit", &depth_unit_m_,
+              "Metres per step of the depth images; 0 = as the sequence states")
+      .Range(0, 1);
+  line.Choice(
+      "--depth-registration", &registration_,
+      {{"auto", DepthRegistration::kAuto},
+       {"registered", DepthRegistration::kRegistered},
+       {"kinect", DepthRegistration::kKinect}},
+      "registered: depth was recorded as the colour camera sees it; kinect: as the infrared "
+      "camera of a Kinect sees it; auto: as the sequence states");
+}
+
+Result<void> CalibrationOptions::SetIn(DatasetOptions* options) const {
+  options->depth_unit_m = depth_unit_m_;
+  options->registration = registration_;
+  if (intrinsics_.empty()) return {};
+  if (intrinsics_.size() != 4) {
+    return Fail("--intrinsics: expected the four numbers fx,fy,cx,cy, found " +
+                std::to_string(intrinsics_.size()));
+  }
+  options->intrinsics = {intrinsics_[0], intrinsics_[1], intrinsics_[2], intrinsics_[3]};
+  return {};
+}
+
 std::unique_ptr<ThreadLimit> ThreadOption::Limit() const {
   return threads_ > 0 ? std::make_unique<ThreadLimit>(threads_) : nullptr;
 }

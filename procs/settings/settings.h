@@ -4,9 +4,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/parallel.h"
 #include "config/config.h"
+#include "datasets/dataset.h"
 #include "runtime/main.h"
 
 namespace vismap {
@@ -32,6 +34,20 @@ class ThreadOption {
 
  private:
   int threads_ = 0;
+};
+
+/// The options --intrinsics, --depth-unit and --depth-registration, which replace what a recorded
+/// sequence states about its depth images.
+class CalibrationOptions {
+ public:
+  void AddTo(CommandLine& line);
+  /// Sets them in `options`. Fails when --intrinsics has not four numbers.
+  Result<void> SetIn(DatasetOptions* options) const;
+
+ private:
+  std::vector<double> intrinsics_;
+  double depth_unit_m_ = 0;
+  DepthRegistration registration_ = DepthRegistration::kAuto;
 };
 
 }  // namespace vismap
