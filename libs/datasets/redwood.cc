@@ -17,13 +17,19 @@ bool LooksLikeRedwood(const fs::path& folder) {
 }
 
 struct RedwoodCamera {
-  KnownCamera camera{{640, 480, 525, 525, 319.5, 239.5},
-                     "assumed for a Kinect (there is neither intrinsics.txt nor "
-                     "camera_intrinsic.json)",
-                     true};
+  KnownCamera camera;
   double steps_per_metre = 1000;
   std::string steps_source = "the format";
 };
+
+RedwoodCamera AssumedRedwoodCamera() {
+  RedwoodCamera assumed;
+  assumed.camera.camera = {640, 480, 525, 525, 319.5, 239.5};
+  assumed.camera.source =
+      "assumed for a Kinect (there is neither intrinsics.txt nor camera_intrinsic.json)";
+  assumed.camera.assumed = true;
+  return assumed;
+}
 
 // intrinsics.txt: "width height fx fy cx cy steps_per_metre".
 Result<RedwoodCamera> ReadRedwoodText(const fs::path& path) {
@@ -76,7 +82,7 @@ Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& folder) {
   if (fs::exists(folder / "intrinsics.txt")) return ReadRedwoodText(folder / "intrinsics.txt");
   if (fs::exists(folder / "camera_intrinsic.json"))
     return ReadRedwoodJson(folder / "camera_intrinsic.json");
-  return RedwoodCamera{};
+  return AssumedRedwoodCamera();
 }
 
 // Poses belong to images by their order, so there must be as many.

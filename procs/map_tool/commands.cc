@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/class_names.h"
+#include "base/format.h"
 #include "base/json_text.h"
 #include "exports/statistics.h"
 #include "map_tool/compare_runs.h"

@@ -45,7 +45,7 @@ void MapContents::Request() {
 
 Result<void> MapContents::OnReply(const std::string& requester, int64_t request_id, bool ok,
                                   const std::string& payload) {
-  if (!asked_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
+  if (!requested_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
   const Result<nlohmann::json> json = ParseJson(payload);
   if (!json || !json->is_array()) return Fail("answer to 'frames': expected a JSON array");
   std::set<FrameKey> frames;
