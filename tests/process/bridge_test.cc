@@ -214,7 +214,7 @@ TEST(Bridge, UsageErrorsAreReported) {
       {{"--remote-url", "tcpq://localhost:7700"}, "expected a numeric address"},
       {{"--remote-url", "10.0.0.1"}, "expected PROVIDER://"},
       {{"--remote-url", "tcpq://127.0.0.1:7700", "--lcm-url", "tcpq://127.0.0.1:7700"},
-       "both ends"},
+       "are the same bus"},
       {{"--remote-url", "tcpq://10.0.0.1:7700", "--send", "RGBD_.*"}, "'RGBD_.*'"},
   };
   for (const auto& expected : cases) {

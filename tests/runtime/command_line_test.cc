@@ -131,7 +131,7 @@ TEST(CommandLine, OneSubcommandIsChosen) {
     double timeout = 60;
     CommandLine line("program", "What it does.");
     line.Option("--timeout", &timeout, "Of all subcommands");
-    for (const std::string& command : {"info", "hash"}) {
+    for (const std::string command : {"info", "hash"}) {
       line.Command(command, "A command", [&chosen, command] { chosen = command; })
           .Option("MAP", &map, "A file")
           .Required();
