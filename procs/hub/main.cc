@@ -30,7 +30,7 @@ void AddOptions(CommandLine& line, HubOptions* config) {
               "Largest number of clients; further ones are rejected")
       .Range(1, 10000);
   line.Option("--patience-s", &config->patience_s,
-              "A client that reads nothing for so many seconds while publishers wait for it is "
+              "A client that reads nothing for this many seconds while publishers wait for it is "
               "disconnected")
       .Range(0.1, 60);
   line.Option("--lossless", &config->lossless,

@@ -136,7 +136,7 @@ void AddFromDataset(CommandLine& line, Arguments* arguments) {
               "the sequence");
   from.Option("--camera-id", &arguments->camera_id, "Camera id of all frames").AtLeast(0);
   from.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
-  from.Option("--max-frames", &arguments->frames.max_frames, "Use at most so many frames; 0 = all")
+  from.Option("--max-frames", &arguments->frames.max_frames, "Largest number of frames; 0 = all")
       .AtLeast(0);
 }
 

@@ -23,7 +23,7 @@ void TrackSequence(const LogEvent& event, const MessageHead& head, Sequences* se
   const auto [entry, first] = sequences->try_emplace({event.channel, head.source}, head.seq);
   const int64_t last = std::exchange(entry->second, head.seq);
   if (first) return;  // nothing to compare with
-  // Unsigned, so that it cannot overflow. A larger step is not a loss: no process sends so many
+  // Unsigned, so that it cannot overflow. A larger step is not a loss: no process sends that many
   // messages.
   const uint64_t step = static_cast<uint64_t>(head.seq) - static_cast<uint64_t>(last);
   if (head.seq > last && step <= kLargestStep) {

@@ -16,7 +16,7 @@ struct MapToolArguments {
   bool json = false;                  ///< print JSON
   std::string ground_truth, objects, classes;         ///< for evaluate
   std::optional<std::string> id, class_name, region;  ///< for objects and export: the selection
-  int frames = 0;       ///< for follow: stop when the map has so many frames; 0 = never
+  int frames = 0;       ///< for follow: stop when the map has this number of frames; 0 = never
   double timeout = 60;  ///< longest wait for the answer of a server [s]
   VismapConfig config;
 };

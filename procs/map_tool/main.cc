@@ -101,7 +101,9 @@ void AddServerCommands(CommandLine& line, Command* command) {
           "Keep a copy of the surface of the running server, as a viewer does, until Ctrl-C",
           RunFollow);
   follow.Option("--out", &arguments.out, "Write the surface to this PLY file at the end");
-  follow.Option("--frames", &arguments.frames, "Stop when the map has so many frames; 0 = never")
+  follow
+      .Option("--frames", &arguments.frames,
+              "Stop when the map has this number of frames; 0 = never")
       .AtLeast(0);
 
   Add(line, command, "digests",

@@ -46,7 +46,7 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
               "Run this network on the frames, see vismap-detector --model; further options are in "
               "the config")
       .Excludes("--detections");
-  line.Option("--max-frames", &arguments->frames.max_frames, "Use at most so many frames; 0 = all")
+  line.Option("--max-frames", &arguments->frames.max_frames, "Largest number of frames; 0 = all")
       .AtLeast(0);
   line.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
   arguments->calibration.AddTo(line);

@@ -32,8 +32,7 @@ void AddInput(CommandLine& line, Arguments* arguments) {
               "Camera id of all frames; frames of a log keep their own")
       .AtLeast(0);
   line.Option("--stride", &sequence.stride, "Use every n-th frame only").Positive();
-  line.Option("--max-frames", &sequence.max_frames, "Use at most so many frames; 0 = all")
-      .AtLeast(0);
+  line.Option("--max-frames", &sequence.max_frames, "Largest number of frames; 0 = all").AtLeast(0);
   arguments->calibration.AddTo(line);
 }
 

@@ -22,7 +22,8 @@ Result<SensorFrame> Decode(const rgbd_frame_t& message);
 /// Decodes and checks the header only, as above; the images are not decoded.
 Result<FrameHeader> DecodeHeader(const rgbd_frame_t& message);
 
-/// PeekFrameHeader needs at most so many bytes from the beginning of an encoded rgbd_frame_t.
+/// PeekFrameHeader needs at most this number of bytes from the beginning of an encoded
+/// rgbd_frame_t.
 inline constexpr size_t kFramePeekBytes = 1024;
 
 /// Decodes the header from the first kFramePeekBytes of an encoded message, to scan many messages

@@ -56,7 +56,7 @@ struct Scene {
   void PublishesChannel(const Channel& channel, Message message) {
     for (int i = 0; i < 50; ++i) {
       message.seq = i;
-      message.source = "somebody";
+      message.source = "publisher";
       Receives(channel.name, Pack(message), i / 10);
     }
   }
@@ -201,7 +201,7 @@ TEST(Doctor, LostMessagesSilenceAndDuplicateNamesAreFindings) {
   Scene scene;
   scene.FullPipeline();
   rgbd_frame_t late{};
-  late.source = "somebody";
+  late.source = "publisher";
   late.seq = 60;
   scene.Receives("RGBD_FRAME", Pack(late), 4);
   EXPECT_THAT(scene.Findings(),

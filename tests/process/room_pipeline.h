@@ -36,7 +36,7 @@ class RoomPipeline {
   void StartSegmenter();
   void StartDetector();
   void StartExporter();
-  /// Waits until so many frames are integrated; returns false when it takes too long.
+  /// Waits until this number of frames is integrated; returns false when it takes too long.
   bool WaitForFrames(int count);
   /// Waits until the replay has ended successfully.
   void WaitForEnd();

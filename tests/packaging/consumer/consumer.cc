@@ -1,4 +1,5 @@
-// A program of somebody else: prints which process spoke first on the bus that its argument names.
+// A program outside vismap: prints which process was the first to publish on the bus whose URL is
+// its argument.
 #include <iostream>
 #include <lcm/lcm-cpp.hpp>
 #include <vismap/process_status_t.hpp>
