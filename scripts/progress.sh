@@ -34,7 +34,7 @@ with_progress() {
 build_progress() {
   local steps
   steps="$(tail -c 4000 "$1" | sed -n 's|^\[\([0-9]*\)/\([0-9]*\)\].*|\1 of \2|p' | tail -n 1)"
-  echo "The build has done ${steps:-none} of its steps."
+  [ -z "$steps" ] && echo "The build has not finished a step yet." || echo "The build has finished step $steps."
 }
 
 # packages_progress LOG: how far apt-get is.
@@ -46,8 +46,8 @@ packages_progress() {
 
 # tests_progress LOG: how far ctest is.
 tests_progress() {
-  local done failed
-  done="$(sed -n 's|^ *\([0-9]*/[0-9]*\) Test .*|\1|p' "$1" | tail -n 1)"
+  local ended failed
+  ended="$(sed -n 's|^ *\([0-9]*\)/\([0-9]*\) Test .*|\1 of \2|p' "$1" | tail -n 1)"
   failed="$(grep -c -E '^ *[0-9]+/[0-9]+ Test .*\*\*\*(Failed|Timeout|Exception|Not Run)' "$1" || true)"
-  echo "Tests: ${done%%/*} of ${done##*/} have run, $failed of them failed."
+  [ -z "$ended" ] && echo "No test has ended yet." || echo "Tests: $ended have ended; $failed of them failed."
 }
