@@ -5,8 +5,8 @@
 
 namespace vismap {
 
-/// A line on stderr that shows the progress of long work. Shows nothing when stderr is not a
-/// terminal.
+/// Shows the progress of long work on stderr: in one line that is redrawn when stderr is a
+/// terminal, else in a new line every 30 seconds.
 class Progress {
  public:
   /// `total` is the number of steps; 0 = unknown.
@@ -15,15 +15,18 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Redraws the line, at most ten times a second. `note` is appended to it.
+  /// Shows that `done` steps are done, at most ten times a second on a terminal and every 30 s
+  /// elsewhere. `note` is appended to the line.
   void Show(int64_t done, const std::string& note = "");
 
  private:
+  std::string Text(int64_t done, const std::string& note) const;
+
   std::string title_;
   int64_t total_;
   bool terminal_;
   bool drawn_ = false;
-  double last_ = 0;
+  double last_;
 };
 
 }  // namespace vismap

@@ -90,7 +90,8 @@ class Player {
         status_(*context->status),
         peers_(context->bus),
         contents_(context->bus, &peers_),
-        progress_(dataset.name(), bounds.loop ? 0 : static_cast<int64_t>(dataset.size())) {
+        progress_("frames of " + dataset.name(),
+                  bounds.loop ? 0 : static_cast<int64_t>(dataset.size())) {
     status_.SetCounter("frames_in_sequence", static_cast<int64_t>(dataset.size()));
     status_.SetCounter("frames_skipped", static_cast<int64_t>(dataset.skipped().size()));
   }
