@@ -41,12 +41,13 @@ Result<RedwoodCamera> ReadRedwoodText(const fs::path& path) {
         ": expected \"width height fx fy cx cy units_per_metre\" with sides in 1..16384 and "
         "at least 1 unit per metre");
   }
-  return RedwoodCamera{
-      {{static_cast<int>((*n)[0]), static_cast<int>((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]},
-       path.string(),
-       false},
-      (*n)[6],
-      path.string()};
+  RedwoodCamera stated;
+  stated.camera.camera = {
+      static_cast<int>((*n)[0]), static_cast<int>((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]};
+  stated.camera.source = path.string();
+  stated.steps_per_metre = (*n)[6];
+  stated.steps_source = path.string();
+  return stated;
 }
 
 // camera_intrinsic.json, as Open3D's recorders write it: width, height, and the 3x3 matrix column
@@ -72,9 +73,9 @@ Result<RedwoodCamera> ReadRedwoodJson(const fs::path& path) {
                 ": expected {\"width\", \"height\", \"intrinsic_matrix\": 9 numbers}");
   }
   RedwoodCamera parameters;
-  parameters.camera = {{size("width"), size("height"), matrix[0], matrix[4], matrix[6], matrix[7]},
-                       path.string(),
-                       false};
+  parameters.camera.camera = {size("width"), size("height"), matrix[0],
+                              matrix[4],     matrix[6],      matrix[7]};
+  parameters.camera.source = path.string();
   return parameters;
 }
 
