@@ -43,8 +43,9 @@ struct SequenceFiles {
   double depth_unit_m = 0.001;                   ///< metres per step of the depth images
   std::string depth_unit_source = "the format";  ///< or the file that states it
   /// The depth may be that of a Kinect's infrared camera, not registered to colour. It is if pixels
-  /// without a return are 65535.
+  /// without a return are 65535, or if the folders are named as those of the original 7-Scenes.
   bool may_be_kinect_depth = false;
+  bool named_as_seven_scenes = false;
   std::vector<FrameFiles> frames;  ///< as recorded, also those that cannot be used
 };
 

@@ -143,7 +143,7 @@ bool HasKinectHoles(const SequenceFiles& files) {
 // done, for the log.
 Result<std::string> ApplyRegistration(DepthRegistration registration, SequenceFiles* files) {
   const bool found = registration == DepthRegistration::kAuto && files->may_be_kinect_depth &&
-                     HasKinectHoles(*files);
+                     (files->named_as_seven_scenes || HasKinectHoles(*files));
   if (!found && registration != DepthRegistration::kKinect)
     return "depth counts as registered to colour";
   if (const auto registered = RegisterKinectDepth(files); !registered)
@@ -151,7 +151,9 @@ Result<std::string> ApplyRegistration(DepthRegistration registration, SequenceFi
   return std::string(
              "depth is registered from a Kinect's infrared camera to its colour camera with "
              "the nominal calibration, ") +
-         (found ? "since its intrinsics and its pixels of 65535 are those of the original 7-Scenes"
+         (found ? "since its intrinsics, and its pixels of 65535 or its folder's name, are those "
+                  "of the "
+                  "original 7-Scenes"
                 : "as the options say");
 }
 

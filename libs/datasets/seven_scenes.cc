@@ -1,6 +1,9 @@
 // 7-Scenes: frame-NNNNNN.color.{png,jpg}, frame-NNNNNN.depth.png (16-bit, mm; 65535 and 0 = no
 // return), frame-NNNNNN.pose.txt (4x4 matrix from the depth camera to W), and optionally
 // camera-intrinsics.txt (3x3, of the depth camera). 30 frames per second.
+#include <algorithm>
+#include <initializer_list>
+
 #include "datasets/formats.h"
 
 namespace vismap {
@@ -23,6 +26,20 @@ constexpr double kKinectBaseline = 0.025;  // [m] along x
 bool IsKinectDepth(const PinholeCamera& camera) {
   return camera.fx == kDefaultCamera.fx && camera.fy == kDefaultCamera.fy &&
          camera.cx == kDefaultCamera.cx && camera.cy == kDefaultCamera.cy;
+}
+
+// Whether a folder of the path has a name of the data set: its own, or that of a scene above a
+// sequence "seq-NN".
+bool IsNamedAsSevenScenes(const fs::path& folder) {
+  const auto is_one_of = [](const std::string& name, std::initializer_list<const char*> names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const bool sequence = folder.filename().string().starts_with("seq-");
+  return std::any_of(folder.begin(), folder.end(), [&](const fs::path& part) {
+    const std::string name = part.string();
+    return is_one_of(name, {"7scenes", "7-scenes", "7Scenes", "7-Scenes", "redkitchen"}) ||
+           (sequence && is_one_of(name, {"chess", "fire", "heads", "office", "pumpkin", "stairs"}));
+  });
 }
 
 bool LooksLikeSevenScenes(const fs::path& folder) {
@@ -59,6 +76,7 @@ Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
   files.known_camera = ReadSevenScenesIntrinsics(folder / "camera-intrinsics.txt");
   if (!files.known_camera) return tl::unexpected(files.known_camera.error());
   files.may_be_kinect_depth = IsKinectDepth(files.known_camera->camera);
+  files.named_as_seven_scenes = IsNamedAsSevenScenes(folder);
   files.frames = std::move(*frames);
   return files;
 }

@@ -38,7 +38,7 @@ void DepthCheck::Add(const SegmentedFrame& frame) {
   // The offset changes with the frame, so that regular patterns of holes are counted fairly.
   const int offset = static_cast<int>(frames_ % kStride);
   for (int v = offset; v < depth.height(); v += kStride) {
-    for (int u = (offset * 3 + v) % kStride; u < depth.width(); u += kStride) {
+    for (int u = (v / kStride + offset) % kStride; u < depth.width(); u += kStride) {
       ++pixels_;
       const double z = depth(v, u);
       if (!std::isfinite(z)) continue;

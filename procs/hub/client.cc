@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "runtime/clock.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
 
@@ -12,6 +13,7 @@ namespace vismap {
 HubClient::HubClient(Socket socket, const std::string& address, size_t max_message_bytes,
                      const QueueLimits& limits)
     : name(address), connection(max_message_bytes, limits) {
+  connected_at = MonotonicSeconds();
   connection.Open(std::move(socket), RecordReader(TcpqMagic::kClient, max_message_bytes),
                   TcpqHello(TcpqMagic::kHub));
 }

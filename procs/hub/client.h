@@ -29,6 +29,7 @@ struct HubClient {
   std::vector<std::weak_ptr<HubClient>> waits_for;  ///< the slow clients, see WaitFor
   bool named = false;                               ///< `name` has its name on the bus
   bool dead = false;                                ///< disconnected, will be removed
+  double connected_at = 0;                          // MonotonicSeconds
   bool active = false;                              ///< has subscribed or published
   bool critical = false;                            ///< publishers may wait for it
 };

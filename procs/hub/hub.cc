@@ -186,10 +186,12 @@ void Hub::Accept() {
   clients_.push_back(std::move(client));
 }
 
-// Of the clients that have neither subscribed nor published anything, the oldest one makes room.
+// The oldest client that has had the time to subscribe or publish, and did neither, makes room.
 bool Hub::MakeRoomForClient() {
-  const auto idle = std::find_if(clients_.begin(), clients_.end(),
-                                 [](const auto& client) { return !client->active; });
+  const auto idle = std::find_if(clients_.begin(), clients_.end(), [this](const auto& client) {
+    const double age = MonotonicSeconds() - client->connected_at;
+    return !client->active && age > options_.greeting_s;
+  });
   if (idle == clients_.end()) return false;
   Disconnect(**idle, "had neither subscribed nor published, and there are too many clients");
   RemoveDead();

@@ -261,6 +261,16 @@ TEST(SevenScenes, DepthIsRegisteredUnlessTheSequenceOrTheOptionsSayOtherwise) {
   EXPECT_THAT(told->remarks(), Contains(HasSubstr("as the options say")));
 }
 
+TEST(SevenScenes, TheNameOfTheDataSetSaysThatDepthIsAKinects) {
+  const TempFolder folder;
+  WriteKinect(folder, 0);
+  std::filesystem::create_directory(folder / "7scenes");
+  std::filesystem::rename(folder / "seq", folder / "7scenes" / "seq-01");
+  const auto dataset = OpenOrFail(folder / "7scenes" / "seq-01");
+  ASSERT_TRUE(dataset);
+  EXPECT_EQ(dataset->Header(0).camera.fx, 525);
+}
+
 TEST(SevenScenes, AssumedIntrinsicsHoldForTheirSizeOnly) {
   const TempFolder folder;
   WriteSevenScenes(folder);
@@ -416,12 +426,13 @@ TEST(Tum, AQuaternionFarFromUnitLengthIsNoPose) {
   const TempFolder folder;
   WriteTum(folder);
   folder.Write("seq_fr1_x/groundtruth.txt", "1305031236.005000 0 0 0 0 0 0 0.9\n");
-  EXPECT_THAT(ErrorOf(folder / "seq_fr1_x"), HasSubstr("no usable frames (2 of 3: no pose at"));
+  EXPECT_THAT(ErrorOf(folder / "seq_fr1_x"),
+              HasSubstr("no usable frames (2 of 3: there is no pose at"));
   folder.Write("seq_fr1_x/groundtruth.txt",
                "1305031236.005000 0 0 0 0 0 0 0.9\n"
                "1305031236.105000 0 0 0 0 0 0 0.9\n");
   EXPECT_THAT(ErrorOf(folder / "seq_fr1_x"),
-              HasSubstr("no usable frames (2 of 3: quaternion has length 0.9"));
+              HasSubstr("no usable frames (2 of 3: the quaternion has length 0.9"));
 }
 
 // With y up in the image, a pixel of ICL below the centre (v > cy) at depth z is the point

@@ -27,7 +27,7 @@ SegmentedFrame FrameOf(const std::function<float(int, int)>& depth, SegmentIndex
 TEST(DepthCheck, SaysNothingAboutAGoodFrame) {
   DepthCheck check({0.1, 5});
   check.Add(FrameOf([](int, int) { return 2.0F; }, SegmentIndex{0}));
-  EXPECT_NEAR(check.median(), 2, 0.2);
+  EXPECT_NEAR(check.median(), 2, 0.06);
   EXPECT_EQ(check.share_in_segments(), 1);
   EXPECT_EQ(check.RangeFinding(0.001), std::nullopt);
   EXPECT_EQ(check.SegmentFinding(), std::nullopt);
@@ -37,7 +37,7 @@ TEST(DepthCheck, AWrongUnitIsToldWithTheMedianAndTheUnit) {
   DepthCheck check({0.1, 5});
   check.Add(FrameOf([](int, int) { return 20.0F; }, SegmentIndex{0}));
   EXPECT_THAT(check.RangeFinding(0.01),
-              Optional(testing::AllOf(HasSubstr("median is 2"), HasSubstr("0.01 m per step"))));
+              Optional(testing::AllOf(testing::ContainsRegex("median is (19|20)"), HasSubstr("0.01 m per step"))));
 }
 
 TEST(DepthCheck, NearlyNoDepthIsTold) {
