@@ -47,8 +47,12 @@ class QueuedConnection {
   /// is. A large record has more time than a small one: `bytes_per_second` for what is missing.
   double SecondsIncomplete(double bytes_per_second) const;
   bool has_greeting() const { return reader_.has_greeting(); }
-  /// What it keeps in memory: the queue, and what has arrived of an incomplete record [bytes].
-  size_t buffered_bytes() const { return queue_.bytes() + reader_.buffered_bytes(); }
+  /// What it keeps in memory: the queue, what is being sent, and what has arrived of an incomplete
+  /// record [bytes].
+  size_t buffered_bytes() const {
+    const size_t sending = sending_ != nullptr ? sending_->size() : 0;
+    return queue_.bytes() + sending + reader_.buffered_bytes();
+  }
 
  private:
   bool SendSome(const std::vector<uint8_t>& bytes);
