@@ -16,6 +16,7 @@ struct PointCounts {
   /// Of the points that the second frame can judge, the share that lies on its surface, [0, 1];
   /// 1 when it can judge none.
   double Agreement() const;
+  int64_t judged() const { return agree + seen_through; }
   PointCounts& operator+=(const PointCounts& other);
 };
 

@@ -74,7 +74,10 @@ std::string PoseCheck::LikelyCauses(const AgreementSummary& found) const {
   for (const PoseHypothesis& hypothesis : PoseHypotheses(T_W_C_, indices_)) {
     const AgreementSummary then = CompareAllFrames(samples_, hypothesis.T_W_C);
     const double agreement = then.all.Agreement();
-    if (agreement < kExplains || then.in_common < std::max(kLeastInCommon, found.in_common / 2) ||
+    // Poses under which frames no longer move, or see nothing in common, agree without a reason.
+    const bool judges = then.all.judged() >= found.all.judged() / 4;
+    if (!judges || agreement < kExplains ||
+        then.in_common < std::max(kLeastInCommon, found.in_common / 2) ||
         then.ContradictingShare() > 0.25)
       continue;
     causes.push_back({agreement, then.in_common, hypothesis.sentence});

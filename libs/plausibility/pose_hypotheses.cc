@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <utility>
 
@@ -85,6 +86,8 @@ std::vector<PoseHypothesis> PoseHypotheses(const std::vector<Pose>& all,
   }
   const auto last = static_cast<int64_t>(all.size()) - 1;
   for (const int64_t shift : {-1, 1, -2, 2, -3, 3, -5, 5, -10, 10, -20, 20}) {
+    if (4 * std::abs(shift) > last)
+      continue;  // most frames would get the pose of the first or last
     const std::string frames = std::to_string(shift > 0 ? shift : -shift);
     PoseHypothesis& hypothesis = hypotheses.emplace_back(PoseHypothesis{
         "the times of poses and images are off: they agree when every image gets the pose of " +
