@@ -41,14 +41,7 @@ std::vector<std::string> Validate(const VismapConfig& config);
 /// ParseConfig and Validate: fails with all problems in one sentence.
 Result<VismapConfig> ParseValidConfig(const std::string& text, const std::string& name);
 
-/// ParseValidConfig of a file.
-Result<VismapConfig> LoadConfig(const std::string& path);
-
 /// All values as text that ParseConfig reads back to the same config.
 std::string PrintConfig(const VismapConfig& config);
-
-/// The same with the meaning of every key before it as comments: the reference of the parameters,
-/// and a file to start from.
-std::string DescribeConfig(const VismapConfig& config);
 
 }  // namespace vismap

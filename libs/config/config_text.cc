@@ -6,7 +6,6 @@
 
 #include "base/class_names.h"
 #include "base/enum_names.h"
-#include "base/file.h"
 #include "base/require.h"
 #include "config/config.h"
 #include "config/fields.h"
@@ -227,13 +226,6 @@ Result<VismapConfig> ParseValidConfig(const std::string& text, const std::string
   const std::vector<std::string> problems = Validate(*parsed);
   if (!problems.empty()) return Fail(name + ": " + Joined(problems));
   return parsed;
-}
-
-Result<VismapConfig> LoadConfig(const std::string& path) {
-  constexpr uint64_t kMaxBytes = 1 << 20;
-  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxBytes);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return ParseValidConfig(std::string(bytes->begin(), bytes->end()), path);
 }
 
 std::string PrintConfig(const VismapConfig& config) {

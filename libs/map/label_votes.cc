@@ -41,10 +41,6 @@ uint8_t PaletteEntry(SurfaceVoxels& voxels, SegmentLabel label) {
   return static_cast<uint8_t>(voxels.palette.size());
 }
 
-bool AddVote(SurfaceVoxels& voxels, int voxel, SegmentLabel label) {
-  return AddVoteForEntry(voxels, voxel, PaletteEntry(voxels, label));
-}
-
 bool AddVoteForEntry(SurfaceVoxels& voxels, int voxel, uint8_t entry) {
   if (entry == 0) return false;
   auto& labels = voxels.slot_label[static_cast<size_t>(voxel)];

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "association/associate.h"
+#include "support/add_vote.h"
 #include "support/naive/associate.h"
 #include "support/naive/voxel_access.h"
 #include "support/random_scenes.h"
@@ -9,6 +10,7 @@
 namespace vismap {
 namespace {
 
+using testing_support::AddVote;
 using testing_support::RandomNumbers;
 
 SegmentLabel AnyLabel(int labels, RandomNumbers* random) {

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 
+#include "support/add_vote.h"
 #include "support/random_scenes.h"
 
 namespace vismap {
 namespace {
+
+using testing_support::AddVote;
 
 int VotesFor(const SurfaceVoxels& voxels, int voxel, SegmentLabel label) {
   for (int slot = 0; slot < kVoteSlots; ++slot) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "geometry/noise_model.h"
+#include "support/add_vote.h"
 #include "support/naive/voxel_access.h"
 
 namespace vismap::naive {
@@ -229,7 +230,7 @@ bool VoteOn(SurfaceVoxels& voxels, int offset, const FrameAssociation::Segment& 
         votes = static_cast<uint8_t>(std::max(votes - options.cut_votes, 1));
     }
   }
-  return AddVote(voxels, offset, segment.label);
+  return testing_support::AddVote(voxels, offset, segment.label);
 }
 
 template <typename Visit>

@@ -1,8 +1,0 @@
-#pragma once
-
-namespace vismap::config {
-
-/// The whole of options.proto, with its comments.
-extern const char* const kOptionsProtoText;
-
-}  // namespace vismap::config
