@@ -15,10 +15,10 @@ class OptionCheck {
   /// value, for example "options.min_score"; its last word is the key. See VISMAP_CHECK_RANGE.
   void Range(const std::string& expression, double value, double least, double most);
 
-  /// The same without an upper bound: "KEY must be at least LEAST".
+  /// Adds "KEY must be at least LEAST" unless the value is. NaN never is.
   void AtLeast(const std::string& expression, double value, double least);
 
-  /// The same for whole numbers that must also be odd.
+  /// Adds "KEY must be odd and in [least, most]" unless the value is both.
   void Odd(const std::string& expression, int value, int least, int most);
 
   /// Adds the problems of a part, each with `prefix` before it.

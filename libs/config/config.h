@@ -13,6 +13,8 @@ namespace vismap {
 
 // What lives in this room: config files. The only user of options.pb.h (in .cc files). Which keys
 // there are, and what they mean, stands in options.proto; defaults stand in the option structs.
+// To add an option: a member in its struct with the default, the same name in fields.h and, with a
+// comment, in options.proto, and a check of its range in validate.cc or in the room of the struct.
 
 /// Everything that can be configured. The structs of the stages are inherited, so that a config can
 /// be given to what takes one of them: SegmentFrame, MapSession, MakeProducts. Every member is a

@@ -199,7 +199,7 @@ TEST(OptionsProto, EveryKeyHasAComment) {
   std::istringstream lines(FileText("libs/config/options.proto"));
   std::string line, before;
   int keys = 0;
-  const std::regex key(R"(^  (optional|repeated) \w+ \w+ = \d+.*)");
+  const std::regex key(R"(  (optional|repeated) \w+ \w+ = \d+.*)");
   for (bool in_section = false; std::getline(lines, line); before = line) {
     if (line.starts_with("message ")) in_section = line != "message Config {";
     if (!in_section || !std::regex_match(line, key)) continue;
