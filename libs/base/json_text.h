@@ -8,13 +8,13 @@
 
 namespace vismap {
 
-/// Reads JSON that others have written. Fails with line and column when it is no JSON, and when it
-/// is nested deeper than 64 levels: whoever walks such a text, or writes it out again, would
+/// Reads JSON from an untrusted source. Fails with line and column when the text is not JSON, and
+/// when it is nested deeper than 64 levels, since code that visits or prints deeper values would
 /// overflow the stack. `Json` is nlohmann::json or nlohmann::ordered_json.
 template <typename Json = nlohmann::json>
 Result<Json> ParseJson(std::string_view text);
 
-/// What a value is, for error messages: "an object", "an array of 3 values", the number itself, or
+/// Describes a value for error messages: "an object", "an array of 3 values", the number itself, or
 /// the first characters of a text without control characters. At most 60 characters.
 std::string DescribeJson(const nlohmann::json& value);
 

@@ -8,7 +8,7 @@
 namespace vismap {
 
 /// The folder in which a server keeps the maps that clients of the bus may save and load by name.
-/// Clients come with names and never with paths, so that they can reach no other file.
+/// Clients send names and never paths, so that they can reach no other file.
 class MapFolder {
  public:
   /// `folder` must exist when a map is saved or loaded; empty = clients may do neither.
@@ -28,7 +28,7 @@ class MapFolder {
   std::filesystem::path folder_;
 };
 
-/// Whether a file begins as saved maps do.
+/// Whether a file begins like a saved map.
 bool LooksLikeMapFile(const std::filesystem::path& path);
 
 }  // namespace vismap

@@ -9,7 +9,7 @@
 
 namespace vismap {
 
-// The loops of MeshBlocks over many voxels, cells or vertices (marching cubes, Lorensen and Cline
+// The loops of meshing over many voxels, cells or vertices (marching cubes, Lorensen and Cline
 // 1987). They have no branches, so that the compiler vectorises them, and are compiled once per
 // SIMD level with equal results.
 //

@@ -22,7 +22,7 @@ class MapStore {
   /// `save_period_s` [s]: how often SaveIfDue saves; 0 = never. `status` must outlive it.
   MapStore(std::filesystem::path path, double save_period_s, Status* status);
 
-  /// Loads a map and gives it `map_id`, so that nobody takes its revisions for those of the map
+  /// Loads a map and gives it `map_id`, so that its revisions are not mistaken for those of the map
   /// that was saved. Fails with the path and the reason.
   static Result<MapSession> Load(const std::string& path, const MapSessionOptions& options,
                                  std::string map_id);
