@@ -186,7 +186,8 @@ void Hub::Accept() {
   clients_.push_back(std::move(client));
 }
 
-// The oldest client that has had the time to subscribe or publish, and did neither, makes room.
+// Disconnects the oldest client that has had enough time to subscribe or publish and did neither,
+// to make room for a new one.
 bool Hub::MakeRoomForClient() {
   const auto idle = std::find_if(clients_.begin(), clients_.end(), [this](const auto& client) {
     const double age = MonotonicSeconds() - client->connected_at;
@@ -308,16 +309,16 @@ void Hub::DisconnectLate() {
                  "is " + FormatDuration(connection.SecondsBehind()) + " behind with reading");
     } else if (!connection.has_greeting() &&
                connection.SecondsIncomplete(kSlowestLink) > options_.greeting_s) {
-      Disconnect(*client, "has not said that it speaks LCM's tcpq protocol");
+      Disconnect(*client, "has not sent the greeting of LCM's tcpq protocol");
     } else if (connection.SecondsIncomplete(kSlowestLink) > options_.patience_s &&
                !client->MustWait()) {
-      Disconnect(*client, "has begun a message and not completed it");
+      Disconnect(*client, "has sent the beginning of a message, but not the rest");
     }
   }
 }
 
-// The total of what waits for clients and of what arrives from them is bounded: the client with
-// most of it goes.
+// Bounds the total size of all queued and incomplete messages: disconnects the client with the
+// largest share.
 void Hub::DisconnectLargest() {
   size_t total = 0;
   Client* largest = nullptr;

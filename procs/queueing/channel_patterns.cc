@@ -7,7 +7,7 @@ namespace vismap {
 namespace {
 
 constexpr size_t kMaxKnown = 4096;
-constexpr size_t kMaxKnownName = 256;  // longer names are matched anew each time [characters]
+constexpr size_t kMaxKnownName = 256;  // results for longer names are not cached [characters]
 
 }  // namespace
 

@@ -18,16 +18,17 @@ class ChannelPatterns {
 
   /// Fails when the pattern cannot be used, or when the set would grow beyond its bounds.
   Result<void> Add(const std::string& pattern);
-  /// Undoes one Add of the same pattern, if there was one.
+  /// Removes one pattern that equals `pattern`, if there is one.
   void Remove(const std::string& pattern);
+  /// Whether a pattern matches this channel.
   bool Match(const std::string& channel);
 
-  size_t bytes() const { return bytes_; }  ///< an upper bound of what the patterns take
+  size_t bytes() const { return bytes_; }  ///< an upper bound of the memory of the patterns
 
  private:
   std::list<ChannelPattern> patterns_;
   size_t bytes_ = 0;
-  std::unordered_map<std::string, bool> known_;  // earlier answers
+  std::unordered_map<std::string, bool> known_;  // cached results of Match
 };
 
 }  // namespace vismap

@@ -28,7 +28,8 @@ RoutedMessage RouteMessage(const TcpqRecord& record, ChannelPolicies* policies);
 /// Limits of a queue, for lossless messages and again for all others.
 struct QueueLimits {
   size_t max_bytes = 0;
-  double max_wait = std::numeric_limits<double>::infinity();  ///< of the oldest lossless one [s]
+  double max_wait =
+      std::numeric_limits<double>::infinity();  ///< of the oldest lossless message [s]
 };
 
 /// The messages that wait for one reader, in order. A sender of lossless messages must stop while
@@ -36,7 +37,8 @@ struct QueueLimits {
 class MessageQueue {
  public:
   enum class Added { kQueued, kReplacedOlder, kDropped };
-  /// What each entry takes beside its message, so that a queue of empty messages is bounded, too.
+  /// Memory of an entry besides its message, which counts as well, so that a queue of empty
+  /// messages is bounded [bytes].
   static constexpr size_t kEntryBytes = 256;
 
   explicit MessageQueue(const QueueLimits& limits) : limits_(limits) {}
@@ -50,13 +52,13 @@ class MessageQueue {
   bool empty() const { return entries_.empty(); }
   /// Size of all queued messages [bytes].
   size_t bytes() const { return lossless_bytes_ + other_bytes_; }
-  /// How long the oldest message has been waiting [s]; 0 when none waits. Messages of which only
-  /// the latest counts are renewed, and do not count.
+  /// How long the oldest message has waited [s]; 0 when no message waits. Messages of kLatest do
+  /// not count, because they are renewed.
   double OldestSeconds() const;
 
   struct Entry {
     RoutedMessage message;
-    double since = 0;  ///< when it was queued, or renewed [s]
+    double since = 0;  ///< time at which it was queued or renewed [s]
   };
   /// Removes and returns the oldest message. The queue must not be empty.
   Entry Pop();
@@ -70,7 +72,8 @@ class MessageQueue {
   std::list<Entry> entries_;
   std::map<Key, std::list<Entry>::iterator> latest_;  // the queued messages of kLatest
   size_t lossless_bytes_ = 0, other_bytes_ = 0;
-  std::deque<double> lossless_since_, other_since_;  // ascending, without those of kLatest
+  std::deque<double> lossless_since_,
+      other_since_;  // times of queueing, ascending, without kLatest
 };
 
 }  // namespace vismap

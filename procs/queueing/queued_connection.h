@@ -40,15 +40,16 @@ class QueuedConnection {
   /// How long data has been waiting without the other end accepting a single byte [s]; 0 when no
   /// data waits.
   double SecondsStuck() const;
-  /// How old the oldest data is that waits to be sent [s]; 0 when no data waits. A reader that
-  /// accepts a few bytes now and then falls behind, too.
+  /// Age of the oldest data that waits to be sent [s]; 0 when no data waits. It also grows for a
+  /// reader that accepts only a few bytes from time to time.
   double SecondsBehind() const;
-  /// How long a record, or the greeting, has been arriving without being complete [s]; 0 when none
-  /// is. A large record has more time than a small one: `bytes_per_second` for what is missing.
+  /// How long the greeting or a record has been incomplete, minus the time that its missing bytes
+  /// need at `bytes_per_second`, so that a large record has more time [s]; 0 when none is
+  /// incomplete.
   double SecondsIncomplete(double bytes_per_second) const;
   bool has_greeting() const { return reader_.has_greeting(); }
-  /// What it keeps in memory: the queue, what is being sent, and what has arrived of an incomplete
-  /// record [bytes].
+  /// Memory of the connection: the queue, the message being sent, and the arrived part of an
+  /// incomplete record [bytes].
   size_t buffered_bytes() const {
     const size_t sending = sending_ != nullptr ? sending_->size() : 0;
     return queue_.bytes() + sending + reader_.buffered_bytes();
@@ -64,7 +65,7 @@ class QueuedConnection {
   MessageQueue queue_;
   size_t sent_ = 0;  // bytes sent of opening_ or, if that is empty, of sending_
   double last_progress_ = 0;
-  double sending_since_ = 0;   // when what is being sent was queued
+  double sending_since_ = 0;   // when the message being sent was queued
   double complete_since_ = 0;  // when the last record was complete
 };
 

@@ -5,8 +5,8 @@
 
 namespace vismap {
 
-/// Shows on stderr how far long work has come: on a terminal in one line that is drawn again and
-/// again, elsewhere in a line of its own every half minute.
+/// Shows the progress of long work on stderr: on a terminal in one line that is redrawn, elsewhere
+/// as a new line every half minute.
 class Progress {
  public:
   /// `total` is the number of steps; 0 = unknown.
@@ -15,7 +15,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows that `done` steps are done, unless it did so a moment ago. `note` is appended.
+  /// Shows that `done` steps are done, at a limited rate. `note` is appended.
   void Show(int64_t done, const std::string& note = "");
 
  private:
