@@ -11,9 +11,8 @@ namespace vismap {
 
 /// How normals are estimated.
 enum class NormalMethod {
-  kInverseDepthFit,   ///< plane fit to inverse depth over an edge-bounded window
-  kWindowCovariance,  ///< the published code: covariance of all points near in a square window;
-                      ///< slow
+  kInverseDepthFit,   ///< plane fitted to inverse depth in a window that ends at depth jumps
+  kWindowCovariance,  ///< published code: covariance of the near points in a square window; slow
 };
 
 inline constexpr auto NamesOf(NormalMethod) {
@@ -30,17 +29,19 @@ struct SurfaceOptions {
   double max_depth_m = 10;   ///< farther depth is no return [m]
 
   // kInverseDepthFit
-  double normal_sigma_deg = 7.0;  ///< the window grows with noise until normals are this good [deg]
-  int min_radius_px = 2;          ///< of the window [px at width 640]
-  int max_radius_px = 10;         ///< of the window [px at width 640], at most 31
-  /// Neighbours whose inverse depths differ by more are not joined; images that are noisier than
-  /// the model stretch it, see JumpSigmas.
+  /// Wanted standard deviation of the normals: the window grows with the noise to reach it [deg].
+  double normal_sigma_deg = 7.0;
+  int min_radius_px = 2;   ///< of the window [px at width 640]
+  int max_radius_px = 10;  ///< of the window [px at width 640], at most 31
+  /// Neighbours whose inverse depths differ by more standard deviations have a depth jump between
+  /// them. The limit is raised for images that are noisier than the model, see JumpSigmas.
   double jump_sigmas = 5.0;
-  double max_incidence_deg = 84;  ///< steeper surfaces count as depth jumps [deg]
+  /// Largest angle between normal and ray; steeper surfaces count as depth jumps [deg].
+  double max_incidence_deg = 84;
 
   // kWindowCovariance (Grinvald 2019, published code)
   int window_px = 13;                ///< side of the square [px], odd
-  double window_depth_ratio = 0.05;  ///< points farther than this times z are left out
+  double window_depth_ratio = 0.05;  ///< points farther away than this times z do not count
 };
 
 /// The problems of the options, one sentence each; empty = they are valid.

@@ -12,7 +12,7 @@ namespace vismap {
 
 /// Cuts a surface into segments: connected regions without depth jumps or concave folds inside.
 /// Segments are numbered by their first pixel in row order. Pixels without depth belong to no
-/// segment, nor do regions below min_segment_pixels that match none of their neighbours. Throws
+/// segment, nor do regions below min_segment_px that match none of their neighbours. Throws
 /// when surface and camera differ in size.
 SegmentImage SegmentDepth(const SurfaceMap& surface, const PinholeCamera& camera,
                           const SegmentationOptions& options);

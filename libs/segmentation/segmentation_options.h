@@ -12,8 +12,8 @@ namespace vismap {
 
 /// How a depth image is cut into segments.
 enum class SegmentationMethod {
-  kNoiseScaled,  ///< ours: edges in units of the sensor's noise, given back by a flood
-  kPublished,    ///< the published code's fixed thresholds; slow, and shatters beyond 3 m
+  kNoiseScaled,  ///< ours: thresholds in units of the noise, edge pixels assigned by a flood
+  kPublished,    ///< fixed thresholds of the published code; slow, and surfaces beyond 3 m shatter
 };
 
 inline constexpr auto NamesOf(SegmentationMethod) {
@@ -28,51 +28,54 @@ struct SegmentationOptions {
   int min_segment_px = 500;  ///< smaller segments are dropped [px at 640x480, scaled by area]
 
   // kNoiseScaled
-  double concave_angle_deg = 16;  ///< a concave fold is an edge from here on [deg] ...
-  double concave_sigmas = 3.0;    ///< ... and from this multiple of the normals' error
-  double sharp_angle_deg = 50;  ///< a concave fold is an edge from here on whatever the noise [deg]
-  int min_seed_px = 60;         ///< flat areas smaller than this start no segment [px at 640x480]
-  double coplanar_sigmas = 1.5;  ///< neighbours on one plane within this many sigma are joined
-  double join_angle_deg = 20;    ///< a small segment joins its one neighbour if this parallel [deg]
+  /// A concave fold is an edge when its angle is at least concave_angle_deg and concave_sigmas
+  /// standard deviations of the normals, or at least sharp_angle_deg.
+  double concave_angle_deg = 16;
+  double concave_sigmas = 3.0;
+  double sharp_angle_deg = 50;
+  int min_seed_px = 60;          ///< smaller flat areas start no segment [px at 640x480]
+  double coplanar_sigmas = 1.5;  ///< see JoinCoplanarRegions; 0 = off
+  double join_angle_deg = 20;    ///< largest angle between a small segment and its host [deg]
 
   // kPublished (Grinvald 2019; constants of the published code)
-  double depth_ratio = 0.01;            ///< depth step over z from which a pixel is an edge
+  double depth_ratio = 0.01;            ///< larger depth steps, relative to z, are edges
   double concave_tolerance_m = 0.0005;  ///< points that rise less are not concave [m]
-  double concave_cosine = 0.97;         ///< concave neighbours with normals farther apart are edges
-  int convexity_window_px = 5;          ///< side of the window looked at [px], odd
-  int give_back_window_px = 9;          ///< edge pixels search this window for a segment [px], odd
-  double give_back_distance_m = 0.05;   ///< and join the nearest point within [m]
+  double concave_cosine = 0.97;         ///< concave neighbours with a smaller n . n' are edges
+  int convexity_window_px = 5;          ///< side of the window of the concavity test [px], odd
+  int give_back_window_px = 9;          ///< window in which edge pixels search a segment [px], odd
+  double give_back_distance_m = 0.05;   ///< largest distance to the segment's nearest point [m]
 };
 
 /// Options of RefineWithDetections.
 struct RefineOptions {
-  double min_overlap = 0.7;      ///< tau_p: a mask must cover more than this part of a segment
-  double min_score = 0.0;        ///< detections below are ignored, as if they were not there
-  bool resolve_overlaps = true;  ///< a pixel in several masks belongs only to the best one
-  /// A mask of which more than this part lies in another one of its class, at most three times as
-  /// large, is a second detection of the same thing; 1 = off. Needs resolve_overlaps.
+  double min_overlap = 0.7;      ///< τ_p: a mask must cover more than this part of a segment
+  double min_score = 0.0;        ///< detections with a lower score are ignored
+  bool resolve_overlaps = true;  ///< a pixel in several masks belongs to the best one only
+  /// Two masks of one class are detections of one thing when more than this part of the smaller
+  /// one lies in the other one, which is at most three times as large; 1 = off. Has an effect only
+  /// with resolve_overlaps.
   double same_part = 0.7;
-  /// Segments farther behind or before the largest one of their mask than this times the mask's
-  /// larger side in metres are seen through gaps of the object, or hide it: they get no detection.
-  /// 0 = off.
+  /// A segment gets no detection when it is farther in front of or behind the largest segment of
+  /// the mask than this times the mask's larger side [m]: it is seen through a gap of the object,
+  /// or hides it. 0 = off.
   double max_depth_extent = 1.5;
-  /// Pieces too small to be segments, such as a chair's legs, go to the object whose mask covers
-  /// more than min_overlap of them.
+  /// Loose pieces, which are too small to be segments, such as the legs of a chair, go to the
+  /// object whose mask covers more than min_overlap of them.
   bool take_loose = true;
-  /// The same as max_depth_extent for such pieces: less, as gaps between the slats of a chair show
-  /// many pieces of what is behind it; 0 = off.
+  /// max_depth_extent for loose pieces. It is smaller, since the gaps between the slats of a chair
+  /// show many loose pieces of the surface behind it; 0 = off.
   double loose_depth_extent = 1.0;
-  /// Pixels on a fold go to the object whose mask they lie in, if they hang together with it; only
-  /// masks with at least this score take any. Above 1 = off.
+  /// Pixels on a fold go to the object whose mask contains them, if they are connected with it and
+  /// the detection has at least this score. Above 1 = off.
   double fold_min_score = 0.5;
-  bool split = true;                 ///< good masks may split segments
-  double split_min_score = 0.35;     ///< only masks with at least this score split
-  double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the one segment
-  int split_min_px = 300;            ///< of the part cut out [px at 640x480, scaled by area]
-  int split_min_rest_px = 500;       ///< of the part left [px at 640x480, scaled by area]
-  /// Detections of these classes are taken out of the frame: things that move, such as people.
+  bool split = true;                 ///< good masks may split segments, see SplitSegments
+  double split_min_score = 0.35;     ///< only detections with at least this score split
+  double split_min_mask_part = 0.7;  ///< part of the mask that must lie in the split segment
+  int split_min_px = 300;       ///< smallest part that is cut out [px at 640x480, scaled by area]
+  int split_min_rest_px = 500;  ///< smallest part that stays [px at 640x480, scaled by area]
+  /// The pixels of detections of these classes are removed: things that move, such as people.
   std::vector<ClassId> leave_out_classes;
-  int leave_out_margin_px = 6;  ///< their masks are grown by this first [px at 640 wide, scaled]
+  int leave_out_margin_px = 6;  ///< the masks are grown by this first [px at width 640, scaled]
 };
 
 /// Options of the whole stage: depth image in, segmented frame out.
@@ -82,7 +85,7 @@ struct SegmentationStageOptions {
   RefineOptions refine;
 };
 
-/// All that is wrong with the options, one sentence each; empty = nothing.
+/// The problems of the options, one sentence each; empty = they are valid.
 std::vector<std::string> Validate(const SegmentationOptions& options);
 std::vector<std::string> Validate(const RefineOptions& options);
 std::vector<std::string> Validate(const SegmentationStageOptions& options);
