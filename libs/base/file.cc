@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -77,9 +78,13 @@ Result<void> WriteAndSync(const std::filesystem::path& path, std::span<const uin
   return {};
 }
 
+std::filesystem::path FolderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
 // Flushes the folder of a file: only then a rename is on disk.
 Result<void> SyncFolder(const std::filesystem::path& path) {
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const std::filesystem::path folder = FolderOf(path);
   const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() < 0) return SystemFault(folder, "open the folder");
   // EINVAL: the file system cannot flush folders; nothing more can be done there.
@@ -87,19 +92,84 @@ Result<void> SyncFolder(const std::filesystem::path& path) {
   return {};
 }
 
+// Gives a regular file one more name, which replaces what had it. Where the file system has no
+// links, the file is copied. Does nothing when there is no such file.
+Result<void> KeepAs(const std::filesystem::path& path, const std::filesystem::path& name) {
+  if (!PermissionsOf(path)) return {};
+  const std::filesystem::path temporary = TemporaryName(name);
+  std::error_code error;
+  if (::link(path.c_str(), temporary.c_str()) != 0 &&
+      !std::filesystem::copy_file(path, temporary, error)) {
+    return Fail(path.string() + ": cannot keep it as " + name.string() + ": " + error.message());
+  }
+  if (::rename(temporary.c_str(), name.c_str()) == 0) {
+    ::unlink(temporary.c_str());  // rename leaves it when both were names of one file already
+    return {};
+  }
+  auto fault = SystemFault(name, "replace the file");
+  ::unlink(temporary.c_str());
+  return fault;
+}
+
+Result<void> Replace(const std::filesystem::path& path, const std::filesystem::path& temporary,
+                     const std::vector<std::filesystem::path>& keep_as) {
+  for (const std::filesystem::path& name : keep_as) {
+    if (Result<void> kept = KeepAs(path, name); !kept) return kept;
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return SystemFault(path, "replace the file");
+  return {};
+}
+
+// The process that made a temporary file (see TemporaryName) and the name of the file that it was
+// for; nullopt when the name is none of a temporary file.
+struct Temporary {
+  pid_t process;
+  std::string target;
+};
+std::optional<Temporary> ParseTemporary(const std::string& name) {
+  const auto digits = [](const std::string& text) {
+    return !text.empty() && text.size() <= 9 &&
+           text.find_first_not_of("0123456789") == std::string::npos;
+  };
+  const size_t mark = name.rfind(".tmp-"), dash = name.rfind('-');
+  if (mark == std::string::npos || dash < mark + 5) return std::nullopt;
+  const std::string process = name.substr(mark + 5, dash - mark - 5);
+  if (!digits(process) || !digits(name.substr(dash + 1))) return std::nullopt;
+  return Temporary{std::stoi(process), name.substr(0, mark)};
+}
+
+bool IsRunning(pid_t process) {
+  return process != ::getpid() && (::kill(process, 0) == 0 || errno != ESRCH);
+}
+
+int RemoveTemporaries(const std::filesystem::path& folder,
+                      const std::function<bool(const std::string& target)>& ours) {
+  int removed = 0;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const auto temporary = ParseTemporary(entry.path().filename().string());
+    if (!temporary || !ours(temporary->target) || IsRunning(temporary->process)) continue;
+    if (!std::filesystem::is_regular_file(entry.symlink_status(error))) continue;
+    if (::unlink(entry.path().c_str()) == 0) ++removed;
+  }
+  return removed;
+}
+
 }  // namespace
 
 Result<void> WriteFileAtomically(const std::filesystem::path& path,
                                  std::span<const uint8_t> bytes) {
+  return WriteFileAndKeepOld(path, bytes, {});
+}
+
+Result<void> WriteFileAndKeepOld(const std::filesystem::path& path, std::span<const uint8_t> bytes,
+                                 const std::vector<std::filesystem::path>& keep_as) {
   const std::filesystem::path temporary = TemporaryName(path);
-  if (Result<void> written = WriteAndSync(temporary, bytes, PermissionsOf(path)); !written) {
+  Result<void> done = WriteAndSync(temporary, bytes, PermissionsOf(path));
+  if (done) done = Replace(path, temporary, keep_as);
+  if (!done) {
     ::unlink(temporary.c_str());
-    return written;
-  }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    auto fault = SystemFault(path, "replace the file");
-    ::unlink(temporary.c_str());
-    return fault;
+    return done;
   }
   return SyncFolder(path);
 }
@@ -133,23 +203,29 @@ Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path, ui
   return bytes;
 }
 
-int RemoveStaleTemporaries(const std::filesystem::path& path) {
-  const std::string prefix = path.filename().string() + ".tmp-";
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  int removed = 0;
+Result<std::filesystem::path> SetAside(const std::filesystem::path& path,
+                                       const std::string& ending) {
+  std::filesystem::path name;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix)) continue;
-    const std::string rest = name.substr(prefix.size());  // PID-COUNTER
-    const size_t digits = rest.find_first_not_of("0123456789");
-    if (digits == 0 || digits == std::string::npos || rest[digits] != '-' || digits > 9) continue;
-    const pid_t pid = std::stoi(rest.substr(0, digits));
-    const bool alive = pid != ::getpid() && (::kill(pid, 0) == 0 || errno != ESRCH);
-    if (alive || !entry.is_regular_file(error)) continue;
-    if (::unlink(entry.path().c_str()) == 0) ++removed;
-  }
-  return removed;
+  int number = 0;
+  do {
+    name = path.string() + "." + ending + "-" + std::to_string(++number);
+  } while (std::filesystem::symlink_status(name, error).type() !=
+           std::filesystem::file_type::not_found);
+  if (::rename(path.c_str(), name.c_str()) != 0)
+    return SystemFault(path, "give the file another name");
+  return name;
+}
+
+int RemoveStaleTemporaries(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  return RemoveTemporaries(FolderOf(path),
+                           [&](const std::string& target) { return target == name; });
+}
+
+int RemoveStaleTemporariesIn(const std::filesystem::path& folder, const std::string& part) {
+  return RemoveTemporaries(
+      folder, [&](const std::string& target) { return target.find(part) != std::string::npos; });
 }
 
 Result<void> CreateFolder(const std::filesystem::path& folder) {

@@ -19,9 +19,21 @@ namespace vismap {
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_view text);
 
-/// Removes temporary files of WriteFileAtomically beside `path` whose process no longer exists, for
-/// example since it was killed. Returns how many.
+/// The same, but the file that was at `path` stays: it gets each of the names `keep_as`, in the
+/// same folder, and replaces what has such a name. When writing fails, no file has changed.
+Result<void> WriteFileAndKeepOld(const std::filesystem::path& path, std::span<const uint8_t> bytes,
+                                 const std::vector<std::filesystem::path>& keep_as);
+
+/// Gives a file another name, which is returned: PATH.ENDING-1 with ENDING = `ending`, or the first
+/// higher number that no file has.
+Result<std::filesystem::path> SetAside(const std::filesystem::path& path,
+                                       const std::string& ending);
+
+/// Removes the temporary files of WriteFileAtomically for `path` whose process no longer exists,
+/// for example since it was killed. Returns how many.
 int RemoveStaleTemporaries(const std::filesystem::path& path);
+/// The same for all files of a folder whose name has `part` in it.
+int RemoveStaleTemporariesIn(const std::filesystem::path& folder, const std::string& part);
 
 /// Creates a folder and its parents where they are missing. The Error names the folder and the
 /// system's reason.

@@ -204,10 +204,11 @@ Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& n
 }
 
 Result<SaveInfo> SaveMap(const SemanticMap& map, const MapMetadata& metadata,
-                         const std::filesystem::path& path) {
+                         const std::filesystem::path& path,
+                         const std::vector<std::filesystem::path>& keep_old_as) {
   const std::string map_hash = HashMap(map);
   const std::vector<uint8_t> bytes = EncodeRecords(map, metadata, map_hash);
-  if (Result<void> written = WriteFileAtomically(path, bytes); !written) {
+  if (Result<void> written = WriteFileAndKeepOld(path, bytes, keep_old_as); !written) {
     return tl::unexpected(written.error());
   }
   std::error_code ignored;

@@ -28,9 +28,11 @@ struct LoadedMap {
   std::string map_hash;
 };
 
-/// Writes the map to a file, see WriteFileAtomically; the folder must exist.
+/// Writes the map to a file; the folder must exist. The file that was there stays under the names
+/// `keep_old_as`, see WriteFileAndKeepOld; without names it is replaced.
 Result<SaveInfo> SaveMap(const SemanticMap& map, const MapMetadata& metadata,
-                         const std::filesystem::path& path);
+                         const std::filesystem::path& path,
+                         const std::vector<std::filesystem::path>& keep_old_as = {});
 
 /// Reads a map. Integrating frames into it gives the same results as into the map that was saved.
 /// Version, checksums, ids, order, counts and the map's hash are checked: a damaged file gives an

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "base/printable.h"
 #include "mapfile/record_stream.h"
 
 namespace vismap {
@@ -13,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMaxName = 100;
+constexpr size_t kMaxFiles = 1000;
 
 bool IsPlain(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -26,7 +28,17 @@ bool IsPlainName(const std::string& name) {
 
 }  // namespace
 
+Result<void> CheckMapName(const std::string& name) {
+  if (IsPlainName(name)) return {};
+  return Fail(
+      "expected the name of a map, which has 1 to 100 letters, digits, '-', '_' and '.', does not "
+      "begin with '.', and is no path; found a name of " +
+      std::to_string(name.size()) + " characters: '" + PrintableText(name, kMaxName) + "'");
+}
+
 bool LooksLikeMapFile(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;  // opening a pipe could wait for ever
   std::ifstream file(path, std::ios::binary);
   std::array<char, mapfile::kMagic.size()> start{};
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
@@ -35,18 +47,31 @@ bool LooksLikeMapFile(const fs::path& path) {
 }
 
 Result<fs::path> MapFolder::PathOf(const std::string& name) const {
+  if (const Result<void> checked = CheckMapName(name); !checked)
+    return tl::unexpected(checked.error());
   if (folder_.empty()) {
     return Fail(
         "this server has no folder for maps of clients; start it with `map_server { map_folder: "
         "\"...\" }` in its config, or with --map-folder");
   }
-  if (!IsPlainName(name)) {
-    return Fail(
-        "a request names a map with 1 to 100 letters, digits, '-', '_' and '.', and no path; it "
-        "is kept in the folder that the server's config calls map_folder (found a name of " +
-        std::to_string(name.size()) + " characters)");
-  }
   return folder_ / (name.ends_with(".vismap") ? name : name + ".vismap");
+}
+
+Result<void> MapFolder::CheckRoom(bool for_new_file) const {
+  uint64_t bytes = 0;
+  size_t files = 0;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+    std::error_code ignored;
+    const uint64_t size = entry.is_regular_file(ignored) ? entry.file_size(ignored) : 0;
+    if (!ignored) bytes += size;
+    ++files;
+  }
+  if (bytes < max_bytes_ && (files < kMaxFiles || !for_new_file)) return {};
+  return Fail(folder_.string() + ": the folder for maps is full: it has " + std::to_string(files) +
+              " files of " + std::to_string(bytes >> 20) + " MB, and at most " +
+              std::to_string(kMaxFiles) + " files or " + std::to_string(max_bytes_ >> 20) +
+              " MB (map_server.map_folder_mb) are allowed; remove maps that are not needed");
 }
 
 Result<fs::path> MapFolder::ForSaving(const std::string& name) const {
@@ -54,9 +79,10 @@ Result<fs::path> MapFolder::ForSaving(const std::string& name) const {
   if (!path) return path;
   std::error_code error;
   const fs::file_status status = fs::symlink_status(*path, error);
-  if (status.type() == fs::file_type::not_found) return path;
-  if (status.type() != fs::file_type::regular || !LooksLikeMapFile(*path))
+  const bool is_new = status.type() == fs::file_type::not_found;
+  if (!is_new && (status.type() != fs::file_type::regular || !LooksLikeMapFile(*path)))
     return Fail(path->string() + ": this is no saved map, so it is not replaced");
+  if (const Result<void> room = CheckRoom(is_new); !room) return tl::unexpected(room.error());
   return path;
 }
 

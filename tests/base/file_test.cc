@@ -112,14 +112,57 @@ TEST_F(FileTest, TemporariesOfDeadProcessesAreRemovedAndNoOthers) {
   if (child == 0) ::_exit(0);
   ::waitpid(child, nullptr, 0);
   const std::string dead = std::to_string(child), alive = std::to_string(::getppid());
-  for (const std::string& name : {"map.vismap.tmp-" + dead + "-0", "map.vismap.tmp-" + alive + "-0",
-                                  std::string("map.vismap.tmp-x-0"), std::string("map.vismap.tmp-"),
-                                  "other.tmp-" + dead + "-0", std::string("map.vismap")}) {
+  for (const std::string& name :
+       {"map.vismap.tmp-" + dead + "-0", "map.vismap.tmp-" + alive + "-0",
+        std::string("map.vismap.tmp-x-0"), std::string("map.vismap.tmp-"),
+        "map.vismap.tmp-" + dead + "-0.vismap", "map.vismap.tmp-" + dead + "-0x",
+        "other.vismap.tmp-" + dead + "-0", "other.tmp-" + dead + "-0", std::string("map.vismap")}) {
     ASSERT_TRUE(WriteFileAtomically(folder_ / name, "x"));
   }
   EXPECT_EQ(RemoveStaleTemporaries(path), 1);
   EXPECT_FALSE(fs::exists(folder_ / ("map.vismap.tmp-" + dead + "-0")));
-  EXPECT_EQ(FilesInFolder(), 5u);
+  EXPECT_EQ(FilesInFolder(), 8u);
+  EXPECT_EQ(RemoveStaleTemporariesIn(folder_, ".vismap"), 1);
+  EXPECT_FALSE(fs::exists(folder_ / ("other.vismap.tmp-" + dead + "-0")));
+  EXPECT_EQ(FilesInFolder(), 7u);
+}
+
+TEST_F(FileTest, TheOldFileStaysUnderOtherNames) {
+  const fs::path path = folder_ / "map", previous = folder_ / "map.previous",
+                 replaced = folder_ / "map.replaced";
+  const std::vector<uint8_t> first = {'1'}, second = {'2'}, third = {'3'};
+  ASSERT_TRUE(WriteFileAndKeepOld(path, first, {previous, replaced})) << "there is none to keep";
+  EXPECT_EQ(FilesInFolder(), 1u);
+  ASSERT_TRUE(WriteFileAndKeepOld(path, second, {previous, replaced}));
+  EXPECT_EQ(Text(path) + Text(previous) + Text(replaced), "211");
+  ASSERT_TRUE(WriteFileAndKeepOld(path, third, {previous}));
+  EXPECT_EQ(Text(path) + Text(previous) + Text(replaced), "321");
+  EXPECT_EQ(FilesInFolder(), 3u);
+  fs::remove(previous);
+  fs::create_hard_link(path, previous);  // as after a power cut between the two renames
+  ASSERT_TRUE(WriteFileAndKeepOld(path, first, {previous}));
+  EXPECT_EQ(Text(path) + Text(previous), "13");
+  EXPECT_EQ(FilesInFolder(), 3u);
+}
+
+TEST_F(FileTest, WhatCannotBeKeptIsNotReplaced) {
+  const fs::path path = folder_ / "map";
+  ASSERT_TRUE(WriteFileAtomically(path, "old"));
+  fs::create_directory(folder_ / "map.previous");
+  EXPECT_FALSE(WriteFileAndKeepOld(path, std::vector<uint8_t>{'x'}, {folder_ / "map.previous"}));
+  EXPECT_EQ(Text(path), "old");
+  EXPECT_EQ(FilesInFolder(), 2u);
+}
+
+TEST_F(FileTest, FilesSetAsideGetNamesOfTheirOwn) {
+  const fs::path path = folder_ / "map";
+  for (const char* text : {"a", "b", "c"}) {
+    ASSERT_TRUE(WriteFileAtomically(path, text));
+    ASSERT_TRUE(SetAside(path, "unusable"));
+  }
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_EQ(Text(folder_ / "map.unusable-1") + Text(folder_ / "map.unusable-3"), "ac");
+  EXPECT_FALSE(SetAside(path, "unusable")) << "there is no file";
 }
 
 }  // namespace

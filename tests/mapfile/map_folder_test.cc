@@ -55,6 +55,35 @@ TEST(MapFolder, OnlyMapsAreReplaced) {
     EXPECT_THAT(maps.ForLoading(name).error().message, HasSubstr("regular file")) << name;
 }
 
+TEST(MapFolder, WhatIsNoNameIsToldInPrintableText) {
+  EXPECT_THAT(CheckMapName("a\n\x1b[2J").error().message, HasSubstr("'a\\n\\x1b[2J'"));
+  EXPECT_LT(CheckMapName(std::string(60000, '/')).error().message.size(), 400u);
+}
+
+TEST(MapFolder, ThatIsFullTakesNoMoreMaps) {
+  const TempFolder folder;
+  SaveEmptyMap(folder / "kitchen.vismap");
+  EXPECT_TRUE(MapFolder(folder.path(), 1 << 20).ForSaving("garden"));
+  const MapFolder small(folder.path(), 10);
+  EXPECT_THAT(small.ForSaving("garden").error().message, HasSubstr("is full"));
+  EXPECT_THAT(small.ForSaving("kitchen").error().message, HasSubstr("is full"));
+  EXPECT_TRUE(small.ForLoading("kitchen"));
+  for (int i = 0; i < 1000; ++i) folder.Write(std::to_string(i), "");
+  EXPECT_THAT(MapFolder(folder.path()).ForSaving("garden").error().message, HasSubstr("is full"));
+  EXPECT_TRUE(MapFolder(folder.path()).ForSaving("kitchen")) << "it needs no further file";
+}
+
+TEST(MapFolder, NamesOfKeptAndTemporaryFilesCannotBeReached) {
+  const TempFolder folder;
+  const MapFolder maps(folder.path());
+  for (const std::string name :
+       {"kitchen.vismap.previous", "kitchen.vismap.replaced", "kitchen.vismap.tmp-12-3"}) {
+    SaveEmptyMap(folder / name);
+    EXPECT_EQ(maps.ForSaving(name).value(), folder / (name + ".vismap"));
+    EXPECT_FALSE(maps.ForLoading(name));
+  }
+}
+
 TEST(MapFolder, WithoutAFolderClientsMayDoNeither) {
   EXPECT_THAT(MapFolder("").ForSaving("a").error().message, HasSubstr("map_folder"));
   EXPECT_THAT(MapFolder("").ForLoading("a").error().message, HasSubstr("map_folder"));
