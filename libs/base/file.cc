@@ -207,6 +207,8 @@ Result<std::filesystem::path> SetAside(const std::filesystem::path& path,
                                        const std::string& ending) {
   std::filesystem::path name;
   std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    return Fail(path.string() + ": expected a regular file");
   int number = 0;
   do {
     name = path.string() + "." + ending + "-" + std::to_string(++number);

@@ -24,8 +24,8 @@ Result<void> WriteFileAtomically(const std::filesystem::path& path, std::string_
 Result<void> WriteFileAndKeepOld(const std::filesystem::path& path, std::span<const uint8_t> bytes,
                                  const std::vector<std::filesystem::path>& keep_as);
 
-/// Gives a file another name, which is returned: PATH.ENDING-1 with ENDING = `ending`, or the first
-/// higher number that no file has.
+/// Gives a regular file another name, which is returned: PATH.ENDING-1 with ENDING = `ending`, or
+/// the first higher number that no file has.
 Result<std::filesystem::path> SetAside(const std::filesystem::path& path,
                                        const std::string& ending);
 

@@ -149,8 +149,8 @@ inline constexpr auto FieldsOf(const DepthSegmenterOptions&) {
 inline constexpr auto FieldsOf(const MapServerOptions&) {
   using Options = MapServerOptions;
   return std::tuple(VISMAP_FIELD(load), VISMAP_FIELD(save_on_exit), VISMAP_FIELD(save_period_s),
-                    VISMAP_FIELD(recover), VISMAP_FIELD(mesh_period_s),
-                    VISMAP_FIELD(objects_period_s));
+                    VISMAP_FIELD(recover), VISMAP_FIELD(map_folder), VISMAP_FIELD(map_folder_mb),
+                    VISMAP_FIELD(mesh_period_s), VISMAP_FIELD(objects_period_s));
 }
 
 inline constexpr auto FieldsOf(const OctomapExporterOptions&) {

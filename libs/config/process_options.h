@@ -30,12 +30,14 @@ struct DepthSegmenterOptions {
 };
 
 struct MapServerOptions {
-  std::string load;             ///< map file to continue; empty = none
-  std::string save_on_exit;     ///< map file to write when stopped; empty = none
-  double save_period_s = 0;     ///< and also while running [s]; 0 = do not
-  bool recover = false;         ///< go on from save_on_exit, if it is there, and keep a journal
-  double mesh_period_s = 1;     ///< least time between two mesh updates [s]; 0 = every frame
-  double objects_period_s = 1;  ///< least time between two object lists [s]; 0 = every frame
+  std::string load;                 ///< map file to continue; empty = none
+  std::string save_on_exit;         ///< map file to write when stopped; empty = none
+  double save_period_s = 0;         ///< and also while running [s]; 0 = do not
+  bool recover = false;             ///< go on from save_on_exit, if it is there, and keep a journal
+  std::string map_folder = "maps";  ///< of the maps that clients save and load; empty = they do not
+  int map_folder_mb = 10240;        ///< when its files have so much, no more maps are saved there
+  double mesh_period_s = 1;         ///< least time between two mesh updates [s]; 0 = every frame
+  double objects_period_s = 1;      ///< least time between two object lists [s]; 0 = every frame
 };
 
 struct OctomapExporterOptions {

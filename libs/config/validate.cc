@@ -91,6 +91,7 @@ std::vector<std::string> Problems(const DepthSegmenterOptions& segmenter) {
 std::vector<std::string> Problems(const MapServerOptions& server) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, server.save_period_s, 0, kDay);
+  VISMAP_CHECK_RANGE(check, server.map_folder_mb, 1, 1048576);
   VISMAP_CHECK_RANGE(check, server.mesh_period_s, 0, kDay);
   VISMAP_CHECK_RANGE(check, server.objects_period_s, 0, kDay);
   check.Unless(!server.recover || !server.save_on_exit.empty(),

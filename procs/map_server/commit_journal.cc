@@ -1,6 +1,7 @@
 #include "map_server/commit_journal.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,23 +11,37 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/printable.h"
 
 namespace vismap {
 
+namespace {
+constexpr uint64_t kMaxBytes = uint64_t{256} << 20;  // of a journal: ten million frames
+constexpr size_t kMaxUnsaved = size_t{16} << 20;     // [bytes] in memory
+}  // namespace
+
 Result<CommitJournal> CommitJournal::Open(const std::filesystem::path& path) {
-  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  // O_NONBLOCK: a pipe is not waited for.
+  const int flags = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK;
+  const int fd = open(path.c_str(), flags, 0644);
   if (fd < 0) return Fail(path.string() + ": cannot open the journal: " + std::strerror(errno));
-  return CommitJournal(fd);
+  CommitJournal journal(fd);
+  struct stat status {};
+  if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode))
+    return Fail(path.string() + ": expected a regular file for the journal");
+  return journal;
 }
 
 CommitJournal::~CommitJournal() {
   if (fd_ >= 0) close(fd_);
 }
 
-CommitJournal::CommitJournal(CommitJournal&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+CommitJournal::CommitJournal(CommitJournal&& other) noexcept
+    : fd_(std::exchange(other.fd_, -1)), unsaved_(std::move(other.unsaved_)) {}
 
 CommitJournal& CommitJournal::operator=(CommitJournal&& other) noexcept {
   std::swap(fd_, other.fd_);
+  std::swap(unsaved_, other.unsaved_);
   return *this;
 }
 
@@ -34,15 +49,24 @@ bool CommitJournal::Add(const FrameKey& frame) {
   if (fd_ < 0) return true;
   const std::string line =
       std::to_string(Raw(frame.camera_id)) + " " + std::to_string(frame.utime) + "\n";
-  return write(fd_, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  if (unsaved_.size() < kMaxUnsaved) unsaved_ += line;
+  return Write(line);
 }
 
-bool CommitJournal::Restart() { return fd_ < 0 || ftruncate(fd_, 0) == 0; }
+bool CommitJournal::Write(const std::string& lines) const {
+  return write(fd_, lines.data(), lines.size()) == static_cast<ssize_t>(lines.size());
+}
+
+bool CommitJournal::MapWasSaved() {
+  const std::string lines = std::exchange(unsaved_, {});
+  return fd_ < 0 || (ftruncate(fd_, 0) == 0 && Write(lines));
+}
 
 Result<std::vector<FrameKey>> CommitJournal::Read(const std::filesystem::path& path) {
   std::vector<FrameKey> frames;
-  if (!std::filesystem::exists(path)) return frames;
-  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path);
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return frames;
+  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   std::istringstream text(std::string(bytes->begin(), bytes->end()));
   for (std::string line; std::getline(text, line);) {
@@ -52,7 +76,7 @@ Result<std::vector<FrameKey>> CommitJournal::Read(const std::filesystem::path& p
     std::istringstream fields(line);
     if (!(fields >> camera >> utime) || !(fields >> std::ws).eof()) {
       return Fail(path.string() + ", line " + std::to_string(frames.size() + 1) +
-                  ": expected CAMERA UTIME, found '" + line + "'");
+                  ": expected CAMERA UTIME, found '" + PrintableText(line, 100) + "'");
     }
     frames.push_back({CameraId{camera}, utime});
   }

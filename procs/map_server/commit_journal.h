@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "base/result.h"
@@ -8,14 +9,16 @@
 
 namespace vismap {
 
-/// The frames that went into a map since it was last saved, in a text file beside the saved map:
-/// one line "CAMERA UTIME" each. After a crash it tells which frames the saved map lacks. Written
+/// The frames that went into a map since it was saved the last time but one, in a text file beside
+/// the saved map: one line "CAMERA UTIME" each. After a crash it tells which frames the saved map
+/// lacks, also when the newest file turns out to be damaged and the one before it is used. Written
 /// through to the system at every frame, so that it outlives the process, not a power cut.
 class CommitJournal {
  public:
-  /// No journal: Add and Restart do nothing.
+  /// No journal: nothing is written.
   CommitJournal() = default;
-  /// Appends to the file, which is made when missing. Fails with path and reason.
+  /// Appends to the file, which is made when missing. Fails with path and reason, also when there
+  /// is something else than a regular file.
   static Result<CommitJournal> Open(const std::filesystem::path& path);
   ~CommitJournal();
   CommitJournal(CommitJournal&& other) noexcept;
@@ -23,8 +26,10 @@ class CommitJournal {
 
   /// False when the line could not be written (disk full).
   bool Add(const FrameKey& frame);
-  /// All frames so far are in a saved map: the file is emptied.
-  bool Restart();
+  /// All frames so far are in a saved map: the file keeps only those since the save before.
+  bool MapWasSaved();
+  /// Frames are of another map from now on. The file keeps the others until the map is saved.
+  void BeginMap() { unsaved_.clear(); }
 
   /// The frames of a journal, oldest first. A last line that was cut short is left out; no file is
   /// no frames. Fails naming the file and the line that is not a frame.
@@ -32,7 +37,10 @@ class CommitJournal {
 
  private:
   explicit CommitJournal(int fd) : fd_(fd) {}
+  bool Write(const std::string& lines) const;
+
   int fd_ = -1;
+  std::string unsaved_;  // the lines of the frames since the last save
 };
 
 }  // namespace vismap

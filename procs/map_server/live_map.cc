@@ -1,6 +1,5 @@
 #include "map_server/live_map.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "runtime/clock.h"
@@ -15,9 +14,9 @@ LiveMap::LiveMap(const VismapConfig& config, Bus* bus, Status* status)
       status_(status),
       publisher_(
           config,
-          {.mesh = config.map_server.mesh_period_s, .objects = config.map_server.objects_period_s}, bus,
-          StageTimings(status)),
-      store_(config.map_server.save_on_exit, config.map_server.save_period_s, status) {
+          {.mesh = config.map_server.mesh_period_s, .objects = config.map_server.objects_period_s},
+          bus, StageTimings(status)),
+      store_(config.map_server, status) {
   Reset();
 }
 
@@ -34,25 +33,41 @@ void LiveMap::Start(MapSession session) {
   publisher_.Start(*session_);
 }
 
-void LiveMap::Reset() { Start(MapSession(config_, NewMetadata())); }
+void LiveMap::Reset() {
+  Start(MapSession(config_, NewMetadata()));
+  store_.BeginMap(*session_);
+}
 
-Result<std::string> LiveMap::Load(const std::string& path) {
-  Result<MapSession> session =
-      MapStore::Load(path, config_, NewMetadata().map_id);
-  if (!session) return tl::unexpected(session.error());
-  Start(std::move(*session));
-  return "loaded " + path + " with " + std::to_string(session_->map().revision) +
+// Returns a sentence.
+std::string LiveMap::Continue(MapSession session, const std::filesystem::path& path) {
+  Start(std::move(session));
+  store_.ContinueMap(*session_, path);
+  return "loaded " + path.string() + " with " + std::to_string(session_->map().revision) +
          " frames as map " + session_->metadata().map_id;
 }
 
+Result<std::string> LiveMap::Load(const std::filesystem::path& path) {
+  Result<MapSession> session = ReadSavedMap(path, config_, NewMetadata().map_id);
+  if (!session) return tl::unexpected(session.error());
+  return Continue(std::move(*session), path);
+}
+
+Result<std::string> LiveMap::LoadNamed(const std::string& name) {
+  const Result<std::filesystem::path> path = store_.FindNamed(name);
+  if (!path) return tl::unexpected(path.error());
+  return Load(*path);
+}
+
 Result<std::string> LiveMap::Recover() {
-  const std::string& path = config_.map_server.save_on_exit;
-  Result<std::string> loaded = "nothing to recover: there is no " + path;
-  if (std::filesystem::exists(path)) loaded = Load(path);
-  if (!loaded) return loaded;
-  if (const Result<void> started = store_.StartJournal(*session_); !started)
-    return tl::unexpected(started.error());
-  return *loaded +
+  Result<RecoveredMap> recovered = store_.Recover(config_, NewMetadata().map_id);
+  if (!recovered) return tl::unexpected(recovered.error());
+  std::string sentence = "nothing to recover: there is no " + config_.map_server.save_on_exit;
+  if (recovered->session)
+    sentence = Continue(std::move(*recovered->session), recovered->path);
+  else if (!recovered->unusable.empty())
+    sentence = "no saved map can be used, so the map is empty";
+  store_.StartJournal(*session_);
+  return sentence +
          "; frames lacking that were committed later: " + std::to_string(store_.lacking_frames());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -30,12 +31,20 @@ class LiveMap {
   void PublishAll() { publisher_.PublishAll(*session_); }
 
   /// Replaces the map by the saved one at a path. Returns a sentence. Publishes nothing.
-  Result<std::string> Load(const std::string& path);
+  Result<std::string> Load(const std::filesystem::path& path);
+  /// The same for a map that a client calls `name`, see MapFolder.
+  Result<std::string> LoadNamed(const std::string& name);
   /// Continues the map that was saved last, if there is one, after a crash or a stop. Returns a
   /// sentence that says how many frames it lacks. Starts the journal of the map, see MapStore.
   Result<std::string> Recover();
-  /// Saves the map; `path` empty = as configured. Returns a sentence with the absolute path.
-  Result<std::string> Save(const std::string& path) { return store_.Save(*session_, path); }
+  /// Saves the map as configured. Returns a sentence with the absolute path.
+  Result<std::string> Save() { return store_.Save(*session_); }
+  /// Saves the map for a client under a name, see MapFolder.
+  Result<std::string> SaveNamed(const std::string& name) {
+    return store_.SaveNamed(*session_, name);
+  }
+  /// Saves the map as configured when the server ends. Returns a sentence.
+  Result<std::string> SaveAtEnd() { return store_.SaveAtEnd(*session_); }
   /// Replaces the map by an empty one. Publishes nothing.
   void Reset();
 
@@ -47,6 +56,7 @@ class LiveMap {
  private:
   MapMetadata NewMetadata() const;
   void Start(MapSession session);
+  std::string Continue(MapSession session, const std::filesystem::path& path);
 
   VismapConfig config_;
   Bus* bus_;

@@ -34,13 +34,14 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
 }
 
 Result<Answer> MapRequests::Save(const map_request_t& request) {
-  const Result<std::string> saved = map_.Save(request.path);
+  const Result<std::string> saved =
+      request.path.empty() ? map_.Save() : map_.SaveNamed(request.path);
   if (!saved) return tl::unexpected(saved.error());
   return Answer{*saved};
 }
 
 Result<Answer> MapRequests::Load(const map_request_t& request) {
-  const Result<std::string> loaded = map_.Load(request.path);
+  const Result<std::string> loaded = map_.LoadNamed(request.path);
   if (!loaded) return tl::unexpected(loaded.error());
   map_.PublishAll();
   return Answer{*loaded};

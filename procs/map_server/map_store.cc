@@ -2,62 +2,109 @@
 
 #include <utility>
 
-#include "mapfile/map_file.h"
+#include "base/file.h"
 #include "runtime/log.h"
 
 namespace vismap {
 
-MapStore::MapStore(std::filesystem::path path, double save_period_s, Status* status)
-    : path_(std::move(path)),
-      saves_periodically_(save_period_s > 0),
-      save_pacer_(save_period_s),
-      status_(status) {}
-
-Result<MapSession> MapStore::Load(const std::string& path, const MapSessionOptions& options,
-                                  std::string map_id) {
-  if (path.empty()) return Fail("no path given to load from");
-  Result<LoadedMap> loaded = LoadMap(path);
-  if (!loaded) return tl::unexpected(loaded.error());
-  loaded->metadata.map_id = std::move(map_id);
-  Result<MapSession> session = MapSession::Continue(options, std::move(*loaded));
-  if (!session) return Fail(path + ": " + session.error().message);
-  return session;
+MapStore::MapStore(const MapServerOptions& options, Status* status)
+    : path_(options.save_on_exit),
+      folder_(options.map_folder, static_cast<uint64_t>(options.map_folder_mb) << 20),
+      saves_periodically_(options.save_period_s > 0),
+      save_pacer_(options.save_period_s),
+      status_(status) {
+  if (!options.map_folder.empty()) RemoveStaleTemporariesIn(options.map_folder, ".vismap");
+  if (!path_.empty()) RemoveStaleTemporaries(path_);
 }
 
-Result<std::string> MapStore::Save(const MapSession& session, const std::string& path) {
-  const std::filesystem::path target = path.empty() ? path_ : std::filesystem::path(path);
-  if (target.empty())
-    return Fail("no path given to save to, and none configured (map_server.save_on_exit)");
-  const Result<SaveInfo> saved = SaveMap(session.map(), session.metadata(), target);
-  if (!saved) return tl::unexpected(saved.error());
-  if (target == path_) {
-    saved_revision_ = session.map().revision;
-    if (!journal_.Restart()) LogWarningRateLimited("journal", "cannot empty the journal");
+void MapStore::BeginMap(const MapSession& session) {
+  saved_.BeginMap(session.metadata().map_id);
+  journal_.BeginMap();
+}
+
+void MapStore::ContinueMap(const MapSession& session, const std::filesystem::path& path) {
+  BeginMap(session);
+  saved_.WasLoadedFrom(path, session.map().revision);
+}
+
+Result<RecoveredMap> MapStore::Recover(const MapSessionOptions& options,
+                                       const std::string& map_id) {
+  Result<RecoveredMap> recovered = RecoverMap(path_, options, map_id);
+  if (!recovered) return recovered;
+  for (const std::string& sentence : recovered->unusable) Report(sentence);
+  return recovered;
+}
+
+Result<std::string> MapStore::Save(const MapSession& session) {
+  if (path_.empty())
+    return Fail(
+        "no name given to save the map as, and no file configured (map_server.save_on_exit)");
+  return SaveTo(path_, session);
+}
+
+Result<std::string> MapStore::SaveNamed(const MapSession& session, const std::string& name) {
+  // A name that cannot be used must not make the folder.
+  if (const Result<void> checked = CheckMapName(name); !checked)
+    return tl::unexpected(checked.error());
+  if (!folder_.path().empty()) {
+    if (const Result<void> made = CreateFolder(folder_.path()); !made)
+      return tl::unexpected(made.error());
   }
+  const Result<std::filesystem::path> path = folder_.ForSaving(name);
+  if (!path) return tl::unexpected(path.error());
+  return SaveTo(*path, session);
+}
+
+Result<std::string> MapStore::SaveTo(const std::filesystem::path& path, const MapSession& session) {
+  const Result<SaveInfo> saved = saved_.Save(session, path);
+  if (!saved) return tl::unexpected(saved.error());
+  if (path == path_ && !journal_.MapWasSaved())
+    LogWarningRateLimited("journal", "cannot write the journal");
   return "saved " + std::to_string(saved->bytes) + " bytes to " + saved->path.string() +
          ", map hash " + saved->map_hash;
 }
 
 void MapStore::SaveIfDue(const MapSession& session) {
-  if (!saves_periodically_ || saved_revision_ == session.map().revision) return;
+  if (!saves_periodically_ || session.map().revision == 0 ||
+      saved_.HasRevision(path_, session.map().revision) || SavedMaps::WouldLose(session, path_)) {
+    return;
+  }
   save_pacer_.RunIfDue([&] {
     const Result<std::string> saved = Save(session);
     if (!saved) LogWarningRateLimited("save", saved.error().message);
   });
 }
 
-Result<void> MapStore::StartJournal(const MapSession& session) {
+Result<std::string> MapStore::SaveAtEnd(const MapSession& session) {
+  if (SavedMaps::WouldLose(session, path_))
+    return "the map is empty, so the saved map " + path_.string() + " stays as it is";
+  return Save(session);
+}
+
+void MapStore::StartJournal(const MapSession& session) {
   const std::filesystem::path journal = path_.string() + ".journal";
-  const Result<std::vector<FrameKey>> integrated = CommitJournal::Read(journal);
-  if (!integrated) return tl::unexpected(integrated.error());
-  for (const FrameKey& frame : *integrated) {
-    if (!session.Contains(frame.camera_id, frame.utime)) lacking_.insert(frame);
-  }
+  ReadJournal(journal, session);
   ShowLackingFrames();
   Result<CommitJournal> opened = CommitJournal::Open(journal);
-  if (!opened) return tl::unexpected(opened.error());
-  journal_ = std::move(*opened);
-  return {};
+  if (opened) {
+    journal_ = std::move(*opened);
+  } else {
+    Report(opened.error().message +
+           "; after a crash it will not be known which frames are lacking");
+  }
+}
+
+void MapStore::ReadJournal(const std::filesystem::path& journal, const MapSession& session) {
+  const Result<std::vector<FrameKey>> integrated = CommitJournal::Read(journal);
+  if (integrated) {
+    for (const FrameKey& frame : *integrated) {
+      if (!session.Contains(frame.camera_id, frame.utime)) lacking_.insert(frame);
+    }
+    return;
+  }
+  const Result<std::filesystem::path> aside = SetAside(journal, "unusable");
+  Report(integrated.error().message + "; " +
+         (aside ? "the file is " + aside->string() + " now" : aside.error().message));
 }
 
 void MapStore::AddFrame(const FrameKey& frame) {
@@ -68,15 +115,23 @@ void MapStore::AddFrame(const FrameKey& frame) {
   if (lacking_.erase(frame) > 0) ShowLackingFrames();
 }
 
+// Tells about a file that cannot be used, in the log and in STATUS.
+void MapStore::Report(const std::string& unusable) {
+  LogWarning(unusable);
+  status_->Count("files_unusable");
+  unusable_ += (unusable_.empty() ? "" : "; ") + unusable;
+}
+
 void MapStore::ShowLackingFrames() {
   status_->SetCounter("frames_lacking", static_cast<int64_t>(lacking_.size()));
   status_->Set(status_->state(), StatusMessage());
 }
 
 std::string MapStore::StatusMessage() const {
-  if (lacking_.empty()) return "";
+  if (lacking_.empty()) return unusable_;
   return "recovered after a crash; " + std::to_string(lacking_.size()) +
-         " frames that the map had are lacking, sensors may send them again";
+         " frames that the map had are lacking, sensors may send them again" +
+         (unusable_.empty() ? "" : "; " + unusable_);
 }
 
 }  // namespace vismap

@@ -6,51 +6,70 @@
 #include <string>
 
 #include "base/result.h"
+#include "config/process_options.h"
 #include "map_server/commit_journal.h"
+#include "map_server/saved_maps.h"
+#include "mapfile/map_folder.h"
 #include "runtime/pacer.h"
 #include "runtime/status.h"
 #include "session/map_session.h"
 
 namespace vismap {
 
-/// Keeps a map on disk: saves it, on request and now and then, loads it again, and after a crash
-/// knows which frames the saved map lacks that the lost one had (by a journal beside the file,
-/// PATH.journal).
+/// Keeps the map of a server on disk: saves it, on request and now and then, finds it again at the
+/// start, and after a crash knows which frames the saved map lacks that the lost one had (by a
+/// journal beside the file, PATH.journal). What it does so that no saved map is lost: SavedMaps.
 class MapStore {
  public:
-  /// `path`: where the map is saved unless a request names another file; empty = nowhere.
-  /// `save_period_s` [s]: how often SaveIfDue saves; 0 = never. `status` must outlive it.
-  MapStore(std::filesystem::path path, double save_period_s, Status* status);
+  /// `status` must outlive it.
+  MapStore(const MapServerOptions& options, Status* status);
 
-  /// Loads a map and gives it `map_id`, so that its revisions are not mistaken for those of the map
-  /// that was saved. Fails with the path and the reason.
-  static Result<MapSession> Load(const std::string& path, const MapSessionOptions& options,
-                                 std::string map_id);
+  /// From now on this map is saved, of which nothing is saved yet.
+  void BeginMap(const MapSession& session);
+  /// The same for a map that was read from a file.
+  void ContinueMap(const MapSession& session, const std::filesystem::path& path);
 
-  /// Saves the map; `path` empty = the configured one. Returns a sentence with the absolute path.
-  Result<std::string> Save(const MapSession& session, const std::string& path = "");
-  /// Saves the map to the configured path if it has changed and the period is over. Logs failures.
+  /// Reads the map that was saved last, or an older one when that cannot be used, see RecoverMap.
+  Result<RecoveredMap> Recover(const MapSessionOptions& options, const std::string& map_id);
+  /// The file of the map that a client calls `name`.
+  Result<std::filesystem::path> FindNamed(const std::string& name) const {
+    return folder_.ForLoading(name);
+  }
+
+  /// Saves the map as configured. Returns a sentence with the absolute path.
+  Result<std::string> Save(const MapSession& session);
+  /// Saves the map for a client under this name, see MapFolder.
+  Result<std::string> SaveNamed(const MapSession& session, const std::string& name);
+  /// Saves the map as configured if it has changed and the period is over. Logs failures.
   void SaveIfDue(const MapSession& session);
+  /// Saves the map when the server ends. An empty map leaves an older file as it is.
+  Result<std::string> SaveAtEnd(const MapSession& session);
 
   /// Reads the journal of the process that saved the map of the session last: frames that it names
-  /// and the session does not contain are lacking. The journal is continued from here on.
-  Result<void> StartJournal(const MapSession& session);
+  /// and the session does not contain are lacking. The journal is continued from here on. What
+  /// cannot be used as a journal is set aside.
+  void StartJournal(const MapSession& session);
   /// Enters a frame in the journal, if that was started. It is not lacking any more.
   void AddFrame(const FrameKey& frame);
   size_t lacking_frames() const { return lacking_.size(); }
-  /// Tells how many frames are lacking; empty = none.
+  /// What people should know: files that were set aside, frames that are lacking; empty = nothing.
   std::string StatusMessage() const;
 
  private:
+  Result<std::string> SaveTo(const std::filesystem::path& path, const MapSession& session);
+  void ReadJournal(const std::filesystem::path& journal, const MapSession& session);
+  void Report(const std::string& unusable);
   void ShowLackingFrames();
 
   std::filesystem::path path_;
+  MapFolder folder_;
   bool saves_periodically_;
   Pacer save_pacer_;
   Status* status_;
-  int64_t saved_revision_ = 0;  // of the last save to `path_`
+  SavedMaps saved_;
   CommitJournal journal_;
   std::set<FrameKey> lacking_;
+  std::string unusable_;  // what was set aside at the start, for people
 };
 
 }  // namespace vismap

@@ -11,6 +11,7 @@
 #include "map_tool/compare_runs.h"
 #include "map_tool/live_map.h"
 #include "map_tool/map_diff.h"
+#include "mapfile/map_folder.h"
 #include "render/overview.h"
 #include "render/png.h"
 
@@ -67,6 +68,22 @@ std::string FactText(const std::string& key, const nlohmann::ordered_json& value
 void PrintFacts(const nlohmann::ordered_json& facts) {
   for (const auto& [key, value] : facts.items())
     std::printf("%-20s %s\n", key.c_str(), FactText(key, value).c_str());
+}
+
+// A server takes names of maps; for a path, the error says what to do instead.
+Outcome CheckName(const std::string& verb, const std::string& name) {
+  const Result<void> checked = CheckMapName(name);
+  if (checked) return {};
+  const std::filesystem::path path = std::filesystem::absolute(name).lexically_normal();
+  const std::string folder = path.parent_path().string(), stem = path.stem().string();
+  std::string advice;
+  if (name.find('/') != std::string::npos && CheckMapName(stem)) {
+    advice =
+        "; the server keeps its maps in one folder, which --map-folder or map_server.map_folder "
+        "of its config sets: start it with --map-folder " +
+        folder + ", then: vismap-map " + verb + " " + stem;
+  }
+  return ExitWith(ExitCode::kUsage, checked.error().message + advice);
 }
 
 Outcome SendCommand(const MapToolArguments& arguments, ProcessContext& context,
@@ -135,13 +152,14 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
 }
 
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context) {
-  const std::string path =
-      arguments.out.empty() ? "" : std::filesystem::absolute(arguments.out).string();
-  return SendCommand(arguments, context, "save", path);
+  if (arguments.map.empty()) return SendCommand(arguments, context, "save", "");
+  if (const Outcome checked = CheckName("save", arguments.map); !checked) return checked;
+  return SendCommand(arguments, context, "save", arguments.map);
 }
 
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context) {
-  return SendCommand(arguments, context, "load", std::filesystem::absolute(arguments.map).string());
+  if (const Outcome checked = CheckName("load", arguments.map); !checked) return checked;
+  return SendCommand(arguments, context, "load", arguments.map);
 }
 
 Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {

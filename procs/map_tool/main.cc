@@ -111,11 +111,17 @@ void AddServerCommands(CommandLine& line, Command* command) {
       "exporter",
       RunDigests)
       .Flag("--json", &arguments.json, "Print JSON");
-  Add(line, command, "save", "Make the running server save its map", RunSave)
-      .Option("PATH", &arguments.out,
-              "File on the computer of the server; if not given, the configured one");
-  AddWithMap(line, command, "load", "Make the running server continue a saved map", RunLoad,
-             "File on the computer of the server");
+  Add(line, command, "save",
+      "Make the running server save its map in its folder for maps (map_server.map_folder)",
+      RunSave)
+      .Option(
+          "NAME", &arguments.map,
+          "Name of the map: letters, digits, '-', '_' and '.', no path; if not given, the server "
+          "saves to its own file (map_server.save_on_exit)");
+  Add(line, command, "load",
+      "Make the running server continue a map that is in its folder for maps", RunLoad)
+      .Option("NAME", &arguments.map, "Name that the map was saved under")
+      .Required();
   Add(line, command, "reset", "Make the running server start an empty map", RunReset);
 }
 

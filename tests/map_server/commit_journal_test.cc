@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "support/temp_folder.h"
 
@@ -10,21 +11,24 @@ namespace {
 
 FrameKey Key(int32_t camera, int64_t utime) { return {CameraId{camera}, utime}; }
 
-TEST(CommitJournal, TellsWhatWasAddedSinceTheLastRestartAlsoToTheNextProcess) {
+TEST(CommitJournal, TellsWhatWasAddedSinceTheLastSaveButOneAlsoToTheNextProcess) {
   const TempFolder folder;
   {
     Result<CommitJournal> journal = CommitJournal::Open(folder / "j");
     ASSERT_TRUE(journal);
+    EXPECT_TRUE(journal->Add(Key(0, 50)));
+    EXPECT_TRUE(journal->MapWasSaved());
     EXPECT_TRUE(journal->Add(Key(0, 100)));
-    EXPECT_TRUE(journal->Restart());
+    EXPECT_TRUE(journal->MapWasSaved());
     EXPECT_TRUE(journal->Add(Key(0, 200)));
     EXPECT_TRUE(journal->Add(Key(1, 300)));
   }
-  EXPECT_EQ(*CommitJournal::Read(folder / "j"), (std::vector<FrameKey>{Key(0, 200), Key(1, 300)}));
+  EXPECT_EQ(*CommitJournal::Read(folder / "j"),
+            (std::vector<FrameKey>{Key(0, 100), Key(0, 200), Key(1, 300)}));
   Result<CommitJournal> again = CommitJournal::Open(folder / "j");
   ASSERT_TRUE(again);
   again->Add(Key(0, 400));
-  EXPECT_EQ(CommitJournal::Read(folder / "j")->size(), 3u) << "an old journal is gone on with";
+  EXPECT_EQ(CommitJournal::Read(folder / "j")->size(), 4u) << "an old journal is gone on with";
 }
 
 TEST(CommitJournal, LeavesOutALastLineThatWasCutShortAndRefusesWhatIsNone) {
@@ -39,10 +43,28 @@ TEST(CommitJournal, LeavesOutALastLineThatWasCutShortAndRefusesWhatIsNone) {
   EXPECT_FALSE(CommitJournal::Open(folder / "no" / "folder"));
 }
 
+TEST(CommitJournal, OfAnotherMapHasOnlyItsFramesOnceThatIsSaved) {
+  const TempFolder folder;
+  Result<CommitJournal> journal = CommitJournal::Open(folder / "j");
+  ASSERT_TRUE(journal);
+  journal->Add(Key(0, 100));
+  journal->BeginMap();
+  journal->Add(Key(0, 200));
+  EXPECT_TRUE(journal->MapWasSaved());
+  EXPECT_EQ(*CommitJournal::Read(folder / "j"), std::vector<FrameKey>{Key(0, 200)});
+}
+
+TEST(CommitJournal, IsNoPipeAndIsNotWaitedFor) {
+  const TempFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_FALSE(CommitJournal::Open(folder / "pipe"));
+  EXPECT_FALSE(CommitJournal::Read(folder / "pipe"));
+}
+
 TEST(CommitJournal, WithoutAFileDoesNothing) {
   CommitJournal none;
   EXPECT_TRUE(none.Add(Key(0, 1)));
-  EXPECT_TRUE(none.Restart());
+  EXPECT_TRUE(none.MapWasSaved());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -168,8 +169,8 @@ TEST_F(ServerOnABus, RefusesWhatItCannotDo) {
   EXPECT_THAT(Ask("fly").message,
               HasSubstr("known are frames, load, mesh, objects, octree, reset, save, snapshot, "
                         "statistics"));
-  EXPECT_THAT(Ask("save").message, HasSubstr("no path given to save to"));
-  EXPECT_THAT(Ask("load").message, HasSubstr("no path given to load from"));
+  EXPECT_THAT(Ask("save").message, HasSubstr("no name given to save the map as"));
+  EXPECT_THAT(Ask("load").message, HasSubstr("expected the name of a map"));
   EXPECT_THAT(Ask("mesh", "x").message, HasSubstr("argument of mesh"));
   EXPECT_THAT(Ask("snapshot", "x").message, HasSubstr("argument of snapshot"));
   EXPECT_FALSE(Ask("objects", "id=x").ok);
@@ -178,13 +179,15 @@ TEST_F(ServerOnABus, RefusesWhatItCannotDo) {
 
 TEST_F(ServerOnABus, SavesAndLoadsOnRequest) {
   const TempFolder folder;
-  const std::string path = (folder / "a.vismap").string();
+  config_.map_server.map_folder = (folder / "maps").string();
+  const std::string path = (folder / "maps" / "a.vismap").string();
   Start();
   Send(SmallMessage(1000));
   const std::string hash = Ask("statistics").message;
-  EXPECT_THAT(Ask("save", "", path).message, HasSubstr("map hash " + hash));
+  EXPECT_THAT(Ask("save", "", "a").message, HasSubstr(path + ", map hash " + hash));
   Ask("reset");
-  const map_reply_t loaded = Ask("load", "", path);
+  EXPECT_THAT(Ask("save", "", "a").message, HasSubstr("the map is empty"));
+  const map_reply_t loaded = Ask("load", "", "a");
   EXPECT_THAT(loaded.message, HasSubstr("loaded " + path + " with 1 frames as map test-"));
   EXPECT_EQ(loaded.revision, 1);
   EXPECT_EQ(Ask("statistics").message, hash);
@@ -200,7 +203,7 @@ TEST_F(ServerOnABus, RecoversTheMapThatWasSavedLast) {
   EXPECT_EQ(*nothing, "nothing to recover: there is no " + config_.map_server.save_on_exit +
                           "; frames lacking that were committed later: 0");
   Send(SmallMessage(1000));
-  EXPECT_TRUE(server_->map().Save(""));
+  EXPECT_TRUE(server_->map().Save());
   Send(SmallMessage(2000));
 
   const std::unique_ptr<Bus> bus = MemoryBus();
@@ -215,6 +218,51 @@ TEST_F(ServerOnABus, RecoversTheMapThatWasSavedLast) {
   while (bus->Spin(0)) {
   }
   EXPECT_EQ(again.map().StatusMessage(), "");
+}
+
+TEST_F(ServerOnABus, AResetDoesNotCostTheSavedMap) {
+  const TempFolder folder;
+  const std::string path = (folder / "kept.vismap").string();
+  config_.map_server.save_on_exit = path;
+  Start();
+  Send(SmallMessage(1000));
+  Send(SmallMessage(2000));
+  const std::string hash = Ask("statistics").message;
+  EXPECT_TRUE(Ask("save").ok);
+  for (int64_t utime = 1; utime < 5; ++utime) {
+    Ask("reset");
+    const map_reply_t refused = Ask("save");
+    EXPECT_FALSE(refused.ok);
+    EXPECT_THAT(refused.message, HasSubstr("the map is empty"));
+    EXPECT_TRUE(server_->map().SaveAtEnd()) << "which is no failure of the server";
+    Send(SmallMessage(utime));
+    EXPECT_TRUE(Ask("save").ok);
+  }
+  EXPECT_EQ(LoadMap(path)->map.revision, 1);
+  EXPECT_EQ(LoadMap(path + ".replaced")->map_hash, hash);
+}
+
+TEST_F(ServerOnABus, StartsWithTheOlderFileWhenTheNewestCannotBeUsed) {
+  const TempFolder folder;
+  const std::string path = (folder / "kept.vismap").string();
+  config_.map_server.save_on_exit = path;
+  Start();
+  ASSERT_TRUE(server_->map().Recover());
+  Send(SmallMessage(1000));
+  EXPECT_TRUE(server_->map().Save());
+  Send(SmallMessage(2000));
+  EXPECT_TRUE(server_->map().Save());
+  folder.Write("kept.vismap", "");
+
+  const std::unique_ptr<Bus> bus = MemoryBus();
+  Status status(bus.get(), "map-server");
+  MapServer again(config_, bus.get(), &status);
+  const Result<std::string> recovered = again.map().Recover();
+  ASSERT_TRUE(recovered) << recovered.error().message;
+  EXPECT_THAT(*recovered, HasSubstr("kept.vismap.previous with 1 frames"));
+  EXPECT_THAT(*recovered, HasSubstr("committed later: 1")) << "the journal knows the second frame";
+  EXPECT_THAT(again.map().StatusMessage(), HasSubstr("kept.vismap.unusable-1"));
+  EXPECT_TRUE(std::filesystem::exists(path + ".unusable-1"));
 }
 
 }  // namespace

@@ -2,7 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "base/file.h"
 #include "session/map_frame.h"
 #include "small_frames.h"
 #include "support/temp_folder.h"
@@ -18,7 +22,23 @@ using testing_support::SmallMessage;
 
 class StoredMap : public testing::Test {
  protected:
-  MapStore Store(double save_period_s = 0) { return {path_, save_period_s, &status_}; }
+  /// A store that goes on with the map of the session.
+  MapStore Store(double save_period_s = 0) {
+    MapServerOptions options;
+    options.save_on_exit = path_;
+    options.save_period_s = save_period_s;
+    options.map_folder = folder_ / "maps";
+    MapStore store(options, &status_);
+    store.BeginMap(session_);
+    return store;
+  }
+  Result<RecoveredMap> Recover() { return RecoverMap(path_, CoarseMap(), "recovered"); }
+  /// The frames of a saved map; -1 = it cannot be read.
+  static int64_t FramesOf(const std::filesystem::path& path) {
+    const Result<LoadedMap> loaded = LoadMap(path);
+    return loaded ? loaded->map.revision : -1;
+  }
+  std::filesystem::path Beside(const std::string& ending) const { return path_.string() + ending; }
   /// Integrates a frame as the server does.
   void Integrate(int64_t utime, MapStore* store) {
     MapFrame(*Decode(SmallMessage(utime)), &session_);
@@ -39,7 +59,7 @@ TEST_F(StoredMap, IsLoadedAsItWasSavedUnderAnotherId) {
   const Result<std::string> saved = store.Save(session_);
   ASSERT_TRUE(saved) << saved.error().message;
   EXPECT_THAT(*saved, HasSubstr(path_.string() + ", map hash " + HashMap(session_.map())));
-  const Result<MapSession> loaded = MapStore::Load(path_, CoarseMap(), "new id");
+  const Result<MapSession> loaded = ReadSavedMap(path_, CoarseMap(), "new id");
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(HashMap(loaded->map()), HashMap(session_.map()));
   EXPECT_EQ(loaded->metadata().map_id, "new id");
@@ -47,18 +67,142 @@ TEST_F(StoredMap, IsLoadedAsItWasSavedUnderAnotherId) {
 }
 
 TEST_F(StoredMap, SaysWhatIsWrongWithAPath) {
-  MapStore nowhere("", 0, &status_);
-  const Result<std::string> saved = nowhere.Save(session_);
-  ASSERT_FALSE(saved);
-  EXPECT_THAT(saved.error().message, HasSubstr("no path given to save to"));
-  EXPECT_TRUE(nowhere.Save(session_, path_)) << "a request names one";
+  MapStore nowhere({}, &status_);
+  nowhere.BeginMap(session_);
+  EXPECT_THAT(nowhere.Save(session_).error().message, HasSubstr("no name given"));
+  MapStore store = Store();
+  ASSERT_TRUE(store.Save(session_));
   const auto load_error = [](const std::string& path, const MapSessionOptions& options) {
-    const Result<MapSession> loaded = MapStore::Load(path, options, "id");
+    const Result<MapSession> loaded = ReadSavedMap(path, options, "id");
     return loaded ? "" : loaded.error().message;
   };
-  EXPECT_THAT(load_error("", CoarseMap()), HasSubstr("no path given to load from"));
+  EXPECT_THAT(load_error("", CoarseMap()), HasSubstr("no map given to load"));
   EXPECT_THAT(load_error(folder_ / "missing", CoarseMap()), HasSubstr("missing"));
   EXPECT_THAT(load_error(path_, MapSessionOptions{}), HasSubstr("kept.vismap: the saved map has"));
+}
+
+TEST_F(StoredMap, IsSavedUnderANameInTheFolderForMaps) {
+  MapStore store = Store();
+  Integrate(1000, &store);
+  EXPECT_FALSE(store.SaveNamed(session_, "../outside"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "maps"));
+  const Result<std::string> saved = store.SaveNamed(session_, "kitchen");
+  ASSERT_TRUE(saved) << saved.error().message;
+  EXPECT_THAT(*saved, HasSubstr((folder_ / "maps" / "kitchen.vismap").string()));
+  EXPECT_EQ(store.FindNamed("kitchen").value(), folder_ / "maps" / "kitchen.vismap");
+  EXPECT_FALSE(IsSaved());
+}
+
+TEST_F(StoredMap, KeepsTheFileThatWasSavedBefore) {
+  MapStore store = Store();
+  Integrate(1000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  EXPECT_FALSE(std::filesystem::exists(Beside(".previous")));
+  Integrate(2000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  ASSERT_TRUE(store.Save(session_)) << "the same again replaces no older file";
+  EXPECT_EQ(FramesOf(path_), 2);
+  EXPECT_EQ(FramesOf(Beside(".previous")), 1);
+  EXPECT_FALSE(std::filesystem::exists(Beside(".replaced"))) << "it is the same map";
+}
+
+TEST_F(StoredMap, KeepsTheLargestOfTheMapsThatItReplaces) {
+  MapStore store = Store();
+  const auto begin = [&](const std::string& id) {
+    MapMetadata metadata;
+    metadata.map_id = id;
+    session_ = MapSession(CoarseMap(), metadata);
+    store.BeginMap(session_);
+  };
+  for (const int64_t utime : {1000, 2000, 3000}) Integrate(utime, &store);
+  ASSERT_TRUE(store.Save(session_));
+  for (const std::string id : {"b", "c", "d"}) {
+    begin(id);
+    EXPECT_FALSE(store.Save(session_)) << "an empty map replaces no other";
+    store.SaveIfDue(session_);
+    Integrate(1000, &store);
+    ASSERT_TRUE(store.Save(session_));
+  }
+  EXPECT_EQ(FramesOf(path_), 1);
+  EXPECT_EQ(FramesOf(Beside(".replaced")), 3);
+}
+
+TEST_F(StoredMap, DoesNotReplaceWhatIsNoMap) {
+  folder_.Write("kept.vismap", "a letter");
+  folder_.Write("kept.vismap.previous", "another letter");
+  MapStore store = Store();
+  Integrate(1000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  Integrate(2000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  EXPECT_EQ(std::filesystem::file_size(Beside(".unusable-1")), 8u);
+  EXPECT_EQ(std::filesystem::file_size(Beside(".previous.unusable-1")), 14u);
+}
+
+TEST_F(StoredMap, IsRecoveredFromTheNewestFileThatCanBeUsed) {
+  EXPECT_FALSE(Recover()->session) << "there is none";
+  MapStore store = Store();
+  Integrate(1000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  Integrate(2000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  EXPECT_EQ(Recover()->session->map().revision, 2);
+
+  const std::string whole = [&] {
+    const auto bytes = ReadFileBytes(path_).value();
+    return std::string(bytes.begin(), bytes.end());
+  }();
+  int damaged = 0;
+  for (const std::string& content : {std::string(), std::string("no map"),
+                                     whole.substr(0, whole.size() / 2), std::string(100, 'x')}) {
+    folder_.Write("kept.vismap", content);
+    const Result<RecoveredMap> recovered = Recover();
+    ASSERT_TRUE(recovered) << recovered.error().message;
+    EXPECT_EQ(recovered->session->map().revision, 1);
+    EXPECT_EQ(recovered->path, Beside(".previous"));
+    const std::string aside = Beside(".unusable-" + std::to_string(++damaged));
+    ASSERT_EQ(recovered->unusable.size(), 1u);
+    EXPECT_THAT(recovered->unusable[0], HasSubstr("the file is " + aside + " now"));
+    EXPECT_EQ(std::filesystem::file_size(aside), content.size());
+    EXPECT_FALSE(IsSaved());
+  }
+}
+
+TEST_F(StoredMap, WithAnotherVoxelSizeIsSetAside) {
+  MapStore store = Store();
+  Integrate(1000, &store);
+  ASSERT_TRUE(store.Save(session_));
+  const Result<RecoveredMap> recovered = RecoverMap(path_, MapSessionOptions{}, "id");
+  ASSERT_TRUE(recovered);
+  EXPECT_FALSE(recovered->session);
+  EXPECT_THAT(recovered->unusable.at(0), HasSubstr("the saved map has voxels of"));
+  EXPECT_EQ(FramesOf(Beside(".unusable-1")), 1);
+}
+
+TEST_F(StoredMap, ThatIsAPipeOrAFolderIsNeitherReadNorMoved) {
+  ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_FALSE(Recover());
+  std::filesystem::remove(path_);
+  std::filesystem::create_directory(path_);
+  EXPECT_FALSE(Recover());
+  MapStore store = Store();
+  Integrate(1000, &store);
+  EXPECT_FALSE(store.Save(session_));
+  EXPECT_TRUE(std::filesystem::is_directory(path_));
+}
+
+TEST_F(StoredMap, TemporariesOfKilledSavesAreRemovedAtTheStart) {
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  const std::string ending = ".tmp-" + std::to_string(child) + "-0";
+  for (const std::string name : {"kept.vismap", "maps/kitchen.vismap", "maps/a.vismap.previous"})
+    folder_.Write(name + ending, "x");
+  folder_.Write("letter" + ending, "x");
+  Store();
+  EXPECT_FALSE(std::filesystem::exists(Beside(ending)));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "maps"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / ("letter" + ending))) << "is not ours";
 }
 
 TEST_F(StoredMap, IsSavedNowAndThenWhenItHasChanged) {
@@ -87,18 +231,18 @@ TEST_F(StoredMap, IsNotSavedMoreOftenThanItsPeriod) {
 TEST_F(StoredMap, AfterACrashItsJournalTellsWhichFramesItLacks) {
   {
     MapStore store = Store();
-    ASSERT_TRUE(store.StartJournal(session_));
+    store.StartJournal(session_);
     EXPECT_EQ(store.StatusMessage(), "");
     Integrate(1000, &store);
     ASSERT_TRUE(store.Save(session_));
     Integrate(2000, &store);
     Integrate(3000, &store);
-    ASSERT_TRUE(store.Save(session_, folder_ / "copy.vismap")) << "empties no journal";
+    ASSERT_TRUE(store.SaveNamed(session_, "copy")) << "empties no journal";
   }
-  Result<MapSession> loaded = MapStore::Load(path_, CoarseMap(), "id");
+  Result<MapSession> loaded = ReadSavedMap(path_, CoarseMap(), "id");
   ASSERT_TRUE(loaded);
   MapStore again = Store();
-  ASSERT_TRUE(again.StartJournal(*loaded));
+  again.StartJournal(*loaded);
   EXPECT_EQ(again.lacking_frames(), 2u);
   EXPECT_EQ(status_.counter("frames_lacking"), 2);
   EXPECT_THAT(again.StatusMessage(), HasSubstr("2 frames"));
@@ -108,12 +252,24 @@ TEST_F(StoredMap, AfterACrashItsJournalTellsWhichFramesItLacks) {
   EXPECT_EQ(again.StatusMessage(), "");
 }
 
-TEST_F(StoredMap, WithABrokenJournalIsNotContinued) {
+TEST_F(StoredMap, AJournalThatCannotBeUsedIsSetAside) {
   folder_.Write("kept.vismap.journal", "hello\n");
   MapStore store = Store();
-  const Result<void> started = store.StartJournal(session_);
-  ASSERT_FALSE(started);
-  EXPECT_THAT(started.error().message, HasSubstr("kept.vismap.journal, line 1"));
+  store.StartJournal(session_);
+  EXPECT_THAT(store.StatusMessage(), HasSubstr("kept.vismap.journal, line 1"));
+  EXPECT_TRUE(std::filesystem::exists(Beside(".journal.unusable-1")));
+  EXPECT_EQ(status_.counter("files_unusable"), 1);
+  Integrate(1000, &store);
+  EXPECT_EQ(CommitJournal::Read(Beside(".journal"))->size(), 1u) << "there is a new one";
+}
+
+TEST_F(StoredMap, WithoutAJournalTheServerGoesOn) {
+  ASSERT_EQ(mkfifo(Beside(".journal").c_str(), 0600), 0);
+  MapStore store = Store();
+  store.StartJournal(session_);
+  EXPECT_THAT(store.StatusMessage(), HasSubstr("expected a regular file"));
+  Integrate(1000, &store);
+  EXPECT_TRUE(store.Save(session_));
 }
 
 }  // namespace

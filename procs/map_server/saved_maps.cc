@@ -1,0 +1,117 @@
+#include "map_server/saved_maps.h"
+
+#include <system_error>
+#include <utility>
+
+#include "base/file.h"
+#include "base/require.h"
+#include "mapfile/map_folder.h"
+
+namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path PreviousOf(const fs::path& path) { return path.string() + ".previous"; }
+fs::path ReplacedOf(const fs::path& path) { return path.string() + ".replaced"; }
+
+fs::path Absolute(const fs::path& path) {
+  std::error_code ignored;
+  return fs::absolute(path, ignored).lexically_normal();
+}
+
+bool Exists(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+uint64_t SizeOf(const fs::path& path) {
+  std::error_code error;
+  const uint64_t size = fs::file_size(path, error);
+  return error ? 0 : size;
+}
+
+/// Gives another name to what is no saved map and would be replaced.
+Result<void> MakeWay(const fs::path& path) {
+  if (!Exists(path) || LooksLikeMapFile(path)) return {};
+  const Result<fs::path> aside = SetAside(path, "unusable");
+  if (!aside) return tl::unexpected(aside.error());
+  return {};
+}
+
+}  // namespace
+
+void SavedMaps::BeginMap(const std::string& map_id) {
+  map_id_ = map_id;
+  revisions_.clear();
+}
+
+void SavedMaps::WasLoadedFrom(const fs::path& path, int64_t revision) {
+  revisions_[Absolute(path)] = revision;
+}
+
+bool SavedMaps::HasRevision(const fs::path& path, int64_t revision) const {
+  const auto known = revisions_.find(Absolute(path));
+  return known != revisions_.end() && known->second == revision;
+}
+
+bool SavedMaps::WouldLose(const MapSession& session, const fs::path& path) {
+  return session.map().voxels.size() == 0 && Exists(path);
+}
+
+std::vector<fs::path> SavedMaps::NamesForOld(const fs::path& path, int64_t revision) const {
+  if (!Exists(path) || HasRevision(path, revision)) return {};  // the same again
+  std::vector<fs::path> names = {PreviousOf(path)};
+  const bool of_this_map = revisions_.contains(Absolute(path));
+  if (!of_this_map && SizeOf(path) >= SizeOf(ReplacedOf(path))) names.push_back(ReplacedOf(path));
+  return names;
+}
+
+Result<SaveInfo> SavedMaps::Save(const MapSession& session, const fs::path& path) {
+  Require(session.metadata().map_id == map_id_, "the map of the server is saved");
+  if (WouldLose(session, path)) {
+    return Fail(path.string() +
+                ": not saved, since the map is empty and would replace a saved one");
+  }
+  const int64_t revision = session.map().revision;
+  for (const fs::path& name : {path, PreviousOf(path), ReplacedOf(path)}) {
+    if (const Result<void> done = MakeWay(name); !done) return tl::unexpected(done.error());
+  }
+  Result<SaveInfo> saved =
+      SaveMap(session.map(), session.metadata(), path, NamesForOld(path, revision));
+  if (saved) revisions_[Absolute(path)] = revision;
+  return saved;
+}
+
+Result<MapSession> ReadSavedMap(const fs::path& path, const MapSessionOptions& options,
+                                const std::string& map_id) {
+  if (path.empty()) return Fail("no map given to load");
+  Result<LoadedMap> loaded = LoadMap(path);
+  if (!loaded) return tl::unexpected(loaded.error());
+  loaded->metadata.map_id = map_id;
+  Result<MapSession> session = MapSession::Continue(options, std::move(*loaded));
+  if (!session) return Fail(path.string() + ": " + session.error().message);
+  return session;
+}
+
+Result<RecoveredMap> RecoverMap(const fs::path& path, const MapSessionOptions& options,
+                                const std::string& map_id) {
+  RecoveredMap recovered;
+  for (const fs::path& file : {path, PreviousOf(path), ReplacedOf(path)}) {
+    RemoveStaleTemporaries(file);
+    if (recovered.session || !Exists(file)) continue;
+    Result<MapSession> session = ReadSavedMap(file, options, map_id);
+    if (session) {
+      recovered.session = std::move(*session);
+      recovered.path = file;
+      continue;
+    }
+    const Result<fs::path> aside = SetAside(file, "unusable");
+    if (!aside) return Fail(session.error().message + "; " + aside.error().message);
+    recovered.unusable.push_back(session.error().message + "; the file is " + aside->string() +
+                                 " now");
+  }
+  return recovered;
+}
+
+}  // namespace vismap
