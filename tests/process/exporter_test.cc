@@ -38,6 +38,7 @@ TEST(MapServer, SavesLoadsAndResetsOnRequest) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";
+  pipeline.server_arguments = {"--map-folder", processes.folder().string()};
   pipeline.Start();
   pipeline.WaitForEnd();
   const auto tool = [&](std::vector<std::string> arguments) {
@@ -48,20 +49,26 @@ TEST(MapServer, SavesLoadsAndResetsOnRequest) {
   const std::string a = (processes.folder() / "a.vismap").string(),
                     b = (processes.folder() / "b.vismap").string();
   const std::string hash = tool({"hash", "live"});
-  EXPECT_THAT(tool({"save", a}), testing::HasSubstr(a));
+  EXPECT_THAT(tool({"save", "a"}), testing::HasSubstr(a));
   EXPECT_EQ(tool({"hash", a}), hash);
   tool({"reset"});
   EXPECT_NE(tool({"hash", "live"}), hash);
-  tool({"load", a});
+  tool({"load", "a"});
   EXPECT_EQ(tool({"hash", "live"}), hash);
-  tool({"save", b});
+  tool({"save", "b"});
   EXPECT_THAT(tool({"diff", a, b}), testing::HasSubstr("equal"));
   EXPECT_THAT(tool({"objects", "live"}), testing::HasSubstr("discovered segments"));
 
-  const auto refused =
-      processes.Start("map", {"load", (processes.folder() / "missing.vismap").string()});
+  const auto refused = processes.Start("map", {"load", "missing"});
   EXPECT_EQ(refused->WaitForExit(), 1);
   EXPECT_THAT(refused->StandardError(), testing::HasSubstr("missing.vismap"));
+  for (const char* verb : {"save", "load"}) {
+    const auto path = processes.Start("map", {verb, a});
+    EXPECT_EQ(path->WaitForExit(), 2);
+    EXPECT_THAT(path->StandardError(),
+                testing::HasSubstr("start it with --map-folder " + processes.folder().string() +
+                                   ", then: vismap-map " + verb + " a"));
+  }
   const auto unreadable =
       processes.Start("map", {"info", (processes.folder() / "missing.vismap").string()});
   EXPECT_EQ(unreadable->WaitForExit(), 3);

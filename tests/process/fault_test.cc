@@ -126,15 +126,16 @@ TEST(Faults, FullDiskDamagesNeitherTheOldMapNorTheServer) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
   pipeline.detections = "none";
+  pipeline.server_arguments = {"--map-folder", processes.folder().string()};
   pipeline.Start();
   ASSERT_TRUE(pipeline.WaitForFrames(4));
   const std::string map = (processes.folder() / "map.vismap").string();
-  const auto save = [&](const std::string& path) {
-    const auto tool = processes.Start("map", {"save", path});
+  const auto save = [&](const std::string& name) {
+    const auto tool = processes.Start("map", {"save", name});
     EXPECT_TRUE(tool->WaitForExit().has_value());
     return std::pair(*tool->WaitForExit(), tool->StandardError());
   };
-  EXPECT_EQ(save(map).first, 0);
+  EXPECT_EQ(save("map").first, 0);
   const Result<std::vector<uint8_t>> before = ReadFileBytes(map);
   ASSERT_TRUE(before);
   pipeline.WaitForEnd();
@@ -142,13 +143,10 @@ TEST(Faults, FullDiskDamagesNeitherTheOldMapNorTheServer) {
   // No file of the server can grow beyond this size, as on a full disk.
   const rlimit limit{before->size() / 2, RLIM_INFINITY};
   ASSERT_EQ(prlimit(pipeline.server->pid(), RLIMIT_FSIZE, &limit, nullptr), 0);
-  const auto [full_code, full_error] = save(map);
+  const auto [full_code, full_error] = save("map");
   EXPECT_EQ(full_code, 1);
   EXPECT_THAT(full_error, HasSubstr("map.vismap"));
   EXPECT_EQ(*ReadFileBytes(map), *before) << "the old file is not damaged";
-  const auto [folder_code, folder_error] = save((processes.folder() / "none" / "a").string());
-  EXPECT_EQ(folder_code, 1);
-  EXPECT_THAT(folder_error, HasSubstr("none/a"));
   size_t leftovers = 0;
   for (const auto& entry : std::filesystem::directory_iterator(processes.folder()))
     leftovers += entry.path().string().find(".tmp-") != std::string::npos ? 1 : 0;
@@ -156,7 +154,7 @@ TEST(Faults, FullDiskDamagesNeitherTheOldMapNorTheServer) {
 
   const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
   ASSERT_EQ(prlimit(pipeline.server->pid(), RLIMIT_FSIZE, &none, nullptr), 0);
-  EXPECT_EQ(save(map).first, 0) << "the server still runs and can save again";
+  EXPECT_EQ(save("map").first, 0) << "the server still runs and can save again";
   EXPECT_NE(*ReadFileBytes(map), *before);
 }
 

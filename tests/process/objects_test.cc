@@ -143,9 +143,10 @@ TEST(ObjectsCommand, WorksWithARunningServerAndIdsSurviveALoad) {
   ProcessBus processes;
   const auto server = processes.Start(
       "map-server",
-      {"--config", (MappedRoom::Get().folder() / "coarse.txtpb").string(), "--threads", "1"});
+      {"--config", (MappedRoom::Get().folder() / "coarse.txtpb").string(), "--threads", "1",
+       "--map-folder", std::filesystem::path(MappedRoom::Get().map()).parent_path().string()});
   ASSERT_TRUE(processes.WaitForReady({"map-server"}));
-  ASSERT_EQ(MapTool({"load", MappedRoom::Get().map(), "--lcm-url", processes.url()}).exit_code, 0);
+  ASSERT_EQ(MapTool({"load", "map", "--lcm-url", processes.url()}).exit_code, 0);
   const auto live = [&](std::vector<std::string> filters) {
     filters.insert(filters.begin(), {"objects", "live", "--json", "--lcm-url", processes.url()});
     return MapTool(filters);
