@@ -182,9 +182,9 @@ inline constexpr auto FieldsOf(const HubOptions&) {
   using Options = HubOptions;
   return std::tuple(VISMAP_FIELD(listen), VISMAP_FIELD(queue_mb), VISMAP_FIELD(socket_buffer_bytes),
                     VISMAP_FIELD(max_clients), VISMAP_FIELD(patience_s), VISMAP_FIELD(greeting_s),
-                    VISMAP_FIELD(critical), VISMAP_FIELD(max_wait_s), VISMAP_FIELD(max_hold_s),
-                    VISMAP_FIELD(total_mb), VISMAP_FIELD(lossless), VISMAP_FIELD(latest),
-                    VISMAP_FIELD(drop_newest));
+                    VISMAP_FIELD(critical), VISMAP_FIELD(rejoin_s), VISMAP_FIELD(max_wait_s),
+                    VISMAP_FIELD(max_hold_s), VISMAP_FIELD(total_mb), VISMAP_FIELD(lossless),
+                    VISMAP_FIELD(latest), VISMAP_FIELD(drop_newest));
 }
 
 inline constexpr auto FieldsOf(const BridgeOptions&) {

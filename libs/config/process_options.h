@@ -85,6 +85,7 @@ struct HubOptions {
                                        "sensor-replay.*", "bridge.*"};
   double max_wait_s = 10;  ///< publishers wait when messages wait so long for a critical process
   double max_hold_s = 60;  ///< and in total no longer than this for one name, see HoldBudgets
+  double rejoin_s = 5;     ///< after the start, see RejoinBacklog; 0 = no backlog
   int total_mb = 1024;     ///< of all that waits for clients or arrives from them
   /// Patterns of channels, see QueuePolicy.
   std::vector<std::string> lossless, latest, drop_newest;

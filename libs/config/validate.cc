@@ -136,6 +136,7 @@ std::vector<std::string> Problems(const HubOptions& hub) {
   VISMAP_CHECK_RANGE(check, hub.greeting_s, 0.1, 60);
   VISMAP_CHECK_RANGE(check, hub.max_wait_s, 0.1, 60);
   VISMAP_CHECK_RANGE(check, hub.max_hold_s, 0, 86400);
+  VISMAP_CHECK_RANGE(check, hub.rejoin_s, 0, 60);
   VISMAP_CHECK_RANGE(check, hub.total_mb, 1, 1048576);
   return std::move(check).problems();
 }

@@ -17,6 +17,10 @@ bool HasRoom(const Map& map, const std::string& name) {
   return map.size() < kMaxNames || map.contains(name);
 }
 
+std::string PlaceOf(const process_status_t& status) {
+  return status.host + ", pid " + std::to_string(status.pid);
+}
+
 }  // namespace
 
 int64_t CounterOf(const process_status_t& status, const std::string& name) {
@@ -48,26 +52,44 @@ void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t>
   if (channel == kStatusChannel.name) AddStatus(data, now, utime);
 }
 
-void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t utime) {
-  const Result<process_status_t> status = Unpack<process_status_t>(data, kStatusChannel.max_bytes);
-  if (!status || !HasRoom(processes_, status->source)) return;
-  const auto [entry, first] = processes_.try_emplace(status->source);
-  ProcessPicture& picture = entry->second;
-  const std::string place = status->host + ", pid " + std::to_string(status->pid);
-  if (first) {
-    picture.first = *status;
-  } else if (status->start_utime > picture.last.start_utime) {
+// The picture of the process that has sent this STATUS; nullptr when there are too many.
+ProcessPicture* BusPicture::PictureOf(const process_status_t& status) {
+  const std::string place = PlaceOf(status);
+  const std::string own_name = status.source + " (" + place + ")";
+  if (const auto known = processes_.find(own_name); known != processes_.end())
+    return &known->second;
+  const auto holder = processes_.find(status.source);
+  if (holder == processes_.end()) {
+    return HasRoom(processes_, status.source) ? &processes_[status.source] : nullptr;
+  }
+  ProcessPicture& picture = holder->second;
+  const process_status_t& last = picture.last;
+  const bool same_start = PlaceOf(last) == place && last.start_utime == status.start_utime;
+  if (same_start && status.seq >= last.seq) return &picture;
+  if (!same_start && status.start_utime > last.start_utime) {
     // The process was restarted, and its counters start at 0 again. If the old one still runs, its
     // next STATUS shows it.
     ++picture.restarts;
-    picture.first = *status;
-  } else if (status->start_utime < picture.last.start_utime) {
-    picture.places.insert(picture.last.host + ", pid " + std::to_string(picture.last.pid));
-    picture.places.insert(place);
+    picture.first = status;
+    return &picture;
   }
-  picture.last = *status;
-  picture.last_heard = now;
-  picture.clock_difference = static_cast<double>(status->utime - utime) * 1e-6;
+  // Two processes have the name.
+  if (!HasRoom(processes_, own_name)) return nullptr;
+  ProcessPicture& other = processes_[own_name];
+  picture.places.insert({PlaceOf(last), place});
+  picture.restarts = std::max(0, picture.restarts - 1);  // it was none
+  return &other;
+}
+
+void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t utime) {
+  const Result<process_status_t> status = Unpack<process_status_t>(data, kStatusChannel.max_bytes);
+  if (!status) return;
+  ProcessPicture* picture = PictureOf(*status);
+  if (picture == nullptr) return;
+  if (picture->first.source.empty()) picture->first = *status;
+  picture->last = *status;
+  picture->last_heard = now;
+  picture->clock_difference = static_cast<double>(status->utime - utime) * 1e-6;
 }
 
 int64_t BusPicture::messages(const std::string& channel) const {

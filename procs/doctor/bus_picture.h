@@ -38,7 +38,8 @@ class BusPicture {
   void AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
                   int64_t utime);
 
-  /// All processes, by the name of their instance.
+  /// All processes, by the name of their instance. When several have one name, all but one have
+  /// their place added: "map-server (computer, pid N)", so that none hides another.
   const std::map<std::string, ProcessPicture>& processes() const { return processes_; }
   const std::map<std::string, ChannelPicture>& channels() const { return channels_; }
   /// Number of messages of one channel.
@@ -48,6 +49,7 @@ class BusPicture {
 
  private:
   void AddStatus(std::span<const uint8_t> data, double now, int64_t utime);
+  ProcessPicture* PictureOf(const process_status_t& status);
 
   std::map<std::string, ProcessPicture> processes_;
   std::map<std::string, ChannelPicture> channels_;

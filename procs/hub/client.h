@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,7 +11,7 @@
 namespace vismap {
 
 /// One client of the hub.
-struct HubClient {
+struct HubClient : std::enable_shared_from_this<HubClient> {
   HubClient(Socket socket, const std::string& address, size_t max_message_bytes,
             const QueueLimits& limits);
 
@@ -30,8 +31,10 @@ struct HubClient {
   bool named = false;                               ///< `name` has its name on the bus
   bool dead = false;                                ///< disconnected, will be removed
   double connected_at = 0;                          // MonotonicSeconds
-  bool active = false;                              ///< has subscribed or published
-  bool critical = false;                            ///< publishers may wait for it
+  int64_t number = 0;                               ///< clients are counted from 1
+  bool has_unsubscribed = false;
+  bool active = false;    ///< has subscribed or published
+  bool critical = false;  ///< publishers may wait for it
 };
 
 }  // namespace vismap

@@ -96,7 +96,8 @@ Hub::Hub(const HubOptions& options, const std::string& name, const FaultOptions&
       name_(name),
       faults_(faults),
       loses_messages_(faults.drop_fraction > 0),
-      budgets_(options.max_hold_s) {}
+      budgets_(options.max_hold_s),
+      backlog_(MonotonicSeconds(), options.rejoin_s, queue_bytes_) {}
 
 Hub::~Hub() {
   if (socket_ >= 0) close(socket_);
@@ -152,6 +153,7 @@ void Hub::ServeOnce(const StopSignal& stop, int timeout_ms) {
     for (const std::shared_ptr<Client>& client : polled) client->connection.Flush();
     if (waiting[1].revents != 0) Accept();
   }
+  backlog_.Expire(MonotonicSeconds());
   ChargeHolds();
   DisconnectLate();
   DisconnectLargest();
@@ -182,6 +184,7 @@ void Hub::Accept() {
   LogDebug(name + " connected");
   auto client = std::make_shared<Client>(std::move(socket), name, kMaxMessageBytes,
                                          QueueLimits{queue_bytes_, options_.max_wait_s});
+  client->number = counters_.clients_accepted;
   client->connection.Flush();
   clients_.push_back(std::move(client));
 }
@@ -237,17 +240,35 @@ void Hub::HandleRecord(Client& client, TcpqRecord record) {
       }
       return Route(record, &client);
     case TcpqRecord::Kind::kSubscribe:
-      if (const Result<void> added = client.subscriptions.Add(record.name); !added) {
-        Disconnect(client, "sent a subscription that cannot be used: " + added.error().message);
-      }
-      return;
+      return Subscribe(client, record.name);
     case TcpqRecord::Kind::kUnsubscribe:
+      client.has_unsubscribed = true;
       return client.subscriptions.Remove(record.name);
   }
 }
 
+void Hub::Subscribe(Client& client, const std::string& pattern) {
+  ChannelPatterns added;
+  Result<void> valid = added.Add(pattern);
+  if (valid && !client.has_unsubscribed) {  // else it may have had the messages before
+    const auto missed = [&](const std::string& channel) {
+      return added.Match(channel) && !client.subscriptions.Match(channel);
+    };
+    backlog_.Replay(&client, missed, [&](const RoutedMessage& message) {
+      ++counters_.delivered_late;
+      Count(client, message, client.connection.Add(message, false));
+    });
+  }
+  if (valid) valid = client.subscriptions.Add(pattern);
+  if (!valid)
+    Disconnect(client, "sent a subscription that cannot be used: " + valid.error().message);
+}
+
 void Hub::Route(const TcpqRecord& record, Client* sender) {
-  const RoutedMessage message = RouteMessage(record, &policies_);
+  RoutedMessage message = RouteMessage(record, &policies_);
+  // A program that uses the name of another one does not replace the waiting messages of that one.
+  if (sender != nullptr) message.source += "\n" + std::to_string(sender->number);
+  if (sender != nullptr) backlog_.Keep(message, sender->shared_from_this(), MonotonicSeconds());
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
     // A client does not wait for itself, the hub (no sender) never waits, and no client waits
@@ -352,10 +373,11 @@ void Hub::PublishStatus() {
   AddCounter(&message, "received", counters_.received);
   AddCounter(&message, "received_bytes", counters_.received_bytes);
   AddCounter(&message, "delivered", counters_.delivered);
+  AddCounter(&message, "delivered_late", counters_.delivered_late);
   AddCounter(&message, "dropped", counters_.dropped);
   AddCounter(&message, "held_back", counters_.held_back);
   AddCounter(&message, "held_back_ms", counters_.held_back_ms);
-  size_t queued = 0;
+  size_t queued = backlog_.bytes();
   for (const std::shared_ptr<Client>& client : clients_) {
     queued += client->connection.buffered_bytes();
   }

@@ -12,6 +12,7 @@
 #include "hub/client.h"
 #include "hub/fault_injection.h"
 #include "hub/hold_budgets.h"
+#include "hub/rejoin_backlog.h"
 #include "queueing/channel_policies.h"
 #include "runtime/lcm_url.h"
 #include "runtime/stop_signal.h"
@@ -42,7 +43,8 @@ struct HubCounters {
   int64_t held_back = 0;           ///< how often a client had to wait because another one was slow
   int64_t dropped_on_purpose = 0;  ///< received but not forwarded, see FaultOptions
   int64_t clients_accepted = 0, clients_cut_off = 0;
-  int64_t held_back_ms = 0;  ///< time that publishers have waited
+  int64_t delivered_late = 0;  ///< messages that a client has received from RejoinBacklog
+  int64_t held_back_ms = 0;    ///< time that publishers have waited
   NamedCounts dropped_by_channel, replaced_by_channel, dropped_by_client;
 };
 
@@ -51,6 +53,7 @@ struct HubCounters {
 /// client wait in the queue of that client. QueuePolicy decides what happens when this queue is
 /// full. For a lossless channel and a critical process the hub stops reading from the publishers
 /// until the queue has room, for a bounded time in total; other slow clients lose messages. A
+/// client that subscribes within rejoin_s after the start of the hub receives what it has missed. A
 /// client that falls behind by more than patience_s is disconnected. A client never waits for
 /// itself. Each client receives messages in the order in which they arrived at the hub.
 class Hub {
@@ -81,6 +84,7 @@ class Hub {
   void Accept();
   void Read(Client& client);
   void HandleRecord(Client& client, TcpqRecord record);
+  void Subscribe(Client& client, const std::string& pattern);
   void Route(const TcpqRecord& record, Client* sender);
   void Count(const Client& client, const RoutedMessage& message, MessageQueue::Added added);
   void Disconnect(Client& client, const std::string& why);
@@ -104,6 +108,7 @@ class Hub {
   FaultInjection faults_;
   bool loses_messages_;  // intentionally, for a test
   HoldBudgets budgets_;
+  RejoinBacklog backlog_;
   double charged_at_ = 0;       // MonotonicSeconds
   double accept_again_at_ = 0;  // after the system had no descriptor left
   HubCounters counters_;

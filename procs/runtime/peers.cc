@@ -1,7 +1,6 @@
 #include "runtime/peers.h"
 
 #include <algorithm>
-#include <vismap/process_status_t.hpp>
 
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -20,9 +19,10 @@ bool PeerIsAlive(const Peer& peer) {
 
 Peers::Peers(Bus* bus) {
   bus->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& status) {
-    if (peers_.size() >= kMaxPeers && !peers_.contains(status.source)) return;
-    peers_[status.source] = {status.process, status.state, status.message, status.start_utime,
-                             MonotonicSeconds()};
+    const std::string key = KeyOf(status);
+    if (peers_.size() >= kMaxPeers && !peers_.contains(key)) return;
+    peers_[key] = {status.process,     status.state, status.message, status.start_utime,
+                   MonotonicSeconds(), status.host,  status.pid};
     if (status.types_fingerprint != TypesFingerprint()) {
       LogWarningRateLimited("fingerprint " + status.source,
                             status.source + " on " + status.host +
@@ -30,6 +30,13 @@ Peers::Peers(Bus* bus) {
                                 ") than this process; they cannot exchange all messages");
     }
   });
+}
+
+std::string Peers::KeyOf(const process_status_t& status) const {
+  const auto holder = peers_.find(status.source);
+  if (holder == peers_.end() || status.start_utime >= holder->second.start_utime)
+    return status.source;
+  return status.source + " (" + status.host + ", pid " + std::to_string(status.pid) + ")";
 }
 
 bool Peers::IsAlive(const std::string& process) const {

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 #include <vector>
+#include <vismap/process_status_t.hpp>
 
 #include "runtime/bus.h"
 
@@ -16,6 +17,8 @@ struct Peer {
   std::string message;
   int64_t start_utime = 0;  ///< changes when the process is restarted [us]
   double last_heard = 0;    ///< MonotonicSeconds
+  std::string host;
+  int pid = 0;
 };
 
 /// The other processes on the bus, known by their STATUS messages.
@@ -34,10 +37,13 @@ class Peers {
   bool IsReady(const std::string& process) const;
   /// The programs of `processes` of which no instance is ready.
   std::vector<std::string> NotReady(const std::vector<std::string>& processes) const;
-  /// All peers, by the name of their instance.
+  /// All peers, by the name of their instance. Of several with one name, that which was started
+  /// last has the name, and the others "name (computer, pid N)", so that none hides another.
   const std::map<std::string, Peer>& all() const { return peers_; }
 
  private:
+  std::string KeyOf(const process_status_t& status) const;
+
   std::map<std::string, Peer> peers_;
 };
 

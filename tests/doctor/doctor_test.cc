@@ -225,6 +225,24 @@ TEST(Doctor, LostMessagesSilenceAndDuplicateNamesAreFindings) {
               Contains(HasSubstr("map-server on robot has published no STATUS for 5 s")));
 }
 
+TEST(Doctor, StrangerWithTheNameOfTheServerDoesNotHideIt) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t server = scene.Status("map-server", "waiting");
+  server.message = "the disk is full";
+  process_status_t stranger = server;
+  stranger.pid = 666;
+  stranger.message = "all is well";
+  for (int second = 0; second < 5; ++second) {
+    server.seq = stranger.seq = 5 + second;
+    scene.Receives("STATUS", Pack(stranger), second);
+    scene.Receives("STATUS", Pack(server), second);
+  }
+  EXPECT_THAT(scene.Findings(), Contains(HasSubstr("the disk is full")));
+  EXPECT_THAT(scene.Findings(), Contains(AllOf(HasSubstr("two processes have the name map-server"),
+                                               HasSubstr("pid 666"), HasSubstr("pid 42"))));
+}
+
 TEST(Doctor, ReportContainsNoControlCharactersFromTheBus) {
   Scene scene;
   process_status_t hostile = scene.Status("x\033[2Jy");

@@ -75,6 +75,67 @@ void ForwardsLargeMessages(int socket_buffer_bytes) {
 TEST(Hub, ForwardsLargeMessages) { ForwardsLargeMessages(0); }
 TEST(Hub, ForwardsLargeMessagesThroughTheSmallestSocketBuffers) { ForwardsLargeMessages(4096); }
 
+TEST(Hub, LateSubscriberReceivesWhatItHasMissedAfterTheStart) {
+  HubOptions options;
+  options.rejoin_s = 30;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  for (int64_t i = 0; i < 20; ++i) ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(i, 1000)));
+  Settle(sender.get());
+  std::vector<int64_t> got;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                 [&](const map_delta_t& d) { got.push_back(d.revision); });
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() == 20; }));
+  ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(20, 1000)));
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() == 21; }));
+  EXPECT_THAT(got, testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+                                        17, 18, 19, 20));
+  EXPECT_EQ(reader->counters().at("MAP_DELTA").lost, 0);
+}
+
+TEST(Hub, LateSubscriberReceivesNothingOldWhenTheTimeIsOver) {
+  HubOptions options;
+  options.rejoin_s = 0;
+  RunningHub hub(options);
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(0, 1000)));
+  Settle(sender.get());
+  std::vector<int64_t> got;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                 [&](const map_delta_t& d) { got.push_back(d.revision); });
+  Settle(reader.get());
+  ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(1, 1000)));
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return !got.empty(); }));
+  EXPECT_THAT(got, testing::ElementsAre(1));
+}
+
+TEST(RejoinBacklog, IsBoundedInBytesAndKeepsTheNewestOfLatestChannels) {
+  RejoinBacklog backlog(0, 10, 3 * (1000 + MessageQueue::kEntryBytes));
+  const auto message = [](const std::string& channel, QueuePolicy policy, uint8_t value) {
+    return RoutedMessage{channel, std::make_shared<std::vector<uint8_t>>(1000, value), policy, "a"};
+  };
+  const auto values = [&] {
+    std::vector<int> all;
+    backlog.Replay(
+        nullptr, [](const std::string&) { return true; },
+        [&](const RoutedMessage& m) { all.push_back(m.record->front()); });
+    return all;
+  };
+  const auto sender = std::make_shared<HubClient>(Socket(), "sender", 1000, QueueLimits{1000});
+  backlog.Keep(message("OBJECTS", QueuePolicy::kLatest, 1), sender, 1);
+  backlog.Keep(message("OBJECTS", QueuePolicy::kLatest, 2), sender, 1);
+  EXPECT_THAT(values(), testing::ElementsAre(2));
+  for (uint8_t i = 3; i < 7; ++i)
+    backlog.Keep(message("RGBD_FRAME", QueuePolicy::kLossless, i), sender, 2);
+  EXPECT_THAT(values(), testing::ElementsAre(4, 5, 6));
+  EXPECT_EQ(backlog.dropped(), 2);
+  backlog.Keep(message("RGBD_FRAME", QueuePolicy::kLossless, 7), sender, 10);
+  EXPECT_THAT(values(), testing::ElementsAre(4, 5, 6)) << "the time is over";
+  backlog.Expire(10);
+  EXPECT_THAT(values(), testing::IsEmpty());
+  EXPECT_EQ(backlog.bytes(), 0U);
+}
+
 TEST(Hub, SlowReaderLosesTheNewestMessages) {
   HubOptions options;
   options.queue_mb = 4;

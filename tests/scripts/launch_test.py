@@ -120,6 +120,15 @@ class LaunchTest(unittest.TestCase):
         self.launched.send_signal(signal.SIGTERM)
         self.assertIn("a: restarting: it ended with exit code 1: oops", self.finish(0))
 
+    def test_restarted_hub_keeps_the_port_that_it_has_chosen(self):
+        self.program("vismap-hub", "#!/bin/sh\n[ -e been ] && echo \"$@\" >again && exec sleep 3600\ntouch been\n"
+                                   "echo tcpq://127.0.0.1:4242\nsleep 0.2\nexit 1\n")
+        self.launch('cmd "hub" { exec = "${VISMAP_BIN}/vismap-hub --queue-mb 5 --listen 127.0.0.1:0"; '
+                    'auto_respawn = "true"; }')
+        self.assertEqual(self.wait_for_file("again"), "--queue-mb 5 --listen 127.0.0.1:4242\n")
+        self.launched.send_signal(signal.SIGTERM)
+        self.finish(0)
+
     def test_shows_the_reports_of_processes(self):
         self.program("talks", f"""#!{sys.executable}
 import os, socket, time
