@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/byte_order_mark.h"
+
 namespace vismap {
 namespace {
 
@@ -46,7 +48,7 @@ Result<void> CheckNesting(std::string_view text) {
 
 template <typename Json>
 Result<Json> ParseJson(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark
+  text = WithoutByteOrderMark(text);
   if (Result<void> checked = CheckNesting(text); !checked) return tl::unexpected(checked.error());
   try {
     return Json::parse(text);

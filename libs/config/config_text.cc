@@ -4,6 +4,7 @@
 #include <array>
 #include <type_traits>
 
+#include "base/byte_order_mark.h"
 #include "base/class_names.h"
 #include "base/enum_names.h"
 #include "base/require.h"
@@ -210,7 +211,7 @@ Result<VismapConfig> ParseConfig(const std::string& text, const std::string& nam
   google::protobuf::TextFormat::Parser parser;
   FirstError error(name);
   parser.RecordErrorsTo(&error);
-  if (!parser.ParseFromString(text, &message)) {
+  if (!parser.ParseFromString(std::string(WithoutByteOrderMark(text)), &message)) {
     return Fail(error.sentence().empty() ? name + ": is not protobuf text" : error.sentence());
   }
   VismapConfig result;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <sstream>
 
+#include "base/byte_order_mark.h"
 #include "base/class_names.h"
 #include "base/file.h"
 
@@ -52,7 +53,8 @@ ClassTable Coco80() {
 Result<ClassTable> LoadClassTable(const std::string& path) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, 1 << 20);
   if (!bytes) return tl::unexpected(bytes.error());
-  std::istringstream text(std::string(bytes->begin(), bytes->end()));
+  std::istringstream text(std::string(
+      WithoutByteOrderMark({reinterpret_cast<const char*>(bytes->data()), bytes->size()})));
   ClassTable table;
   int number = 0, blank = 0;
   for (std::string line; std::getline(text, line);) {

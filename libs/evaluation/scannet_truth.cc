@@ -57,6 +57,7 @@ ClassNames ReadClassTable(const fs::path& folder) {
     bool header = true;
     for (std::string line; std::getline(lines, line); header = false) {
       std::vector<std::string> cells;
+      if (line.ends_with('\r')) line.pop_back();
       std::istringstream columns(line);
       for (std::string cell; std::getline(columns, cell, '\t');) cells.push_back(cell);
       for (size_t i = 0; header && i < cells.size(); ++i) {
