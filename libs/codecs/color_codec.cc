@@ -2,6 +2,8 @@
 
 #include <turbojpeg.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -17,16 +19,20 @@ struct FreeTurbo {
 };
 using Turbo = std::unique_ptr<std::remove_pointer_t<tjhandle>, FreeTurbo>;
 
-// ACCURATEDCT: the result has the same bits with and without SIMD. STOPONWARNING: missing or
-// damaged data is an error instead of grey pixels. LIMITSCANS: a progressive file with thousands of
-// scans is an error, since decoding it would take minutes.
-constexpr int kDecodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
+// ACCURATEDCT: the result has the same bits with and without SIMD. LIMITSCANS: a progressive file
+// with thousands of scans is an error, since decoding it would take minutes.
+constexpr int kDecodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
+
+struct JpegInfo {
+  JpegSize size;
+  bool four_inks = false;  // CMYK or YCCK, as printers use them
+};
 
 std::string Text(JpegSize size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-Result<JpegSize> ReadSize(void* turbo, std::span<const uint8_t> bytes) {
+Result<JpegInfo> ReadInfo(void* turbo, std::span<const uint8_t> bytes) {
   JpegSize size;
   int subsampling = 0, colorspace = 0;
   if (bytes.empty()) return Fail("JPEG: no bytes");
@@ -36,7 +42,28 @@ Result<JpegSize> ReadSize(void* turbo, std::span<const uint8_t> bytes) {
   }
   // The library accepts a header that ends before the size of the image.
   if (size.width < 1 || size.height < 1) return Fail("JPEG: header is cut off");
-  return size;
+  return JpegInfo{size, colorspace == TJCS_CMYK || colorspace == TJCS_YCCK};
+}
+
+// Decodes what there is. Warnings, such as stray bytes before a marker, which many cameras send,
+// are no errors: the library goes on after them.
+Result<void> Decompress(void* turbo, std::span<const uint8_t> bytes, JpegSize size, int format,
+                        unsigned char* target) {
+  const int status = tjDecompress2(turbo, bytes.data(), bytes.size(), target, size.width, 0,
+                                   size.height, format, kDecodeFlags);
+  if (status == 0 || tjGetErrorCode(turbo) == TJERR_WARNING) return {};
+  return Fail(std::string("JPEG: data is damaged: ") + tjGetErrorStr2(turbo));
+}
+
+// Programs write inks inverted, 255 = none.
+Image<Rgb8> FromInks(const std::vector<uint8_t>& inks, JpegSize size) {
+  Image<Rgb8> image(size.width, size.height);
+  for (size_t i = 0; i < image.size(); ++i) {
+    const uint8_t* cmyk = &inks[4 * i];
+    const auto part = [&](int ink) { return static_cast<uint8_t>((ink * cmyk[3] + 127) / 255); };
+    image.data()[i] = {part(cmyk[0]), part(cmyk[1]), part(cmyk[2])};
+  }
+  return image;
 }
 
 }  // namespace
@@ -44,27 +71,43 @@ Result<JpegSize> ReadSize(void* turbo, std::span<const uint8_t> bytes) {
 Result<JpegSize> ReadJpegSize(std::span<const uint8_t> bytes) {
   const Turbo turbo(tjInitDecompress());
   Require(turbo != nullptr, "turbojpeg gives a decoder");
-  return ReadSize(turbo.get(), bytes);
+  const Result<JpegInfo> info = ReadInfo(turbo.get(), bytes);
+  if (!info) return tl::unexpected(info.error());
+  return info->size;
+}
+
+bool HasJpegEnd(std::span<const uint8_t> bytes) {
+  // In image data, 0xff is followed by 0, so these bytes are markers. The end of a preview stands
+  // before the last start of image data.
+  constexpr std::array<uint8_t, 2> kScan{0xff, 0xda}, kEnd{0xff, 0xd9};
+  const auto scan = std::find_end(bytes.begin(), bytes.end(), kScan.begin(), kScan.end());
+  return std::search(scan, bytes.end(), kEnd.begin(), kEnd.end()) != bytes.end();
 }
 
 Result<Image<Rgb8>> DecodeJpeg(std::span<const uint8_t> bytes, int width, int height,
                                size_t max_pixels) {
   const Turbo turbo(tjInitDecompress());
   Require(turbo != nullptr, "turbojpeg gives a decoder");
-  const Result<JpegSize> size = ReadSize(turbo.get(), bytes);
-  if (!size) return Fail(size.error().message);
-  if ((width != 0 && size->width != width) || (height != 0 && size->height != height)) {
-    return Fail("JPEG: size is " + Text(*size) + "; expected " + Text({width, height}));
+  const Result<JpegInfo> info = ReadInfo(turbo.get(), bytes);
+  if (!info) return Fail(info.error().message);
+  const JpegSize size = info->size;
+  if ((width != 0 && size.width != width) || (height != 0 && size.height != height)) {
+    return Fail("JPEG: size is " + Text(size) + "; expected " + Text({width, height}));
   }
-  const Result<size_t> pixels = CheckedPixels(size->width, size->height, max_pixels);
+  const Result<size_t> pixels = CheckedPixels(size.width, size.height, max_pixels);
   if (!pixels) return Fail("JPEG: " + pixels.error().message);
-  Image<Rgb8> image(size->width, size->height);
+  if (!HasJpegEnd(bytes)) return Fail("JPEG: data is cut off");
+  if (info->four_inks) {
+    std::vector<uint8_t> inks(4 * *pixels);
+    const auto decoded = Decompress(turbo.get(), bytes, size, TJPF_CMYK, inks.data());
+    if (!decoded) return tl::unexpected(decoded.error());
+    return FromInks(inks, size);
+  }
+  Image<Rgb8> image(size.width, size.height);
   static_assert(sizeof(Rgb8) == 3);
   auto* target = reinterpret_cast<unsigned char*>(image.data());
-  if (tjDecompress2(turbo.get(), bytes.data(), bytes.size(), target, size->width, 0, size->height,
-                    TJPF_RGB, kDecodeFlags) != 0) {
-    return Fail(std::string("JPEG: data is damaged: ") + tjGetErrorStr2(turbo.get()));
-  }
+  const auto decoded = Decompress(turbo.get(), bytes, size, TJPF_RGB, target);
+  if (!decoded) return tl::unexpected(decoded.error());
   return image;
 }
 

@@ -23,10 +23,14 @@ struct JpegSize {
 /// Reads the size from a JPEG header. Fails when the bytes do not begin like a JPEG.
 Result<JpegSize> ReadJpegSize(std::span<const uint8_t> bytes);
 
-/// Decodes a JPEG (baseline or progressive, grey or colour) to RGB, the same bits on every machine.
-/// `width`, `height`: the size that it must have [px], 0 = any. Fails before memory is allocated on
-/// another size and on more than `max_pixels`. Fails on truncated or corrupt data instead of
-/// filling in the rest.
+/// Whether the bytes of a JPEG have its end, perhaps followed by others. Without it, the file was
+/// cut off.
+bool HasJpegEnd(std::span<const uint8_t> bytes);
+
+/// Decodes a JPEG (baseline or progressive, grey, colour or CMYK) to RGB, the same bits on every
+/// machine. `width`, `height`: the size that it must have [px], 0 = any. Fails before memory is
+/// allocated on another size and on more than `max_pixels`. Fails on data that is cut off instead
+/// of filling in the rest. Of data that is damaged but whole, it returns what can be decoded.
 Result<Image<Rgb8>> DecodeJpeg(std::span<const uint8_t> bytes, int width = 0, int height = 0,
                                size_t max_pixels = kMaxDecodedPixels);
 

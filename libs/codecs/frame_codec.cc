@@ -30,8 +30,7 @@ Result<void> CheckSizes(const SensorFrame& frame) {
   }
   if (frame.color_jpeg.empty()) return {};
   const Result<JpegSize> color = ReadJpegSize(frame.color_jpeg);
-  if (!color) return Fail("colour: " + color.error().message);
-  if (color->width != camera.width || color->height != camera.height) {
+  if (color && (color->width != camera.width || color->height != camera.height)) {
     return Fail("colour is " + SizeText(color->width, color->height) + " but depth " +
                 SizeText(camera.width, camera.height));
   }
@@ -54,11 +53,15 @@ Result<RgbdFrame> DecodeFrame(const SensorFrame& frame) {
   if (const auto checked = CheckSizes(frame); !checked) {
     return Fail(FrameText(frame.header) + checked.error().message);
   }
-  RgbdFrame decoded{frame.header, DepthInMetres(frame.depth, frame.depth_unit_m), {}};
+  RgbdFrame decoded{
+      frame.header, DepthInMetres(frame.depth, frame.depth_unit_m), {}, frame.color_problem};
   if (frame.color_jpeg.empty()) return decoded;
   Result<Image<Rgb8>> color = DecodeJpeg(frame.color_jpeg);
-  if (!color) return Fail(FrameText(frame.header) + "colour: " + color.error().message);
-  decoded.color = std::move(*color);
+  if (color) {
+    decoded.color = std::move(*color);
+  } else {
+    decoded.color_problem = FrameText(frame.header) + "colour: " + color.error().message;
+  }
   return decoded;
 }
 

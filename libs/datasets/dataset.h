@@ -65,6 +65,9 @@ class Dataset {
   virtual std::vector<std::string> remarks() const { return {}; }
   /// Metres per step of the depth images; 0 = unknown.
   virtual double depth_unit_m() const { return 0; }
+  /// Whether the sequence states when its frames were taken. If not, their times are computed from
+  /// their numbers, and those of another sequence may be the same.
+  virtual bool has_clock() const { return true; }
   /// The path of the detections that belong to the sequence, for OpenDetections; none if there are
   /// no detections. In a folder, it is the file detections.json.
   virtual std::optional<std::string> default_detections_path() const = 0;

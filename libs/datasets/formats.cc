@@ -1,6 +1,7 @@
 #include "datasets/formats.h"
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "datasets/image_file.h"
@@ -9,6 +10,20 @@ namespace vismap {
 
 int64_t UtimeAtRate(int64_t number, double rate) {
   return std::llround(static_cast<double>(number) * 1e6 / rate);
+}
+
+Result<ImageFileInfo> FirstInfo(const std::vector<FrameFiles>& frames,
+                                std::filesystem::path FrameFiles::*image) {
+  Result<ImageFileInfo> first = Fail("there is no image");
+  bool tried = false;
+  for (const FrameFiles& frame : frames) {
+    if (!frame.missing.empty()) continue;
+    Result<ImageFileInfo> info = ReadImageInfo(frame.*image);
+    if (info || !tried) first = std::move(info);
+    if (first) break;
+    tried = true;
+  }
+  return first;
 }
 
 namespace {
@@ -56,7 +71,7 @@ Result<std::string> ResolveCamera(const std::filesystem::path& folder,
   if (intrinsics) known = GivenCamera(*intrinsics, known);
   files->camera = known.camera;
   if (known.assumed || known.camera.width == 0) {
-    const Result<ImageFileInfo> info = ReadImageInfo(files->frames.front().depth);
+    const Result<ImageFileInfo> info = FirstInfo(files->frames, &FrameFiles::depth);
     if (!info) return tl::unexpected(info.error());
     if (const auto checked = CheckAssumedSize(folder, known, *info); !checked)
       return tl::unexpected(checked.error());
@@ -96,6 +111,18 @@ Result<std::vector<LoggedPose>> ReadTrajectoryLog(const std::filesystem::path& p
   return poses;
 }
 
+namespace {
+
+constexpr int64_t kMaxFrameNumber = 100'000'000'000;  // so that its time fits into 64 bits
+
+std::string MissingText(const char* kind, const NamePattern& pattern,
+                        const std::filesystem::path& partner) {
+  return std::string("there is no ") + kind + " image " + pattern.prefix + "N" +
+         pattern.suffixes[0] + " with the number of " + partner.filename().string();
+}
+
+}  // namespace
+
 Result<std::vector<FrameFiles>> PairByNumber(const NamePattern& color, const NamePattern& depth) {
   const Result<std::vector<NumberedFile>> colors = ListNumberedFiles(color);
   if (!colors) return Fail(colors.error().message);
@@ -105,25 +132,23 @@ Result<std::vector<FrameFiles>> PairByNumber(const NamePattern& color, const Nam
     return Fail(color.folder.string() + ": expected images with names like " + color.prefix + "N" +
                 color.suffixes[0] + ", found none");
   }
-  std::vector<FrameFiles> frames;
-  for (size_t i = 0; i < std::max(colors->size(), depths->size()); ++i) {
-    const bool has_color = i < colors->size();
-    const bool has_depth = i < depths->size();
-    if (!has_color || (has_depth && (*depths)[i].number < (*colors)[i].number)) {
-      return Fail((*depths)[i].path.string() + ": there is no colour image " + color.prefix + "N" +
-                  color.suffixes[0] + " with the same number N in " + color.folder.string());
+  std::map<int64_t, FrameFiles> frames;
+  for (const NumberedFile& file : *colors) frames[file.number].color = file.path;
+  for (const NumberedFile& file : *depths) frames[file.number].depth = file.path;
+  std::vector<FrameFiles> sorted;
+  for (auto& [number, frame] : frames) {
+    const std::filesystem::path& one = frame.depth.empty() ? frame.color : frame.depth;
+    if (number > kMaxFrameNumber) {
+      return Fail(one.string() + ": the number " + one.stem().string() +
+                  " is out of range; expected the number of a frame, at most " +
+                  std::to_string(kMaxFrameNumber) + " (is it a time in nanoseconds?)");
     }
-    if (!has_depth || (*depths)[i].number != (*colors)[i].number) {
-      return Fail((*colors)[i].path.string() + ": there is no depth image " + depth.prefix + "N" +
-                  depth.suffixes[0] + " with the same number N in " + depth.folder.string());
-    }
-    FrameFiles frame;
-    frame.number = (*colors)[i].number;
-    frame.color = (*colors)[i].path;
-    frame.depth = (*depths)[i].path;
-    frames.push_back(std::move(frame));
+    frame.number = number;
+    if (frame.depth.empty()) frame.missing = MissingText("depth", depth, frame.color);
+    if (frame.color.empty()) frame.missing = MissingText("colour", color, frame.depth);
+    sorted.push_back(std::move(frame));
   }
-  return frames;
+  return sorted;
 }
 
 Result<Result<Pose>> ReadPoseFile(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "datasets/image_file.h"
 #include "datasets/register_depth.h"
 #include "datasets/text_file.h"
 #include "geometry/camera.h"
@@ -21,6 +22,7 @@ struct FrameFiles {
   std::filesystem::path color;
   std::filesystem::path depth;
   Result<Pose> T_W_C = Pose::Identity();  ///< the error says why the frame cannot be used
+  std::string missing;  ///< which of its images, or its time, there is not; empty = nothing
 };
 
 /// The camera of the depth images, and how it is known.
@@ -47,6 +49,7 @@ struct SequenceFiles {
   bool may_be_kinect_depth = false;
   bool named_as_seven_scenes = false;
   std::vector<FrameFiles> frames;  ///< as recorded, also those that cannot be used
+  bool has_clock = false;          ///< the folder states the times of the frames
 };
 
 /// A layout of a sequence's folder: functions that recognise it and list its files. Each .cc file
@@ -68,6 +71,11 @@ extern const DatasetFormat kRedwoodFormat;
 
 /// Frames per second of the formats whose files hold no times.
 inline constexpr double kUsualRate = 30;
+
+/// The header of the first image whose header can be read, of frames with both images: of their
+/// `image`, `&FrameFiles::depth` or `&FrameFiles::color`. Fails with what is wrong with the first.
+Result<ImageFileInfo> FirstInfo(const std::vector<FrameFiles>& frames,
+                                std::filesystem::path FrameFiles::*image);
 
 /// The time of frame `number` of a camera with `rate` frames per second [us].
 int64_t UtimeAtRate(int64_t number, double rate);
@@ -96,8 +104,9 @@ struct LoggedPose {
 /// malformed.
 Result<std::vector<LoggedPose>> ReadTrajectoryLog(const std::filesystem::path& path);
 
-/// Pairs colour and depth files by number. Sets only number, color and depth of the frames. Fails,
-/// naming the file, if it has no partner, or, naming the folder, if it has no images.
+/// Pairs colour and depth files by number. Sets only number, color, depth and missing of the
+/// frames. Fails, naming the folder, if it has no images, or, naming the file, if its number is too
+/// large for that of a frame.
 Result<std::vector<FrameFiles>> PairByNumber(const NamePattern& color, const NamePattern& depth);
 
 /// Reads the 4x4 matrix T_W_C of a text file. The outer error says that the file is missing or

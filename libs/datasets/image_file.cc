@@ -52,12 +52,15 @@ Result<cv::Mat> DecodePng(const std::vector<uint8_t>& bytes, const ImageFileInfo
   return image;
 }
 
-/// Whether a PNG file ends with its end chunk. Decoders do not report missing rows, so this check
-/// finds truncated files.
+/// Whether a PNG file has its end chunk, perhaps followed by other bytes. Decoders do not report
+/// missing rows, so this check finds truncated files.
 bool HasPngEnd(std::span<const uint8_t> bytes) {
-  constexpr std::array<uint8_t, 8> kEnd{'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
-  return bytes.size() >= kEnd.size() &&
-         std::memcmp(bytes.data() + bytes.size() - kEnd.size(), kEnd.data(), kEnd.size()) == 0;
+  constexpr size_t kSignature = 8, kAroundData = 12;  // length, name and checksum of a chunk
+  for (size_t at = kSignature; at + kAroundData <= bytes.size();) {
+    if (std::memcmp(&bytes[at + 4], "IEND", 4) == 0) return true;
+    at += kAroundData + static_cast<uint32_t>(BigEndian(&bytes[at]));
+  }
+  return false;
 }
 
 Result<Image<uint16_t>> DecodePng16(const std::vector<uint8_t>& bytes, int width, int height) {
@@ -79,7 +82,6 @@ Result<Image<uint16_t>> DecodePng16(const std::vector<uint8_t>& bytes, int width
 }
 
 Result<Image<Rgb8>> DecodeColorPng(const std::vector<uint8_t>& bytes, const ImageFileInfo& info) {
-  if (info.bits == 16) return Fail("expected an 8-bit colour image, found 16-bit");
   if (!HasPngEnd(bytes)) return Fail("the PNG is truncated");
   const Result<cv::Mat> mat = DecodePng(bytes, info, cv::IMREAD_COLOR, CV_8UC3);
   if (!mat) return Fail(mat.error().message);
@@ -137,6 +139,16 @@ Result<ImageFileInfo> ReadImageInfo(const std::filesystem::path& path) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxImageFileBytes);
   if (!bytes) return Fail(bytes.error().message);
   return WithPath(path, ReadImageInfo(std::span<const uint8_t>(*bytes)));
+}
+
+bool IsCutOff(const std::filesystem::path& path) {
+  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxImageFileBytes);
+  if (!bytes) return false;
+  const bool png = bytes->size() >= kPngStart.size() &&
+                   std::memcmp(bytes->data(), kPngStart.data(), kPngStart.size()) == 0;
+  const bool jpeg = bytes->size() >= 2 && (*bytes)[0] == 0xff && (*bytes)[1] == 0xd8;
+  return bytes->size() < kPngStart.size() || (png && !HasPngEnd(*bytes)) ||
+         (jpeg && !HasJpegEnd(*bytes));
 }
 
 Result<Image<uint16_t>> ReadPng16(const std::filesystem::path& path, int width, int height) {

@@ -28,11 +28,15 @@ struct ImageFileInfo {
 Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes);
 Result<ImageFileInfo> ReadImageInfo(const std::filesystem::path& path);
 
+/// Whether the file is the beginning of a PNG or JPEG, or empty, as when a recorder was stopped
+/// while it wrote.
+bool IsCutOff(const std::filesystem::path& path);
+
 /// Reads a 16-bit PNG with one channel. Fails, naming the file, if it is missing, truncated or of
 /// another kind, or if its size is not width x height (0 = any).
 Result<Image<uint16_t>> ReadPng16(const std::filesystem::path& path, int width, int height);
 
-/// Reads an 8-bit PNG or JPEG, colour or grey, as RGB. Fails like ReadPng16.
+/// Reads a PNG or JPEG, colour or grey, as RGB with 8 bits. Fails like ReadPng16.
 Result<Image<Rgb8>> ReadColor(const std::filesystem::path& path, int width, int height);
 
 /// Reads a colour file as JPEG bytes. A JPEG file is returned unchanged after a test that it can be

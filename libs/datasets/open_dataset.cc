@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <iterator>
-#include <map>
 
+#include "base/reason_counts.h"
 #include "base/require.h"
 #include "codecs/color_codec.h"
 #include "datasets/dataset.h"
@@ -37,6 +36,7 @@ class FolderDataset : public Dataset {
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
   std::vector<std::string> remarks() const override { return remarks_; }
   double depth_unit_m() const override { return files_.depth_unit_m; }
+  bool has_clock() const override { return files_.has_clock; }
 
   FrameHeader Header(size_t i) const override {
     Require(i < size(), "the index of a frame is below the number of frames");
@@ -55,9 +55,17 @@ class FolderDataset : public Dataset {
     Result<Image<uint16_t>> depth = ReadDepthOf(files_.frames[i].depth);
     if (!depth) return Fail(depth.error().message);
     frame.depth = std::move(*depth);
-    Result<std::vector<uint8_t>> color = ReadColorOf(files_.frames[i].color);
-    if (!color) return Fail(color.error().message);
-    frame.color_jpeg = std::move(*color);
+    const fs::path& path = files_.frames[i].color;
+    Result<std::vector<uint8_t>> color = ReadColorOf(path);
+    if (color) {
+      frame.color_jpeg = std::move(*color);
+    } else if (frame.header.frame_number == last_number_ && IsCutOff(path)) {
+      return Fail(color.error().message + " (it is the last image)");
+    } else if (HasOtherSize(path)) {
+      return Fail(color.error().message);
+    } else {
+      frame.color_problem = color.error().message;
+    }
     return frame;
   }
 
@@ -70,12 +78,15 @@ class FolderDataset : public Dataset {
   void Select(const DatasetOptions& options) {
     std::vector<FrameFiles> recorded;
     recorded.swap(files_.frames);
+    last_number_ = recorded.back().number;
     for (size_t i = 0; i < recorded.size(); i += static_cast<size_t>(options.stride)) {
       if (options.max_frames > 0 && size() == static_cast<size_t>(options.max_frames)) break;
-      if (recorded[i].T_W_C) {
-        files_.frames.push_back(std::move(recorded[i]));
-      } else {
+      if (!recorded[i].missing.empty()) {
+        skipped_.push_back({recorded[i].number, recorded[i].missing});
+      } else if (!recorded[i].T_W_C) {
         skipped_.push_back({recorded[i].number, recorded[i].T_W_C.error().message});
+      } else {
+        files_.frames.push_back(std::move(recorded[i]));
       }
     }
   }
@@ -100,10 +111,18 @@ class FolderDataset : public Dataset {
     return EncodeJpeg(ResampleColor(*color, from, camera));
   }
 
+  // Whether a colour image has not the size of the others: not damage, but another camera.
+  bool HasOtherSize(const fs::path& path) const {
+    const PinholeCamera& camera = files_.color_camera ? *files_.color_camera : files_.camera;
+    const Result<ImageFileInfo> info = ReadImageInfo(path);
+    return info && (info->width != camera.width || info->height != camera.height);
+  }
+
   fs::path folder_;
   const char* format_;
   SequenceFiles files_;
   CameraId camera_;
+  int64_t last_number_ = -1;  // of the last recorded frame
   std::vector<SkippedFrame> skipped_;
   std::vector<std::string> remarks_;
 };
@@ -121,22 +140,29 @@ Result<const DatasetFormat*> FindFormat(const fs::path& folder, const std::strin
 
 /// Fails unless the times of the frames increase.
 Result<void> CheckTimes(const fs::path& folder, const std::vector<FrameFiles>& frames) {
-  for (size_t i = 1; i < frames.size(); ++i) {
-    if (frames[i].utime > frames[i - 1].utime) continue;
-    return Fail(folder.string() + ": expected increasing times, but frame " +
-                std::to_string(frames[i].number) + " has utime " + std::to_string(frames[i].utime) +
-                ", which is not after " + std::to_string(frames[i - 1].utime) +
-                " of the frame before");
+  const FrameFiles* last = nullptr;
+  for (const FrameFiles& frame : frames) {
+    if (!frame.missing.empty()) continue;
+    if (last != nullptr && frame.utime <= last->utime) {
+      return Fail(folder.string() + ": expected increasing times, but frame " +
+                  std::to_string(frame.number) + " has utime " + std::to_string(frame.utime) +
+                  ", which is not after " + std::to_string(last->utime) + " of the frame before");
+    }
+    last = &frame;
   }
   return {};
 }
 
 // Whether pixels without a return are 65535, as a Kinect's infrared camera has them.
 bool HasKinectHoles(const SequenceFiles& files) {
-  const Result<Image<uint16_t>> depth =
-      ReadPng16(files.frames.front().depth, files.camera.width, files.camera.height);
-  return depth &&
-         std::find(depth->pixels().begin(), depth->pixels().end(), 65535) != depth->pixels().end();
+  for (const FrameFiles& frame : files.frames) {
+    const Result<Image<uint16_t>> depth =
+        ReadPng16(frame.depth, files.camera.width, files.camera.height);
+    if (!depth) continue;  // missing or damaged
+    return std::find(depth->pixels().begin(), depth->pixels().end(), 65535) !=
+           depth->pixels().end();
+  }
+  return false;
 }
 
 // Registers depth of a Kinect if the options or the sequence say that it is not. Returns what was
@@ -164,13 +190,10 @@ Result<std::vector<std::string>> ApplyCalibration(const fs::path& folder,
                                                   SequenceFiles* files) {
   const Result<std::string> source = ResolveCamera(folder, options.intrinsics, files);
   if (!source) return tl::unexpected(source.error());
-  const PinholeCamera& camera = files->camera;
+  const bool stated = !options.intrinsics && !files->known_camera->assumed;
+  std::vector<std::string> remarks{CameraText(files->camera) + ": " + (stated ? "from " : "") +
+                                   *source};
   std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), "fx %.6g fy %.6g cx %.6g cy %.6g (%dx%d): ", camera.fx,
-                camera.fy, camera.cx, camera.cy, camera.width, camera.height);
-  std::vector<std::string> remarks{text.data() + (options.intrinsics || files->known_camera->assumed
-                                                      ? *source
-                                                      : "from " + *source)};
   if (options.depth_unit_m > 0) {
     files->depth_unit_m = options.depth_unit_m;
     files->depth_unit_source = "the option --depth-unit";
@@ -191,31 +214,11 @@ Result<fs::path> CheckFolder(const std::string& path) {
   return folder;
 }
 
-// A reason without its numbers, so that equal reasons of several frames are counted together.
-std::string WithoutDigits(const std::string& reason) {
-  std::string text;
-  std::copy_if(reason.begin(), reason.end(), std::back_inserter(text),
-               [](char c) { return (c < '0' || c > '9') && c != '.'; });
-  return text;
-}
-
-// Why no frame is left: the most frequent reason with its first example.
+// Why no frame is left.
 std::string NoUsableFrames(const Dataset& dataset) {
-  struct Reason {
-    size_t frames = 0;
-    std::string example;
-  };
-  std::map<std::string, Reason> reasons;
-  for (const SkippedFrame& skipped : dataset.skipped()) {
-    Reason& reason = reasons[WithoutDigits(skipped.reason)];
-    if (reason.frames++ == 0) reason.example = skipped.reason;
-  }
-  const auto most = std::max_element(
-      reasons.begin(), reasons.end(),
-      [](const auto& a, const auto& b) { return a.second.frames < b.second.frames; });
-  if (most == reasons.end()) return "no usable frames";
-  return "no usable frames (" + std::to_string(most->second.frames) + " of " +
-         std::to_string(dataset.skipped().size()) + ": " + most->second.example + ")";
+  ReasonCounts reasons;
+  for (const SkippedFrame& skipped : dataset.skipped()) reasons.Add(skipped.reason);
+  return NoUsableFramesText(reasons, reasons.total());
 }
 
 }  // namespace

@@ -86,16 +86,24 @@ Result<RedwoodCamera> ReadRedwoodCamera(const fs::path& folder) {
   return AssumedRedwoodCamera();
 }
 
+// The number of frames up to the last one that has both images: a recorder that was stopped may
+// have written one of the last frame's images only, and no pose.
+size_t CountUpToLastPair(const std::vector<FrameFiles>& frames) {
+  size_t count = frames.size();
+  while (count > 0 && !frames[count - 1].missing.empty()) --count;
+  return count;
+}
+
 // Poses belong to images by their order, so there must be as many.
 Result<void> SetRedwoodPoses(const fs::path& path, std::vector<FrameFiles>* frames) {
   const Result<std::vector<LoggedPose>> poses = ReadTrajectoryLog(path);
   if (!poses) return Fail(poses.error().message);
-  if (poses->size() != frames->size()) {
+  if (poses->size() != frames->size() && poses->size() != CountUpToLastPair(*frames)) {
     return Fail(path.string() + ": " + std::to_string(poses->size()) + " poses for " +
                 std::to_string(frames->size()) +
                 " images; which pose belongs to which image cannot be told");
   }
-  for (size_t k = 0; k < frames->size(); ++k) (*frames)[k].T_W_C = (*poses)[k].T_W_C;
+  for (size_t k = 0; k < poses->size(); ++k) (*frames)[k].T_W_C = (*poses)[k].T_W_C;
   return {};
 }
 

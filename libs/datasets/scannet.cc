@@ -25,9 +25,9 @@ Result<PinholeCamera> ReadScanNetIntrinsics(const fs::path& path) {
 /// The colour camera if colour has another size than depth, else none.
 Result<std::optional<PinholeCamera>> FindColorCamera(const fs::path& folder,
                                                      const PinholeCamera& depth_camera,
-                                                     const fs::path& first_color) {
-  const Result<ImageFileInfo> info = ReadImageInfo(first_color);
-  if (!info) return Fail(info.error().message);
+                                                     const std::vector<FrameFiles>& frames) {
+  const Result<ImageFileInfo> info = FirstInfo(frames, &FrameFiles::color);
+  if (!info) return std::nullopt;  // no colour can be read
   if (info->width == depth_camera.width && info->height == depth_camera.height) return std::nullopt;
   const fs::path path = folder / "intrinsic" / "intrinsic_color.txt";
   Result<PinholeCamera> camera = ReadScanNetIntrinsics(path);
@@ -48,21 +48,20 @@ Result<SequenceFiles> ListScanNet(const fs::path& folder) {
       PairByNumber({folder / "color", "", {".jpg", ".png"}}, {folder / "depth", "", {".png"}});
   if (!frames) return Fail(frames.error().message);
   for (FrameFiles& frame : *frames) {
-    const std::string name = frame.depth.stem().string() + ".txt";
-    Result<Result<Pose>> pose = ReadPoseFile(folder / "pose" / name);
-    if (!pose) return Fail(pose.error().message);
-    frame.T_W_C = std::move(*pose);
     frame.utime = UtimeAtRate(frame.number, kUsualRate);
+    if (!frame.missing.empty()) continue;
+    const std::string name = frame.depth.stem().string() + ".txt";
+    const Result<Result<Pose>> pose = ReadPoseFile(folder / "pose" / name);
+    frame.T_W_C = pose ? *pose : Fail(pose.error().message);
   }
-  const Result<ImageFileInfo> depth = ReadImageInfo(frames->front().depth);
+  const Result<ImageFileInfo> depth = FirstInfo(*frames, &FrameFiles::depth);
   if (!depth) return Fail(depth.error().message);
   SequenceFiles files;
   files.known_camera =
       KnownCamera{*intrinsics, (folder / "intrinsic" / "intrinsic_depth.txt").string(), false};
   files.known_camera->camera.width = depth->width;
   files.known_camera->camera.height = depth->height;
-  const auto color_camera =
-      FindColorCamera(folder, files.known_camera->camera, frames->front().color);
+  const auto color_camera = FindColorCamera(folder, files.known_camera->camera, *frames);
   if (!color_camera) return Fail(color_camera.error().message);
   files.color_camera = *color_camera;
   files.frames = std::move(*frames);

@@ -52,9 +52,9 @@ Result<Ini> ReadIni(const fs::path& path) {
                 values["cx"],
                 values["cy"]};
   if (values.contains("depth_fps")) ini.rate = values["depth_fps"];
-  if (!(ini.rate > 0 && ini.rate < 1e4)) {
+  if (!(ini.rate >= 0.1 && ini.rate < 1e4)) {
     return Fail(path.string() + ": depth_fps is " + std::to_string(ini.rate) +
-                "; expected frames per second, above 0 and below 10000");
+                "; expected frames per second, at least 0.1 and below 10000");
   }
   ini.states_depth_unit = values.contains("depth_unit_m");
   if (ini.states_depth_unit) ini.depth_unit_m = values["depth_unit_m"];
@@ -93,8 +93,8 @@ Result<void> SetTimes(const fs::path& folder, double rate, std::vector<FrameFile
   for (FrameFiles& frame : *frames) {
     const auto found = utimes->find(frame.number);
     if (found == utimes->end()) {
-      return Fail(path.string() + ": expected a line for every image, found no line for image " +
-                  std::to_string(frame.number));
+      frame.missing = "timestamp.txt has no line for image " + std::to_string(frame.number);
+      continue;
     }
     frame.utime = found->second;
   }
@@ -138,6 +138,7 @@ Result<SequenceFiles> ListSceneNn(const fs::path& folder) {
   files.known_camera = KnownCamera{ini->camera, ini_path->string(), false};
   files.depth_unit_m = ini->depth_unit_m;
   if (ini->states_depth_unit) files.depth_unit_source = ini_path->string();
+  files.has_clock = fs::exists(folder / "timestamp.txt");
   files.frames = std::move(*frames);
   return files;
 }

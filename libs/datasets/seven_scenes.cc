@@ -65,12 +65,12 @@ Result<SequenceFiles> ListSevenScenes(const fs::path& folder) {
       {folder, "frame-", {".color.png", ".color.jpg"}}, {folder, "frame-", {".depth.png"}});
   if (!frames) return Fail(frames.error().message);
   for (FrameFiles& frame : *frames) {
+    frame.utime = UtimeAtRate(frame.number, kUsualRate);
+    if (!frame.missing.empty()) continue;
     std::string name = frame.depth.filename().string();
     name.replace(name.size() - std::string_view("depth.png").size(), std::string::npos, "pose.txt");
-    Result<Result<Pose>> pose = ReadPoseFile(folder / name);
-    if (!pose) return Fail(pose.error().message);
-    frame.T_W_C = std::move(*pose);
-    frame.utime = UtimeAtRate(frame.number, kUsualRate);
+    const Result<Result<Pose>> pose = ReadPoseFile(folder / name);
+    frame.T_W_C = pose ? *pose : Fail(pose.error().message);
   }
   SequenceFiles files;
   files.known_camera = ReadSevenScenesIntrinsics(folder / "camera-intrinsics.txt");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <system_error>
 
+#include "base/byte_order_mark.h"
 #include "base/file.h"
 
 namespace vismap {
@@ -28,9 +29,10 @@ std::vector<std::string_view> SplitWords(std::string_view line) {
 Result<std::string> ReadTextFile(const std::filesystem::path& path) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxTextBytes);
   if (!bytes) return Fail(bytes.error().message);
-  std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark
-  return std::string(text);
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    return Fail(path.string() + ": the text is UTF-16; save it as UTF-8");
+  return std::string(WithoutByteOrderMark(text));
 }
 
 std::vector<TextLine> SplitLines(std::string_view text) {

@@ -35,11 +35,12 @@ struct TimedPose {
 };
 
 // Seconds whose microseconds a message can hold.
-Result<void> CheckTime(double time, const fs::path& path, const TextLine& line) {
+Result<void> CheckTime(double time, const fs::path& path, const TextLine& line,
+                       std::string_view word) {
   constexpr double kMaxTime = 9e12;
   if (std::abs(time) <= kMaxTime) return {};
   return Fail(path.string() + ":" + std::to_string(line.number) + ": the time " +
-              std::string(line.words[0].substr(0, 40)) +
+              std::string(word.substr(0, 40)) +
               " is out of range; expected seconds (is it in nanoseconds?)");
 }
 
@@ -52,7 +53,7 @@ Result<std::vector<TimedFile>> ReadList(const fs::path& path) {
     if (line.words.size() != 2 || !time || !std::isfinite(*time)) {
       return FailAtLine(path, line, "\"TIME FILE\"");
     }
-    if (const auto checked = CheckTime(*time, path, line); !checked)
+    if (const auto checked = CheckTime(*time, path, line, line.words[0]); !checked)
       return tl::unexpected(checked.error());
     files.push_back({*time, path.parent_path() / line.words[1]});
   }
@@ -69,7 +70,7 @@ Result<TimedPair> ParseAssociation(const fs::path& path, const TextLine& line) {
   for (size_t i = 0; i < 2; ++i) {
     const auto time = ParseNumber(line.words[2 * i]);
     if (!time || !std::isfinite(*time)) return FailAtLine(path, line, "\"TIME FILE TIME FILE\"");
-    if (const auto checked = CheckTime(*time, path, line); !checked)
+    if (const auto checked = CheckTime(*time, path, line, line.words[2 * i]); !checked)
       return tl::unexpected(checked.error());
     files[i] = {*time, path.parent_path() / line.words[2 * i + 1]};
     is_depth[i] = line.words[2 * i + 1].find("depth") != std::string_view::npos;
@@ -153,6 +154,8 @@ Result<std::vector<TimedPose>> ReadPoses(const fs::path& path) {
     if (line.words.size() != 8 || numbers.size() != 8 || !std::isfinite(numbers[0])) {
       return FailAtLine(path, line, "\"TIME TX TY TZ QX QY QZ QW\"");
     }
+    if (const auto checked = CheckTime(numbers[0], path, line, line.words[0]); !checked)
+      return tl::unexpected(checked.error());
     poses.push_back({numbers[0], PoseOf(numbers)});
   }
   if (poses.empty()) {
@@ -299,7 +302,10 @@ Result<SequenceFiles> ListTum(const fs::path& folder) {
   if (!pairs) return Fail(pairs.error().message);
   const Result<std::vector<TimedPose>> poses = ReadPoses(folder / "groundtruth.txt");
   if (!poses) return Fail(poses.error().message);
-  return Finish(TumCalibration(folder), MakeFrames(*pairs, *poses, kMaxTimeDifference));
+  Result<SequenceFiles> files =
+      Finish(TumCalibration(folder), MakeFrames(*pairs, *poses, kMaxTimeDifference));
+  if (files) files->has_clock = true;
+  return files;
 }
 
 bool LooksLikeTum(const fs::path& folder) {

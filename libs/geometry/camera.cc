@@ -1,9 +1,18 @@
 #include "geometry/camera.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 
 namespace vismap {
+
+std::string CameraText(const PinholeCamera& camera) {
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), "fx %.6g fy %.6g cx %.6g cy %.6g (%dx%d)", camera.fx,
+                camera.fy, camera.cx, camera.cy, camera.width, camera.height);
+  return text.data();
+}
 
 Result<PinholeCamera> ValidateCamera(const PinholeCamera& camera) {
   std::ostringstream text;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "base/result.h"
 
@@ -23,6 +24,9 @@ struct PinholeCamera {
   }
   friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;
 };
+
+/// "fx 525 fy 525 cx 319.5 cy 239.5 (640x480)".
+std::string CameraText(const PinholeCamera& camera);
 
 /// Fails, naming the field, unless sizes are in [1, 16384] and focal lengths and principal point
 /// are finite and plausible.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "base/ids.h"
@@ -28,13 +29,15 @@ struct SensorFrame {
   std::vector<uint8_t> color_jpeg;  ///< JPEG of the colour image; empty = a camera without colour
   Image<uint16_t> depth;            ///< HxW, in units of depth_unit_m; 0 = no return
   double depth_unit_m = 0.001;      ///< metres per depth step
+  std::string color_problem = {};   ///< why there is no colour, although the camera took some
 };
 
 /// A decoded frame, the input of the algorithms.
 struct RgbdFrame {
   FrameHeader header;
-  Image<float> depth;  ///< HxW [m] along optical z; NaN = no return
-  Image<Rgb8> color;   ///< HxW, registered to depth; empty = none
+  Image<float> depth;              ///< HxW [m] along optical z; NaN = no return
+  Image<Rgb8> color;               ///< HxW, registered to depth; empty = none
+  std::string color_problem = {};  ///< why there is no colour, although the camera took some
 };
 
 }  // namespace vismap

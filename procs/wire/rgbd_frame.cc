@@ -29,7 +29,7 @@ Result<std::vector<uint8_t>> DecodeColor(const rgbd_frame_t& message) {
                 " is unknown");
   }
   const Result<JpegSize> size = ReadJpegSize(message.color);
-  if (!size) return Fail(Where(message) + "color: " + size.error().message);
+  if (!size) return message.color;  // DecodeFrame tells
   if (size->width != message.width || size->height != message.height) {
     return Fail(Where(message) + "the colour image is " + std::to_string(size->width) + "x" +
                 std::to_string(size->height) + ", expected the size of the depth image, " +
@@ -123,7 +123,7 @@ Result<SensorFrame> Decode(const rgbd_frame_t& message) {
   if (!depth) return Fail(Where(message) + "depth: " + depth.error().message);
   Result<std::vector<uint8_t>> color = DecodeColor(message);
   if (!color) return tl::unexpected(color.error());
-  return SensorFrame{*header, std::move(*color), std::move(*depth), message.depth_unit_m};
+  return SensorFrame{*header, std::move(*color), std::move(*depth), message.depth_unit_m, {}};
 }
 
 }  // namespace vismap

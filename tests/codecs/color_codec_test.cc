@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <turbojpeg.h>
 
+#include <array>
 #include <cstdlib>
+#include <memory>
 
 #include "support/mutations.h"
 
@@ -68,6 +71,70 @@ TEST(Jpeg, ATruncatedFileIsAnErrorNotAGreyRest) {
   for (const size_t size : {bytes.size() - 2, bytes.size() - 40, bytes.size() / 2, size_t{100}}) {
     EXPECT_FALSE(DecodeJpeg(std::span(bytes).first(size))) << size;
   }
+}
+
+// The bytes of a JPEG file with some more at an offset.
+std::vector<uint8_t> WithBytes(std::vector<uint8_t> bytes, size_t at,
+                               const std::vector<uint8_t>& more) {
+  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), more.begin(), more.end());
+  return bytes;
+}
+
+TEST(Jpeg, StrayBytesCostNothing) {
+  const std::vector<uint8_t> bytes = EncodeJpeg(Gradient(64, 48));
+  const Image<Rgb8> image = *DecodeJpeg(bytes);
+  const auto padded = DecodeJpeg(WithBytes(bytes, bytes.size(), std::vector<uint8_t>(512, 0)));
+  ASSERT_TRUE(padded) << padded.error().message;
+  EXPECT_EQ(*padded, image);
+  const auto stray = DecodeJpeg(WithBytes(bytes, bytes.size() - 2, {0, 0, 0}));
+  ASSERT_TRUE(stray) << stray.error().message;
+  EXPECT_EQ(*stray, image);
+}
+
+TEST(Jpeg, DamagedDataIsDecodedAsFarAsItGoes) {
+  std::vector<uint8_t> bytes = EncodeJpeg(Gradient(64, 48));
+  const Image<Rgb8> image = *DecodeJpeg(bytes);
+  bytes.erase(bytes.end() - 60, bytes.end() - 2);  // the end marker stays
+  const auto decoded = DecodeJpeg(bytes);
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_EQ((*decoded)(0, 0), image(0, 0));
+  EXPECT_NE(*decoded, image);
+}
+
+TEST(Jpeg, TheEndOfAPreviewIsNotThatOfTheFile) {
+  const std::vector<uint8_t> bytes = EncodeJpeg(Gradient(64, 48));
+  std::vector<uint8_t> preview{0xff, 0xe1, 0, 0};  // an application segment with a whole JPEG
+  const std::vector<uint8_t> small = EncodeJpeg(Gradient(8, 8));
+  preview.insert(preview.end(), small.begin(), small.end());
+  preview[2] = static_cast<uint8_t>((preview.size() - 2) >> 8);
+  preview[3] = static_cast<uint8_t>((preview.size() - 2) & 0xff);
+  const std::vector<uint8_t> whole = WithBytes(bytes, 2, preview);
+  EXPECT_TRUE(HasJpegEnd(whole));
+  EXPECT_TRUE(DecodeJpeg(whole));
+  EXPECT_FALSE(HasJpegEnd(std::span(whole).first(whole.size() - 40)));
+}
+
+// 16x16 of one colour, as a printer's program writes it: four inks, inverted.
+std::vector<uint8_t> CmykJpeg(const std::array<uint8_t, 4>& inks) {
+  const std::unique_ptr<void, int (*)(void*)> turbo(tjInitCompress(), tjDestroy);
+  std::vector<uint8_t> pixels;
+  for (int i = 0; i < 16 * 16; ++i) pixels.insert(pixels.end(), inks.begin(), inks.end());
+  std::vector<uint8_t> bytes(tjBufSize(16, 16, TJSAMP_444) + 10000);
+  unsigned char* target = bytes.data();
+  unsigned long size = bytes.size();
+  EXPECT_EQ(tjCompress2(turbo.get(), pixels.data(), 16, 0, 16, TJPF_CMYK, &target, &size,
+                        TJSAMP_444, 95, TJFLAG_NOREALLOC),
+            0);
+  bytes.resize(size);
+  return bytes;
+}
+
+TEST(Jpeg, InksBecomeColours) {
+  const auto image = DecodeJpeg(CmykJpeg({255, 100, 30, 200}), 16, 16);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_NEAR((*image)(8, 8).r, 200, 3);
+  EXPECT_NEAR((*image)(8, 8).g, 78, 3);
+  EXPECT_NEAR((*image)(8, 8).b, 24, 3);
 }
 
 TEST(Jpeg, GarbageIsAnError) {

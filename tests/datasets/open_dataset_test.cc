@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <functional>
+#include <set>
 
 #include "codecs/color_codec.h"
 #include "codecs/frame_codec.h"
@@ -142,13 +144,16 @@ SensorFrame ReadOrFail(const Dataset& dataset, size_t i) {
   return frame.value_or(SensorFrame{});
 }
 
-/// The error of opening the sequence or of reading its frames; "" = none.
+/// The error of opening the sequence, or why one of its frames or its colour cannot be used; "" =
+/// none.
 std::string ErrorOf(const std::filesystem::path& path) {
   const auto dataset = OpenDataset(path.string(), "");
   if (!dataset) return dataset.error().message;
+  for (const SkippedFrame& skipped : (*dataset)->skipped()) return skipped.reason;
   for (size_t i = 0; i < (*dataset)->size(); ++i) {
     const auto frame = (*dataset)->Read(i);
     if (!frame) return frame.error().message;
+    if (!frame->color_problem.empty()) return frame->color_problem;
   }
   return "";
 }
@@ -635,10 +640,6 @@ std::vector<Breakage> Breakages() {
        WriteSceneNn,
        Put(image2, ColorPng(32, 24)),
        {"image00002.png", "32x24; expected 16x12"}},
-      {"SceneNnColour16Bit",
-       WriteSceneNn,
-       Put(image2, ColorPng(kWidth, kHeight, 16)),
-       {"image00002.png", "8-bit colour image, found 16-bit"}},
       {"SceneNnColourTruncated",
        WriteSceneNn,
        Put(image2, Half(ColorPng(kWidth, kHeight))),
@@ -770,7 +771,175 @@ std::vector<Breakage> Breakages() {
   };
 }
 
-TEST(OpenDataset, EveryBreakageIsANamedError) {
+/// The images of the second and of the last frame of a small sequence.
+struct Images {
+  const char* name;
+  void (*write)(const TempFolder&);
+  std::string folder, color2, depth2, color3, depth3;
+};
+
+std::vector<Images> AllFormats() {
+  const auto tum = [](const std::string& kind, int k) {
+    return kind + "/1305031236." + Digits(100000 * k + 5000, 6) + ".png";
+  };
+  return {
+      {"scenenn", WriteSceneNn, "seq", "image/image00002.png", "depth/depth00002.png",
+       "image/image00003.png", "depth/depth00003.png"},
+      {"7scenes", WriteSevenScenes, "seq", "frame-000002.color.jpg", "frame-000002.depth.png",
+       "frame-000004.color.jpg", "frame-000004.depth.png"},
+      {"tum", PlainTum, "seq_fr1", tum("rgb", 1), tum("depth", 1), tum("rgb", 2), tum("depth", 2)},
+      {"icl", WriteIcl, "seq", "rgb/1.png", "depth/1.png", "rgb/2.png", "depth/2.png"},
+      {"scannet", WriteScanNet, "seq", "color/10.jpg", "depth/10.png", "color/20.jpg",
+       "depth/20.png"},
+      {"replica", WriteReplica, "seq", "results/frame000001.jpg", "results/depth000001.png",
+       "results/frame000002.jpg", "results/depth000002.png"},
+      {"redwood", WriteRedwood, "seq", "color/00001.jpg", "depth/00001.png", "color/00002.jpg",
+       "depth/00002.png"},
+  };
+}
+
+/// How many frames of a sequence can be read, and how many of them with colour.
+std::pair<int, int> CountFrames(const std::filesystem::path& path) {
+  const auto dataset = OpenOrFail(path);
+  int frames = 0, colored = 0;
+  for (size_t i = 0; dataset && i < dataset->size(); ++i) {
+    const auto frame = dataset->Read(i);
+    if (!frame) continue;
+    ++frames;
+    colored += DecodeFrame(*frame)->color.empty() ? 0 : 1;
+  }
+  return {frames, colored};
+}
+
+void CutInHalf(const std::filesystem::path& path) {
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+}
+
+TEST(OpenDataset, OneDamagedImageCostsOnlyItself) {
+  for (const Images& images : AllFormats()) {
+    SCOPED_TRACE(images.name);
+    const auto left_after = [&](const std::string& image, const auto& damage) {
+      const TempFolder folder;
+      images.write(folder);
+      damage(folder / images.folder / image);
+      return CountFrames(folder / images.folder);
+    };
+    const auto empty = [](const std::filesystem::path& path) {
+      std::filesystem::resize_file(path, 0);
+    };
+    using Counts = std::pair<int, int>;
+    EXPECT_EQ(left_after(images.color2, CutInHalf), Counts(3, 2));
+    EXPECT_EQ(left_after(images.depth2, CutInHalf), Counts(2, 2));
+    EXPECT_EQ(left_after(images.color3, CutInHalf), Counts(2, 2)) << "the last image is cut off";
+    EXPECT_EQ(left_after(images.depth3, CutInHalf), Counts(2, 2));
+    EXPECT_EQ(left_after(images.color3, empty), Counts(2, 2));
+    EXPECT_EQ(left_after(images.depth3, empty), Counts(2, 2));
+  }
+}
+
+TEST(OpenDataset, ADamagedFirstImageCostsOnlyItself) {
+  for (const Images& images : AllFormats()) {
+    SCOPED_TRACE(images.name);
+    for (const bool depth : {false, true}) {
+      const TempFolder folder;
+      images.write(folder);
+      const std::filesystem::path second =
+          folder / images.folder / (depth ? images.depth2 : images.color2);
+      // The first frame's image is the first one of its kind by name.
+      const std::string start = second.filename().string().substr(0, 1);
+      std::set<std::filesystem::path> siblings;
+      for (const auto& entry : std::filesystem::directory_iterator(second.parent_path())) {
+        const std::string file = entry.path().filename().string();
+        const bool same_kind =
+            std::string(images.name) == "7scenes"
+                ? file.find(depth ? ".depth." : ".color.") != std::string::npos
+                : std::string(images.name) != "replica" || file.starts_with(start);
+        if (same_kind) siblings.insert(entry.path());
+      }
+      CutInHalf(*siblings.begin());
+      EXPECT_EQ(CountFrames(folder / images.folder), depth ? std::pair(2, 2) : std::pair(3, 2));
+    }
+  }
+}
+
+TEST(OpenDataset, BytesAfterTheEndOfAPngCostNothing) {
+  for (const Images& images : AllFormats()) {
+    SCOPED_TRACE(images.name);
+    const TempFolder folder;
+    images.write(folder);
+    for (const std::string& image : {images.color2, images.depth2, images.color3, images.depth3})
+      std::ofstream(folder / images.folder / image, std::ios::app) << std::string(512, '\0');
+    EXPECT_EQ(CountFrames(folder / images.folder), std::pair(3, 3));
+  }
+}
+
+TEST(OpenDataset, ColourOf16BitsIsRead) {
+  const TempFolder folder;
+  WriteSceneNn(folder);
+  folder.Write("seq/image/image00002.png", ColorPng(kWidth, kHeight, 16));
+  EXPECT_EQ(CountFrames(folder / "seq"), std::pair(3, 3));
+}
+
+TEST(OpenDataset, AnImageWithoutPartnerAtTheEndCostsOnlyItself) {
+  for (const Images& images : AllFormats()) {
+    SCOPED_TRACE(images.name);
+    for (const std::string& image : {images.color3, images.depth3}) {
+      const TempFolder folder;
+      images.write(folder);
+      std::filesystem::remove(folder / images.folder / image);
+      EXPECT_EQ(CountFrames(folder / images.folder).second, 2) << image;
+    }
+  }
+}
+
+TEST(Redwood, WithoutTheLastImageItsPoseMayBeMissingToo) {
+  const TempFolder folder;
+  WriteRedwood(folder);
+  folder.Write("seq/color/00003.jpg", ColorJpeg(kWidth, kHeight));
+  EXPECT_EQ(CountFrames(folder / "seq"), std::pair(3, 3));
+  folder.Write("seq/depth/00003.png", GreyPng(kWidth, kHeight, 1000));
+  EXPECT_THAT(ErrorOf(folder / "seq"), HasSubstr("cannot be told"));
+}
+
+TEST(OpenDataset, NumbersThatAreTimesInNanosecondsAreAnErrorWithTheirText) {
+  const TempFolder folder;
+  WriteScanNet(folder);
+  folder.Write("seq/depth/1305031236005000000.png", GreyPng(kWidth, kHeight, 1500));
+  folder.Write("seq/color/1305031236005000000.jpg", ColorJpeg(2 * kWidth, 2 * kHeight));
+  EXPECT_THAT(ErrorOf(folder / "seq"),
+              AllOf(HasSubstr("1305031236005000000 is out of range"), HasSubstr("nanoseconds")));
+}
+
+TEST(OpenDataset, TextFilesMayBeginWithAByteOrderMark) {
+  for (const Images& images : AllFormats()) {
+    SCOPED_TRACE(images.name);
+    const TempFolder folder;
+    images.write(folder);
+    namespace fs = std::filesystem;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
+      const std::string extension = entry.path().extension().string();
+      if (!entry.is_regular_file() || extension == ".png" || extension == ".jpg") continue;
+      std::ifstream file(entry.path(), std::ios::binary);
+      std::string text{std::istreambuf_iterator<char>(file), {}};
+      for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2)
+        text.replace(at, 1, "\r\n");
+      std::ofstream(entry.path(), std::ios::binary) << "\xEF\xBB\xBF" << text;
+    }
+    EXPECT_EQ(CountFrames(folder / images.folder), std::pair(3, 3));
+  }
+}
+
+TEST(OpenDataset, OnlySequencesWithTimesHaveAClock) {
+  for (const Images& images : AllFormats()) {
+    const TempFolder folder;
+    images.write(folder);
+    const std::string name = images.name;
+    EXPECT_EQ(OpenOrFail(folder / images.folder)->has_clock(), name == "scenenn" || name == "tum")
+        << name;
+  }
+}
+
+TEST(OpenDataset, EveryBreakageIsTold) {
   for (const Breakage& breakage : Breakages()) {
     SCOPED_TRACE(breakage.name);
     const TempFolder folder;
