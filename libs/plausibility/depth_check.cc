@@ -32,8 +32,7 @@ bool LacksANeighbour(const Image<float>& depth, int v, int u) {
 
 }  // namespace
 
-void DepthCheck::Add(const SegmentedFrame& frame) {
-  const Image<float>& depth = frame.frame.depth;
+void DepthCheck::Add(const Image<float>& depth, const SegmentImage* segments) {
   ++frames_;
   // The offset changes with the frame, so that regular patterns of holes are counted fairly.
   const int offset = static_cast<int>(frames_ % kStride);
@@ -47,7 +46,9 @@ void DepthCheck::Add(const SegmentedFrame& frame) {
       ++histogram_[static_cast<size_t>(std::clamp(place, 0.0, 0.999) * kBins)];
       if (z < limits_.nearest || z > limits_.farthest) continue;
       ++in_limits_;
-      if (frame.image.index(v, u) != SegmentIndex::kNone) ++in_segments_;
+      if (segments == nullptr) continue;
+      ++segmented_;
+      if (segments->index(v, u) != SegmentIndex::kNone) ++in_segments_;
       if (LacksANeighbour(depth, v, u)) ++isolated_;
     }
   }
@@ -55,7 +56,7 @@ void DepthCheck::Add(const SegmentedFrame& frame) {
 
 double DepthCheck::share_with_depth() const { return Share(with_depth_, pixels_); }
 double DepthCheck::share_in_limits() const { return Share(in_limits_, with_depth_); }
-double DepthCheck::share_in_segments() const { return Share(in_segments_, in_limits_); }
+double DepthCheck::share_in_segments() const { return Share(in_segments_, segmented_); }
 
 double DepthCheck::median() const {
   int64_t below = 0;
@@ -84,8 +85,8 @@ std::optional<std::string> DepthCheck::RangeFinding(double depth_unit_m) const {
 
 std::optional<std::string> DepthCheck::SegmentFinding() const {
   constexpr double kLeastInSegments = 1.0 / 3, kManyHoles = 0.3;
-  if (in_limits_ == 0 || share_in_segments() >= kLeastInSegments) return std::nullopt;
-  const double holes = Share(isolated_, in_limits_);
+  if (segmented_ == 0 || share_in_segments() >= kLeastInSegments) return std::nullopt;
+  const double holes = Share(isolated_, segmented_);
   return "only " + FormatPercent(share_in_segments()) +
          " of the pixels with depth lie in segments, so few objects can be found; " +
          (holes > kManyHoles

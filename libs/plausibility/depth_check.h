@@ -21,8 +21,9 @@ class DepthCheck {
  public:
   explicit DepthCheck(const DepthLimits& limits) : limits_(limits) {}
 
-  /// A frame as it goes into the map.
-  void Add(const SegmentedFrame& frame);
+  /// A depth image as it goes into the map [m], and its segments; nullptr = it was not segmented.
+  void Add(const Image<float>& depth, const SegmentImage* segments);
+  void Add(const SegmentedFrame& frame) { Add(frame.frame.depth, &frame.image); }
 
   int64_t frames() const { return frames_; }
   double share_with_depth() const;   ///< of all pixels, [0, 1]
@@ -41,7 +42,8 @@ class DepthCheck {
   static constexpr int kBins = 512;  // of the logarithm of the depth, from 0.1 mm to 1000 m
 
   DepthLimits limits_;
-  int64_t frames_ = 0, pixels_ = 0, with_depth_ = 0, in_limits_ = 0, in_segments_ = 0;
+  int64_t frames_ = 0, pixels_ = 0, with_depth_ = 0, in_limits_ = 0;
+  int64_t segmented_ = 0, in_segments_ = 0;  // pixels within the limits of segmented frames
   int64_t isolated_ = 0;  // pixels with depth that lack one of their four neighbours
   std::array<int64_t, kBins> histogram_{};
 };

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kTolerance = 0.02;          // [m]
 constexpr double kRelativeTolerance = 0.06;  // of the distance
+constexpr double kCloseTolerance = 0.015;    // of the distance
 constexpr int64_t kJudgedPoints = 100;       // fewer say nothing about a frame
 constexpr double kLeastAgreement = 0.6;
 
@@ -40,6 +41,9 @@ void CountPoint(const Eigen::Vector3d& p_C, const FrameSample& to, PointCounts* 
   if (!(u >= 0 && v >= 0 && u < to.depth.width() && v < to.depth.height())) return;
   const DepthSpan range = RangeAround(to.depth, static_cast<int>(v), static_cast<int>(u));
   if (range.nearest > range.farthest) return;  // no return: the frame says nothing here
+  const double close = kTolerance + kCloseTolerance * p_C.z();
+  ++counts->in_view;
+  if (p_C.z() >= range.nearest - close && p_C.z() <= range.farthest + close) ++counts->close;
   const double tolerance = kTolerance + kRelativeTolerance * p_C.z();
   if (p_C.z() < range.nearest - tolerance) {
     ++counts->seen_through;
@@ -60,10 +64,16 @@ double PointCounts::Agreement() const {
   return judged > 0 ? static_cast<double>(agree) / static_cast<double>(judged) : 1.0;
 }
 
+double PointCounts::Closeness() const {
+  return in_view > 0 ? static_cast<double>(close) / static_cast<double>(in_view) : 0.0;
+}
+
 PointCounts& PointCounts::operator+=(const PointCounts& other) {
   points += other.points;
   agree += other.agree;
   seen_through += other.seen_through;
+  in_view += other.in_view;
+  close += other.close;
   return *this;
 }
 

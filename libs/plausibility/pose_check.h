@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plausibility/frame_agreement.h"
+#include "plausibility/pose_hypotheses.h"
 
 namespace vismap {
 
@@ -14,7 +15,14 @@ namespace vismap {
 /// the map.
 class PoseCheck {
  public:
-  /// Frames of one camera in order of time.
+  /// `frames`: how many will be added; 0 = unknown. The samples are then chosen beforehand, so that
+  /// few images are needed, and are the same in the end.
+  explicit PoseCheck(int64_t frames = 0);
+
+  /// Whether the depth of the next frame is needed.
+  bool NeedsDepth() const;
+  /// Frames of one camera in order of time. `depth` may be empty when it is not needed, or could
+  /// not be read.
   void Add(const FrameHeader& header, const Image<float>& depth);
 
   /// How well the frames agree so far.
@@ -27,12 +35,15 @@ class PoseCheck {
 
  private:
   void DropEverySecondCouple();
+  void ForgetPosesFarFromSamples();
+  bool IsNearASample(size_t index) const;
   std::vector<Pose> PosesOfSamples() const;
   std::string LikelyCauses(const AgreementSummary& found) const;
 
-  std::vector<Pose> T_W_C_;           // of all frames
+  size_t frames_ = 0;                 // that were added
+  PosesByIndex T_W_C_;                // of the frames near the samples, and of the latest ones
   std::vector<FrameSample> samples_;  // couples of successive frames
-  std::vector<size_t> indices_;       // of the samples in T_W_C_
+  std::vector<size_t> indices_;       // of the samples among the frames
   size_t spacing_ = 2;                // a couple begins at every multiple of it
 };
 

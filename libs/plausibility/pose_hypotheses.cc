@@ -77,25 +77,25 @@ std::vector<std::pair<std::string, PoseMap>> PoseMaps() {
 
 }  // namespace
 
-std::vector<PoseHypothesis> PoseHypotheses(const std::vector<Pose>& all,
+std::vector<PoseHypothesis> PoseHypotheses(const PosesByIndex& known, size_t frames,
                                            const std::vector<size_t>& chosen) {
   std::vector<PoseHypothesis> hypotheses;
   for (const auto& [sentence, map] : PoseMaps()) {
     PoseHypothesis& hypothesis = hypotheses.emplace_back(PoseHypothesis{sentence, {}});
-    for (const size_t i : chosen) hypothesis.T_W_C.push_back(map(all[i]));
+    for (const size_t i : chosen) hypothesis.T_W_C.push_back(map(known.at(i)));
   }
-  const auto last = static_cast<int64_t>(all.size()) - 1;
+  const auto last = static_cast<int64_t>(frames) - 1;
   for (const int64_t shift : {-1, 1, -2, 2, -3, 3, -5, 5, -10, 10, -20, 20}) {
     if (4 * std::abs(shift) > last)
       continue;  // most frames would get the pose of the first or last
-    const std::string frames = std::to_string(shift > 0 ? shift : -shift);
+    const std::string count = std::to_string(shift > 0 ? shift : -shift);
     PoseHypothesis& hypothesis = hypotheses.emplace_back(PoseHypothesis{
         "the times of poses and images are off: they agree when every image gets the pose of " +
-            frames + (shift > 0 ? " frames later" : " frames earlier"),
+            count + (shift > 0 ? " frames later" : " frames earlier"),
         {}});
     for (const size_t i : chosen)
-      hypothesis.T_W_C.push_back(
-          all[static_cast<size_t>(std::clamp<int64_t>(static_cast<int64_t>(i) + shift, 0, last))]);
+      hypothesis.T_W_C.push_back(known.at(
+          static_cast<size_t>(std::clamp<int64_t>(static_cast<int64_t>(i) + shift, 0, last))));
   }
   return hypotheses;
 }

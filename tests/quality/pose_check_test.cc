@@ -80,6 +80,16 @@ TEST(PoseCheck, EveryMistakeIsNoticedAndNamed) {
   }
 }
 
+// Ten frames of a camera that has hardly moved.
+TEST(PoseCheck, LittleMotionIsEnough) {
+  const std::string room = "synthetic:room?width=160";
+  const DatasetOptions few{.stride = 2, .max_frames = 10};
+  EXPECT_EQ(FindingOf(room, few, Right), std::nullopt);
+  EXPECT_EQ(FindingOf(room + "&pose_noise=0.02&depth_noise=2", few, Right), std::nullopt);
+  for (const Mistake& mistake : Mistakes())
+    EXPECT_THAT(FindingOf(room, few, mistake.make), Optional(HasSubstr(mistake.words)));
+}
+
 TEST(PoseCheck, RecordedSequences) {
   const auto recorded = testing_support::RecordedSequence("7scenes");
   if (!recorded) GTEST_SKIP() << "VISMAP_DATA names no folder with recorded sequences";
