@@ -20,6 +20,7 @@ namespace {
 constexpr double kPatienceCheck = 0.05;  // time between two checks of the waiting frames [s]
 constexpr double kReportedWait = 0.5;    // a longer wait is shown in the status [s]
 constexpr size_t kMaxAnswers = 32;       // results kept for frames that are sent again
+constexpr size_t kMaxCameras = 100;      // whose intrinsics are logged
 
 /// Whether two messages are the same frame: same key, image size, depth unit, pose and colour.
 /// Depth, source and sequence number are not compared.
@@ -76,8 +77,12 @@ void Segmenter::Run() {
 
 Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
   if (RepeatAnswer(message)) return {};
-  if (const Result<FrameHeader> header = DecodeHeader(message); !header)
+  const Result<FrameHeader> header = DecodeHeader(message);
+  if (!header) {
+    LeaveOut(header.error().message);
     return tl::unexpected(header.error());
+  }
+  TellCamera(*header, message.source);
   join_.AddFrame(message, MonotonicSeconds());
   SegmentReadyFrames();
   return {};
@@ -127,6 +132,7 @@ void Segmenter::SegmentReadyFrames() {
     if (!answer) {
       status_.Count("frames_unusable");
       LogWarningRateLimited("unusable", "an RGBD_FRAME was rejected: " + answer.error().message);
+      LeaveOut(answer.error().message);
       continue;
     }
     status_.Count("frames");
@@ -138,12 +144,31 @@ void Segmenter::SegmentReadyFrames() {
   UpdateStatus();
 }
 
+void Segmenter::LeaveOut(const std::string& reason) {
+  left_out_.Add(reason);
+  status_.SetFinding("left out",
+                     LeftOutText(left_out_, status_.counter("frames") + left_out_.total()));
+}
+
+// Logs the intrinsics of a new camera, and which process publishes them.
+void Segmenter::TellCamera(const FrameHeader& header, const std::string& source) {
+  if (cameras_.size() >= kMaxCameras || !cameras_.insert(header.camera_id).second) return;
+  LogInfo("camera " + std::to_string(Raw(header.camera_id)) + ": " + CameraText(header.camera) +
+          ": from the RGBD_FRAMEs of " + source);
+}
+
 Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   const StageTimer timer(&status_, "segmentation");
   const Result<SensorFrame> sensor = Decode(joined.frame);
   if (!sensor) return tl::unexpected(sensor.error());
   Result<RgbdFrame> frame = DecodeFrame(*sensor);
   if (!frame) return tl::unexpected(frame.error());
+  if (!frame->color_problem.empty()) {
+    without_color_.Add(frame->color_problem);
+    status_.SetFinding("colour",
+                       std::to_string(without_color_.total()) +
+                           " frames are mapped without their colour: " + without_color_.Text());
+  }
   std::optional<DetectionSet> detections;
   if (joined.detections && DetectorRan(*joined.detections)) {
     const detections_t& message = *joined.detections;

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <deque>
+#include <set>
 #include <string>
 #include <vismap/detections_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
 
+#include "base/reason_counts.h"
 #include "config/process_options.h"
 #include "depth_segmenter/frame_detection_join.h"
+#include "geometry/frame.h"
 #include "runtime/main.h"
 #include "runtime/peers.h"
 #include "segmentation/segmentation_options.h"
@@ -33,6 +36,8 @@ class Segmenter {
   Result<segmented_frame_t> Segment(const JoinedFrame& joined);
   double Patience() const;
   void UpdateStatus();
+  void LeaveOut(const std::string& reason);
+  void TellCamera(const FrameHeader& header, const std::string& source);
 
   DepthSegmenterOptions options_;
   SegmentationStageOptions stage_;
@@ -47,6 +52,9 @@ class Segmenter {
     segmented_frame_t message;
   };
   std::deque<Answer> answers_;  // the newest ones, at most kMaxAnswers
+  std::set<CameraId> cameras_;  // whose intrinsics were logged
+  ReasonCounts left_out_;       // frames that cannot be used
+  ReasonCounts without_color_;  // frames whose colour cannot be decoded
 };
 
 }  // namespace vismap

@@ -127,6 +127,7 @@ class Diagnosis {
           "its log says why");
     }
     State(who, status);
+    for (const std::string& finding : status.findings) Add(who + ": " + finding, "");
     Losses(who, process);
   }
 

@@ -186,7 +186,8 @@ std::string JsonReport(const Listening& listening, const BusPicture& picture,
                                  {"age_s", listening.now - process.last_heard},
                                  {"clock_difference_s", process.clock_difference},
                                  {"restarts", process.restarts},
-                                 {"losses", losses}});
+                                 {"losses", losses},
+                                 {"findings", status.findings}});
   }
   for (const auto& [name, channel] : picture.channels()) {
     json["channels"].push_back({{"name", name},

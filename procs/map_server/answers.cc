@@ -8,6 +8,7 @@
 #include "exports/ply.h"
 #include "exports/statistics.h"
 #include "freespace/octree.h"
+#include "wire/pose_digest.h"
 
 namespace vismap {
 namespace {
@@ -59,11 +60,15 @@ Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_
   return {json["hash"].get<std::string>(), "json", Bytes(json.dump())};
 }
 
-Answer AnswerFrames(const MapSession& session) {
+Result<Answer> AnswerFrames(const MapSession& session, const std::string& argument) {
+  if (!argument.empty() && argument != "poses")
+    return Fail("argument of frames: expected nothing, or poses");
   auto frames = nlohmann::json::array();
-  for (const CameraPose& pose : session.metadata().trajectory)
+  for (const CameraPose& pose : session.metadata().trajectory) {
     frames.push_back({Raw(pose.camera_id), pose.utime});
-  return {std::to_string(frames.size()) + " frames", "json", Bytes(frames.dump())};
+    if (argument == "poses") frames.back().push_back(PoseDigest(pose.T_W_C));
+  }
+  return Answer{std::to_string(frames.size()) + " frames", "json", Bytes(frames.dump())};
 }
 
 }  // namespace vismap

@@ -25,7 +25,8 @@ Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& requ
                             const OutputOptions& options);
 /// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.
 Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest);
-/// "frames": [camera, utime] of every frame in the map as JSON.
-Answer AnswerFrames(const MapSession& session);
+/// "frames": [camera, utime] of every frame in the map as JSON; with the argument "poses", [camera,
+/// utime, digest of the pose] (PoseDigest).
+Result<Answer> AnswerFrames(const MapSession& session, const std::string& argument);
 
 }  // namespace vismap

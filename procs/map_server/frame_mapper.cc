@@ -23,8 +23,11 @@ frame_commit_t CommitOf(const segmented_frame_t& message, const MapSession& sess
 
 }  // namespace
 
-FrameMapper::FrameMapper(LiveMap* map, Bus* bus, Status* status)
-    : map_(*map), bus_(*bus), status_(*status) {
+FrameMapper::FrameMapper(LiveMap* map, const IntegrationOptions& options, Bus* bus, Status* status)
+    : map_(*map),
+      bus_(*bus),
+      status_(*status),
+      check_({options.min_range_m, options.max_range_m}, status) {
   bus_.Subscribe<segmented_frame_t>(
       kSegmentedFrameChannel,
       [this](const segmented_frame_t& message) { return OnFrame(message); });
@@ -36,6 +39,7 @@ bool FrameMapper::Contains(const FrameKey& frame) const {
 
 Result<void> FrameMapper::OnFrame(const segmented_frame_t& message) {
   intake_.SetMap(map_.session().metadata().map_id);
+  check_.SetMap(map_.session().metadata().map_id);
   if (!intake_.Add(message)) status_.Count("frames_not_held");
   Result<void> mapped;
   while (const std::optional<segmented_frame_t> next = intake_.Next(map_.session())) {
@@ -63,6 +67,7 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
   frame_commit_t commit = CommitOf(message, map_.session());
   if (Contains(KeyOf(message.frame))) {
     status_.Count("frames_duplicate");
+    check_.Duplicate(frame.frame.header, commit.input_digest, map_.session());
     commit.status = frame_commit_t::STATUS_DUPLICATE;
     commit.reason = "is in the map already";
     return commit;
@@ -72,6 +77,7 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
   status_.Count("votes_evicted", delta.votes_evicted);
   if (frame.had_detections) status_.Count("frames_with_detections");
   CheckClock(KeyOf(message.frame));
+  check_.Integrated(frame, message.frame.depth_unit_m, commit.input_digest);
   commit.status = frame_commit_t::STATUS_INTEGRATED;
   commit.revision = delta.revision;
   commit.digest = DigestFrame(map_.session().map(), association, delta);
@@ -84,6 +90,7 @@ void FrameMapper::Skip(const segmented_frame_t& message, const std::string& reas
   if (Contains(key)) return;  // a usable copy of it came before
   intake_.Skip(key);
   status_.Count("frames_skipped");
+  check_.Skipped(reason);
   frame_commit_t commit = CommitOf(message, map_.session());
   commit.status = frame_commit_t::STATUS_SKIPPED;
   commit.reason = reason;

@@ -7,17 +7,19 @@
 #include "map_server/camera_clocks.h"
 #include "map_server/frame_intake.h"
 #include "map_server/live_map.h"
+#include "map_server/map_check.h"
 #include "runtime/bus.h"
 #include "runtime/status.h"
 
 namespace vismap {
 
 /// Integrates SEGMENTED_FRAMEs into a map, in the order that their source asks for, and answers
-/// each with a MAP_COMMIT. No frame is integrated twice.
+/// each with a MAP_COMMIT. No frame is integrated twice. STATUS has what is suspect about the
+/// frames and which of them were left out (MapCheck).
 class FrameMapper {
  public:
-  /// Subscribes to SEGMENTED_FRAME. All must outlive it.
-  FrameMapper(LiveMap* map, Bus* bus, Status* status);
+  /// Subscribes to SEGMENTED_FRAME. All but the options must outlive it.
+  FrameMapper(LiveMap* map, const IntegrationOptions& options, Bus* bus, Status* status);
   FrameMapper(const FrameMapper&) = delete;
   FrameMapper& operator=(const FrameMapper&) = delete;
 
@@ -34,6 +36,7 @@ class FrameMapper {
   Status& status_;
   FrameIntake intake_;
   CameraClocks clocks_;
+  MapCheck check_;
 };
 
 }  // namespace vismap

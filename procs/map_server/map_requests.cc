@@ -30,7 +30,9 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
   server_.Handle("statistics", [this](const Request&) {
     return AnswerStatistics(map_.session(), map_.publisher().occupancy().Digest());
   });
-  server_.Handle("frames", [this](const Request&) { return AnswerFrames(map_.session()); });
+  server_.Handle("frames", [this](const Request& request) {
+    return AnswerFrames(map_.session(), request.argument);
+  });
 }
 
 Result<Answer> MapRequests::Save(const map_request_t& request) {

@@ -4,12 +4,15 @@
 #include <utility>
 
 #include "runtime/clock.h"
+#include "runtime/log.h"
 #include "runtime/status_message.h"
 
 namespace vismap {
 namespace {
 
 constexpr size_t kMaxTimings = 10000;  // per stage and STATUS
+constexpr size_t kMaxFindings = 16;    // of a STATUS, which has a largest size
+constexpr size_t kMaxFindingLength = 1500;
 
 double Median(std::vector<double>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
@@ -82,6 +85,26 @@ int64_t Status::counter(const std::string& name) const {
   return found == counters_.end() ? 0 : found->second;
 }
 
+void Status::SetFindings(const std::string& subject, std::vector<std::string> sentences) {
+  std::vector<std::string>& known = findings_[subject];
+  if (sentences.size() > known.size()) {
+    for (size_t i = 0; i < sentences.size(); ++i)
+      LogWarningRateLimited("finding " + subject + std::to_string(i), sentences[i]);
+  }
+  known = std::move(sentences);
+}
+
+void Status::SetFinding(const std::string& subject, const std::optional<std::string>& sentence) {
+  SetFindings(subject, sentence ? std::vector<std::string>{*sentence} : std::vector<std::string>());
+}
+
+std::vector<std::string> Status::findings() const {
+  std::vector<std::string> all;
+  for (const auto& [subject, sentences] : findings_)
+    all.insert(all.end(), sentences.begin(), sentences.end());
+  return all;
+}
+
 void Status::AddTiming(const std::string& stage, double ms) {
   std::vector<double>& timings = timings_ms_[stage];
   if (timings.size() < kMaxTimings) timings.push_back(ms);
@@ -102,6 +125,11 @@ void Status::Publish() {
     values.clear();
   }
   message.n_timings = static_cast<int32_t>(message.timing_names.size());
+  for (const std::string& finding : findings()) {
+    if (message.findings.size() == kMaxFindings) break;
+    message.findings.push_back(finding.substr(0, kMaxFindingLength));
+  }
+  message.n_findings = static_cast<int32_t>(message.findings.size());
   bus_->Publish(kStatusChannel, message);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,8 @@ enum class ProcessState {
 };
 const char* StateName(ProcessState state);
 
-/// Publishes STATUS once a second and at every change of state: state, message, counters and
-/// timings. It adds the counters of the bus (CHANNEL.received, .rejected, .lost, .unsent ...)
+/// Publishes STATUS once a second and at every change of state: state, message, counters, timings
+/// and findings. It adds the counters of the bus (CHANNEL.received, .rejected, .lost, .unsent ...)
 /// itself.
 class Status {
  public:
@@ -38,6 +39,13 @@ class Status {
   void Count(const std::string& counter, int64_t amount = 1) { counters_[counter] += amount; }
   void SetCounter(const std::string& counter, int64_t value) { counters_[counter] = value; }
   int64_t counter(const std::string& name) const;
+  /// Replaces what is wrong or suspect about one subject, such as "poses", one sentence each; empty
+  /// = nothing. The next STATUS has it, and vismap-doctor repeats it and does not call such a
+  /// system healthy. It is logged when a subject gets more sentences than before.
+  void SetFindings(const std::string& subject, std::vector<std::string> sentences);
+  void SetFinding(const std::string& subject, const std::optional<std::string>& sentence);
+  /// All sentences, by subject.
+  std::vector<std::string> findings() const;
   /// Adds a duration [ms]. The next STATUS has median and maximum of the durations of a stage.
   void AddTiming(const std::string& stage, double ms);
 
@@ -54,6 +62,7 @@ class Status {
   std::string message_;
   std::map<std::string, int64_t> counters_;
   std::map<std::string, std::vector<double>> timings_ms_;
+  std::map<std::string, std::vector<std::string>> findings_;  // by subject
 };
 
 /// A stopwatch that adds the durations of stages to `status`, which must outlive it.

@@ -176,6 +176,21 @@ TEST(Doctor, OnlyRecentLossesAreFindings) {
                                 HasSubstr("send.RGBD_FRAME.dropped, 107 in total"))));
 }
 
+TEST(Doctor, WhatAProcessFindsSuspectIsAFinding) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t server = scene.Status("map-server");
+  server.findings = {"the frames contradict each other", "3 of 10 frames were left out"};
+  server.n_findings = 2;
+  scene.PublishesStatus(server);
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre("map-server on robot: the frames contradict each other; ",
+                          "map-server on robot: 3 of 10 frames were left out; "));
+  const auto json = nlohmann::json::parse(
+      JsonReport(scene.listening, scene.picture, Diagnose(scene.listening, scene.picture)));
+  EXPECT_FALSE(json["healthy"].get<bool>());
+}
+
 TEST(Doctor, ReportsOnHowManyFramesADetectorRan) {
   Scene scene;
   scene.FullPipeline();

@@ -20,6 +20,7 @@
 namespace vismap {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
@@ -125,6 +126,55 @@ TEST_F(ServerOnABus, SkipsAFrameThatCannotBeUsedAndIntegratesTheNext) {
   EXPECT_EQ(status_.counter("frames_skipped"), 1);
   Send(SmallMessage(3000));
   EXPECT_THAT(Send(broken), SizeIs(1)) << "is skipped again";
+}
+
+// A frame at another place than the others.
+segmented_frame_t MovedMessage(int64_t utime, double x) {
+  segmented_frame_t message = SmallMessage(utime);
+  message.frame.T_W_C[3] = x;
+  return message;
+}
+
+TEST_F(ServerOnABus, TellsWhichFramesWereLeftOutAndWhy) {
+  Start();
+  segmented_frame_t broken = SmallMessage(1000);
+  broken.frame.fx = -1;
+  Send(broken);
+  EXPECT_THAT(status_.findings(), ElementsAre(HasSubstr("1 of 1 frames were left out: 1 x ")));
+  Ask("reset");
+  Send(SmallMessage(1000));
+  EXPECT_THAT(status_.findings(), SizeIs(0)) << "of another map";
+}
+
+TEST_F(ServerOnABus, TellsOfOtherFramesWithAUsedUtimeButNotOfRepeatedOnes) {
+  Start();
+  for (int i = 0; i < 3; ++i) Send(MovedMessage(0, 0.1 * i));
+  EXPECT_EQ(status_.counter("frames_with_used_utime"), 2);
+  EXPECT_THAT(status_.findings(),
+              ElementsAre(AllOf(HasSubstr("2 of 3 frames were left out"),
+                                HasSubstr("another frame of camera 3, utime 0"))));
+  Send(MovedMessage(1000, 0));
+  Send(MovedMessage(1000, 0));  // the last frame again
+  Send(MovedMessage(0, 0));     // an older frame again
+  EXPECT_EQ(status_.counter("frames_with_used_utime"), 2);
+  Send(MovedMessage(0, 0.7));  // another frame with an older one's time
+  EXPECT_EQ(status_.counter("frames_with_used_utime"), 3);
+}
+
+TEST_F(ServerOnABus, TellsThatDepthIsOutOfRange) {
+  Start();
+  for (int i = 1; i <= 8; ++i) {
+    segmented_frame_t message = SmallMessage(33333 * i);
+    message.frame.depth_unit_m = 0.1;
+    Send(message);
+  }
+  EXPECT_THAT(status_.findings(), testing::Contains(HasSubstr("0.1 m per step")));
+}
+
+TEST_F(ServerOnABus, TellsThatTimesAreUnusual) {
+  Start();
+  for (int i = 1; i <= 8; ++i) Send(SmallMessage(int64_t{33'333'333} * i));
+  EXPECT_THAT(status_.findings(), ElementsAre(HasSubstr("in nanoseconds")));
 }
 
 TEST_F(ServerOnABus, AfterAResetIntegratesTheSameFramesIntoAnotherMap) {
