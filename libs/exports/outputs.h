@@ -63,7 +63,9 @@ Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
 
 /// Writes all outputs of a map into `folder`, which is created: map.vismap, mesh.ply, objects.json,
 /// objects/*.ply, octree.bt, octree.closed.bt (unknown space is occupied) and map.png. Returns what
-/// SaveMap returns. Fails with the name of a file that cannot be written.
+/// SaveMap returns. Fails with all that cannot be made or written; the other files are written
+/// then, and no older file stands beside them. Only when an older map.vismap cannot be replaced,
+/// everything stays as it was.
 Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
                               const MapProducts& products, const OutputOptions& options,
                               const std::filesystem::path& folder);

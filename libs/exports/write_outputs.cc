@@ -1,3 +1,5 @@
+#include <system_error>
+
 #include "base/class_names.h"
 #include "base/file.h"
 #include "exports/outputs.h"
@@ -8,36 +10,66 @@
 // libraries for pictures.
 
 namespace vismap {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes what can be written and remembers what cannot. An older file at the place of one that
+/// cannot be written is removed, since it belongs to another map than its neighbours.
+class Outputs {
+ public:
+  void Check(const fs::path& file, const Result<void>& written) {
+    if (written) return;
+    const std::string& problem = written.error().message;
+    if (problems_.find(problem) == std::string::npos)
+      problems_ += (problems_.empty() ? "" : "; ") + problem;
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) fs::remove(file, ignored);
+  }
+  const std::string& problems() const { return problems_; }
+
+ private:
+  std::string problems_;
+};
+
+Result<void> WriteOneOctree(const SemanticMap& map, const OutputOptions& options,
+                            UnknownPolicy unknown, const fs::path& file) {
+  const Result<OctreeBytes> octree = MakeOctree(map, options, unknown);
+  if (!octree) return tl::unexpected(octree.error());
+  return WriteOctree(file, *octree);
+}
+
+Result<void> WritePicture(const MapMetadata& metadata, const MapProducts& products,
+                          const OutputOptions& options, const fs::path& file) {
+  OverviewOptions overview;
+  overview.up_W = ObjectOptionsFor(metadata, options).up_W;
+  return WritePng(file, RenderMapOverview(products.mesh, products.objects, ClassName,
+                                          metadata.map_id, overview));
+}
+
+}  // namespace
 
 Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
                               const MapProducts& products, const OutputOptions& options,
-                              const std::filesystem::path& folder) {
+                              const fs::path& folder) {
   if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
-  Result<SaveInfo> saved = SaveMap(map, metadata, folder / "map.vismap");
-  if (!saved) return saved;
-  if (const auto done = WriteMesh(metadata, products, folder / "mesh.ply"); !done)
-    return tl::unexpected(done.error());
-  if (const auto done =
-          WriteFileAtomically(folder / "objects.json", ObjectsText(metadata, products));
-      !done) {
-    return tl::unexpected(done.error());
-  }
-  if (const auto done = WriteObjectMeshes(metadata, products, folder / "objects"); !done) {
-    return tl::unexpected(done.error());
-  }
-  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
-    const Result<OctreeBytes> octree = MakeOctree(map, options, unknown);
-    if (!octree) return tl::unexpected(octree.error());
-    const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
-    if (const auto done = WriteOctree(folder / name, *octree); !done)
-      return tl::unexpected(done.error());
-  }
-  OverviewOptions overview;
-  overview.up_W = ObjectOptionsFor(metadata, options).up_W;
-  const Image<Rgb8> picture =
-      RenderMapOverview(products.mesh, products.objects, ClassName, metadata.map_id, overview);
-  if (const auto done = WritePng(folder / "map.png", picture); !done)
-    return tl::unexpected(done.error());
+  std::error_code ignored;
+  const fs::path map_file = folder / "map.vismap";
+  const bool replaces_map = fs::exists(map_file, ignored);
+  Result<SaveInfo> saved = SaveMap(map, metadata, map_file);
+  if (!saved && replaces_map) return saved;  // the older map stays, with all that belongs to it
+  Outputs outputs;
+  if (!saved) outputs.Check(map_file, tl::unexpected(saved.error()));
+  outputs.Check(folder / "mesh.ply", WriteMesh(metadata, products, folder / "mesh.ply"));
+  outputs.Check(folder / "objects.json",
+                WriteFileAtomically(folder / "objects.json", ObjectsText(metadata, products)));
+  const Result<int> objects = WriteObjectMeshes(metadata, products, folder / "objects");
+  if (!objects) outputs.Check(folder / "objects", tl::unexpected(objects.error()));
+  for (const auto& [name, unknown] : {std::pair{"octree.bt", UnknownPolicy::kAbsent},
+                                      std::pair{"octree.closed.bt", UnknownPolicy::kOccupied}})
+    outputs.Check(folder / name, WriteOneOctree(map, options, unknown, folder / name));
+  outputs.Check(folder / "map.png", WritePicture(metadata, products, options, folder / "map.png"));
+  if (!outputs.problems().empty()) return Fail(outputs.problems());
   return saved;
 }
 

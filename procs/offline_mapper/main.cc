@@ -3,17 +3,16 @@
 #include <sys/resource.h>
 
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/class_names.h"
 #include "base/file.h"
+#include "base/probe_folder.h"
 #include "exports/outputs.h"
 #include "exports/statistics.h"
 #include "logs/recording.h"
 #include "offline_mapper/offline_mapper.h"
-#include "plausibility/camera_check.h"
 #include "runtime/clock.h"
 #include "runtime/progress.h"
 #include "runtime/version.h"
@@ -22,6 +21,8 @@
 namespace {
 
 using namespace vismap;
+
+constexpr uint64_t kLeastSpace = 8 << 20;  // that must be free for the results [bytes]
 
 struct Arguments {
   std::string dataset, format, detections, out;
@@ -85,16 +86,37 @@ nlohmann::ordered_json FiguresJson(const StageTimes& times) {
   return json;
 }
 
-Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
-                         const MapSession& session, const std::vector<ObjectSummary>& objects,
-                         const StageTimes& times, const std::vector<std::string>& findings) {
+// What was mapped, and what became of the frames and detections of the sequence.
+struct Run {
+  const Dataset& dataset;
+  const DetectionSource* detections;
+  MapSession session;
+  StageTimes times;
+  SequenceCheck check;
+  MappedSequence mapped;
+
+  // All frames of the sequence that were not mapped.
+  ReasonCounts LeftOut() const {
+    ReasonCounts all = mapped.left_out;
+    for (const SkippedFrame& skipped : dataset.skipped()) all.Add(skipped.reason);
+    return all;
+  }
+  int64_t frames() const {
+    return mapped.frames + mapped.left_out.total() + std::ssize(dataset.skipped());
+  }
+};
+
+Result<void> WriteReport(const Arguments& arguments, const Run& run,
+                         const std::vector<ObjectSummary>& objects,
+                         const std::vector<std::string>& findings) {
+  const MapSession& session = run.session;
   nlohmann::ordered_json report;
-  report["dataset"] = dataset.name();
-  report["format"] = dataset.format();
+  report["dataset"] = run.dataset.name();
+  report["format"] = run.dataset.format();
   report["frames"] = session.metadata().trajectory.size();
-  report["frames_skipped"] = dataset.skipped().size();
+  report["frames_skipped"] = run.LeftOut().total();
   report["findings"] = findings;
-  report["stages_ms"] = FiguresJson(times);
+  report["stages_ms"] = FiguresJson(run.times);
   report["map"] = nlohmann::ordered_json::parse(StatisticsJson(session.map(), session.metadata()));
   report["map"]["objects"] = std::count_if(
       objects.begin(), objects.end(),
@@ -103,53 +125,49 @@ Result<void> WriteReport(const Arguments& arguments, const Dataset& dataset,
   getrusage(RUSAGE_SELF, &usage);
   report["peak_rss_bytes"] = static_cast<int64_t>(usage.ru_maxrss) * 1024;
   report["version"] = Version();
-  return WriteFileAtomically(std::filesystem::path(arguments.out) / "report.json",
-                             report.dump(1) + "\n");
+  return WriteFileAtomically(
+      std::filesystem::path(arguments.out) / "report.json",
+      report.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
-// "2 of 10 frames were left out: 2 x pose is not rigid".
-std::string LeftOutText(const Dataset& dataset) {
-  std::map<std::string, size_t> reasons;
-  for (const SkippedFrame& skipped : dataset.skipped()) ++reasons[skipped.reason];
-  std::string text = std::to_string(dataset.skipped().size()) + " of " +
-                     std::to_string(dataset.size() + dataset.skipped().size()) +
-                     " frames were left out";
-  constexpr size_t kMaxReasons = 5;
-  size_t shown = 0;
-  for (const auto& [reason, frames] : reasons) {
-    if (shown++ == kMaxReasons) return text + "; and for other reasons";
-    text += (shown == 1 ? ": " : "; ") + std::to_string(frames) + " x " + reason;
+// A sentence when detections belong to no frame of the whole sequence.
+std::optional<std::string> UnusedDetections(const Arguments& arguments, const Run& run) {
+  const bool whole = arguments.frames.stride == 1 && arguments.frames.max_frames == 0;
+  const int64_t used = run.mapped.used_detections;
+  if (run.detections == nullptr || !whole || run.detections->size() <= used) return std::nullopt;
+  const int64_t all = run.detections->size(), unused = all - used;
+  if (used > 0 && 10 * unused < all) return std::nullopt;
+  std::string text = used == 0 ? "none of " + std::to_string(all) + " detections belongs to a frame"
+                               : std::to_string(unused) + " of " + std::to_string(all) +
+                                     " detections belong to no frame";
+  if (const auto numbers = run.detections->frame_numbers()) {
+    text += " (image ids " + std::to_string(numbers->first) + ".." +
+            std::to_string(numbers->second) + ", frames " +
+            std::to_string(run.dataset.Header(0).frame_number) + ".." +
+            std::to_string(run.dataset.Header(run.dataset.size() - 1).frame_number) + ")";
   }
   return text;
 }
 
 // What is suspect about a sequence and its map, with the likely causes.
-std::vector<std::string> FindingsOf(const Dataset& dataset, const SequenceCheck& check,
-                                    const Mesh& mesh) {
-  std::vector<std::string> findings = UnusualCamera(dataset.Header(0).camera);
+std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run, const Mesh& mesh) {
+  std::vector<std::string> findings = run.check.Findings();
   if (mesh.triangles.empty()) findings.emplace_back("the map has no surface");
-  for (const std::string& finding : check.Findings()) findings.push_back(finding);
-  return findings;
-}
-
-// A sentence when detections belong to no frame of the whole sequence.
-std::optional<std::string> UnusedDetections(const Arguments& arguments, const Dataset& dataset,
-                                            const DetectionSource* detections, int64_t used) {
-  const bool whole = arguments.frames.stride == 1 && arguments.frames.max_frames == 0;
-  if (detections == nullptr || !whole || detections->size() <= used) return std::nullopt;
-  const int64_t unused = detections->size() - used;
-  if (used > 0 && 10 * unused < detections->size()) return std::nullopt;
-  std::string text =
-      used == 0 ? "none of " + std::to_string(detections->size()) + " detections belongs to a frame"
-                : std::to_string(unused) + " of " + std::to_string(detections->size()) +
-                      " detections belong to no frame";
-  if (const auto numbers = detections->frame_numbers()) {
-    text += " (image ids " + std::to_string(numbers->first) + ".." +
-            std::to_string(numbers->second) + ", frames " +
-            std::to_string(dataset.Header(0).frame_number) + ".." +
-            std::to_string(dataset.Header(dataset.size() - 1).frame_number) + ")";
+  const MappedSequence& mapped = run.mapped;
+  if (const ReasonCounts left_out = run.LeftOut(); left_out.total() > 0)
+    findings.push_back(LeftOutText(left_out, run.frames()));
+  const std::string of_frames =
+      " of " + std::to_string(mapped.frames) + " frames are mapped without ";
+  if (mapped.without_color.total() > 0) {
+    findings.push_back(std::to_string(mapped.without_color.total()) + of_frames +
+                       "their colour: " + mapped.without_color.Text());
   }
-  return text;
+  if (mapped.without_detections.total() > 0) {
+    findings.push_back(std::to_string(mapped.without_detections.total()) + of_frames +
+                       "their detections: " + mapped.without_detections.Text());
+  }
+  if (const auto unused = UnusedDetections(arguments, run)) findings.push_back(*unused);
+  return findings;
 }
 
 void Summarise(const Arguments& arguments, const MapSession& session,
@@ -180,65 +198,83 @@ void Summarise(const Arguments& arguments, const MapSession& session,
               std::filesystem::absolute(arguments.out).c_str());
 }
 
-Outcome Run(Arguments& arguments, ProcessContext& context) {
+MapMetadata MetadataOf(const Arguments& arguments, const Dataset& dataset) {
+  MapMetadata metadata;
+  metadata.map_id = dataset.name();
+  metadata.config = PrintConfig(arguments.config);
+  metadata.created_by = std::string("vismap-offline-mapper ") + Version();
+  return metadata;
+}
+
+Outcome MapFrames(const Arguments& arguments, DnnDetector* network, const ProcessContext& context,
+                  Run* run) {
+  Progress progress("mapping " + run->dataset.name(), static_cast<int64_t>(run->dataset.size()));
+  const auto proceed = [&](size_t done) {
+    progress.Show(static_cast<int64_t>(done));
+    return !context.stop.requested();
+  };
+  Result<MappedSequence> mapped =
+      MapSequence({run->dataset, run->detections, network, &run->check}, arguments.config, proceed,
+                  &run->session, &run->times);
+  if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
+  run->mapped = std::move(*mapped);
+  if (run->mapped.frames == 0 && !context.stop.requested()) {
+    return ExitWith(ExitCode::kUnreadable,
+                    arguments.dataset + ": " + NoUsableFramesText(run->LeftOut(), run->frames()));
+  }
+  return {};
+}
+
+// Writes what there is, also when a part of it cannot be made or written.
+Outcome WriteResults(const Arguments& arguments, Run* run) {
+  const OutputOptions options = arguments.config;
+  const MapSession& session = run->session;
+  const double start = MonotonicSeconds();
+  const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
+  run->times.Add("products", (MonotonicSeconds() - start) * 1e3);
+  const auto written =
+      WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
+  std::vector<std::string> findings = FindingsOf(arguments, *run, products.mesh);
+  if (!written) findings.push_back(written.error().message);
+  const auto reported = WriteReport(arguments, *run, products.objects, findings);
+  Summarise(arguments, session, products.objects, run->times);
+  std::printf("%s\n", LeftOutText(run->LeftOut(), run->frames()).c_str());
+  if (!written) findings.pop_back();
+  for (const std::string& finding : findings) LogWarning(finding);
+  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
+  if (!reported) return ExitWith(ExitCode::kFailed, reported.error().message);
+  return {};
+}
+
+Outcome MapDataset(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
   const auto recording = OpenRecording(arguments.dataset, arguments.format, arguments.frames);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
+  const Dataset& dataset = *recording->dataset;
   for (const std::string& remark : recording->remarks) LogWarning(remark);
-  const std::unique_ptr<Dataset>& dataset = recording->dataset;
-  for (const std::string& remark : dataset->remarks()) LogInfo(remark);
-  if (dataset->size() == 0)
-    return ExitWith(ExitCode::kUnreadable, arguments.dataset + ": no usable frames");
-  for (const SkippedFrame& skipped : dataset->skipped()) {
-    LogWarningRateLimited("skipped", "frame " + std::to_string(skipped.frame_number) +
-                                         " left out: " + skipped.reason);
-  }
+  for (const std::string& remark : dataset.remarks()) LogInfo(remark);
   const auto network = FindNetwork(arguments);
   if (!network) return ExitWith(ExitCode::kUnreadable, network.error().message);
   const auto detections = *network ? Result<std::unique_ptr<DetectionSource>>(nullptr)
-                                   : FindDetections(arguments, *dataset);
+                                   : FindDetections(arguments, dataset);
   if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
 
-  MapMetadata metadata;
-  metadata.map_id = dataset->name();
-  metadata.config = PrintConfig(arguments.config);
-  metadata.created_by = std::string("vismap-offline-mapper ") + Version();
-  MapSession session(arguments.config, std::move(metadata));
-  StageTimes times;
-  SequenceCheck check(
-      {arguments.config.integration.min_range_m, arguments.config.integration.max_range_m},
-      dataset->depth_unit_m());
-  int64_t used_detections = 0;
-  {
-    Progress progress("mapping " + dataset->name(), static_cast<int64_t>(dataset->size()));
-    const auto proceed = [&](size_t done) {
-      progress.Show(static_cast<int64_t>(done));
-      return !context.stop.requested();
-    };
-    const auto mapped = MapSequence({*dataset, detections->get(), network->get(), &check},
-                                    arguments.config, proceed, &session, &times);
-    if (!mapped) return ExitWith(ExitCode::kUnreadable, mapped.error().message);
-    used_detections = *mapped;
+  const NewFolders created(arguments.out);
+  if (const auto usable = ProbeFolder(arguments.out, kLeastSpace); !usable)
+    return ExitWith(ExitCode::kFailed, usable.error().message);
+  const IntegrationOptions& integration = arguments.config.integration;
+  Run run{dataset,
+          detections->get(),
+          MapSession(arguments.config, MetadataOf(arguments, dataset)),
+          {},
+          SequenceCheck({integration.min_range_m, integration.max_range_m}),
+          {}};
+  if (const Outcome mapped = MapFrames(arguments, network->get(), context, &run); !mapped) {
+    created.RemoveEmpty();
+    return mapped;
   }
   if (context.stop.requested()) LogWarning("stopped early; writing what there is");
-
-  const OutputOptions options = arguments.config;
-  const double start = MonotonicSeconds();
-  const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
-  times.Add("products", (MonotonicSeconds() - start) * 1e3);
-  const auto written =
-      WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
-  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  std::vector<std::string> findings = FindingsOf(*dataset, check, products.mesh);
-  if (const auto unused = UnusedDetections(arguments, *dataset, detections->get(), used_detections))
-    findings.push_back(*unused);
-  const auto reported =
-      WriteReport(arguments, *dataset, session, products.objects, times, findings);
-  if (!reported) return ExitWith(ExitCode::kFailed, reported.error().message);
-  Summarise(arguments, session, products.objects, times);
-  std::printf("%s\n", LeftOutText(*dataset).c_str());
-  for (const std::string& finding : findings) LogWarning(finding);
-  return {};
+  return WriteResults(arguments, &run);
 }
 
 }  // namespace
@@ -255,6 +291,6 @@ int main(int argc, char** argv) {
     if (!arguments.model.empty()) arguments.config.detector.dnn.model = arguments.model;
     return arguments.calibration.SetIn(&arguments.frames);
   });
-  spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
+  spec.run = [&](ProcessContext& context) { return MapDataset(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

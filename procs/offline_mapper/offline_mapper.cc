@@ -10,68 +10,120 @@
 namespace vismap {
 namespace {
 
+// Detections that cannot be read are an error at once when so many more frames have them than not.
+constexpr int64_t kManyWithoutDetections = 5;
+
 struct ReadyFrame {
   RgbdFrame frame;
+  double depth_unit_m = 0;
   std::optional<DetectionSet> detections;
 };
 
-Result<ReadyFrame> ReadFrame(const OfflineInput& input, size_t i) {
-  const Result<SensorFrame> sensor = input.dataset.Read(i);
+Result<ReadyFrame> ReadFrame(const Dataset& dataset, size_t i) {
+  const Result<SensorFrame> sensor = dataset.Read(i);
   if (!sensor) return tl::unexpected(sensor.error());
   Result<RgbdFrame> frame = DecodeFrame(*sensor);
-  if (!frame) {
-    return Fail(input.dataset.name() + ", frame " + std::to_string(sensor->header.frame_number) +
-                ": " + frame.error().message);
-  }
-  ReadyFrame ready{std::move(*frame), std::nullopt};
-  if (input.network != nullptr || input.detections == nullptr ||
-      !input.detections->DetectorRan(sensor->header))
-    return ready;
-  Result<DetectionSet> detections = input.detections->ForFrame(sensor->header);
-  if (!detections) return tl::unexpected(detections.error());
-  ready.detections = std::move(*detections);
-  return ready;
+  if (!frame) return tl::unexpected(frame.error());
+  return ReadyFrame{std::move(*frame), sensor->depth_unit_m, std::nullopt};
 }
 
 Stopwatch WatchInto(StageTimes* times) {
   return {MonotonicSeconds, [times](const char* stage, double ms) { times->Add(stage, ms); }};
 }
 
-/// Runs the network, if there is one, on the frame's colour image.
-Result<void> DetectObjects(const OfflineInput& input, const Stopwatch& watch, ReadyFrame* frame) {
-  if (input.network == nullptr || frame->frame.color.empty()) return {};
-  Result<DetectionSet> found = watch.Measure(
-      "detection", [&] { return input.network->Detect(frame->frame.color, frame->frame.header); });
-  if (!found) return tl::unexpected(found.error());
-  frame->detections = std::move(*found);
-  return {};
-}
+/// Maps the frames one after the other and counts what became of them.
+class Mapper {
+ public:
+  Mapper(const OfflineInput& input, const SegmentationStageOptions& options, MapSession* session,
+         StageTimes* times)
+      : input_(input), options_(options), session_(*session), watch_(WatchInto(times)) {}
+
+  Result<void> MapOne(size_t i) {
+    Result<ReadyFrame> frame =
+        watch_.Measure("reading", [&] { return ReadFrame(input_.dataset, i); });
+    if (!frame) {
+      mapped_.left_out.Add(frame.error().message);
+      return {};
+    }
+    const FrameHeader header = frame->frame.header;
+    if (session_.Contains(header.camera_id, header.utime)) {
+      mapped_.left_out.Add("the map has a frame of its camera and utime already");
+      return {};
+    }
+    if (!frame->frame.color_problem.empty()) mapped_.without_color.Add(frame->frame.color_problem);
+    if (const auto found = FindDetections(&*frame); !found) return found;
+    const DetectionSet* detections = frame->detections ? &*frame->detections : nullptr;
+    if (detections != nullptr)
+      mapped_.used_detections += static_cast<int64_t>(detections->detections.size());
+    const auto check = [&](const SegmentedFrame& segmented) {
+      if (input_.check != nullptr) input_.check->Add(segmented, frame->depth_unit_m);
+    };
+    watch_.Measure("total", [&] {
+      MapFrame(std::move(frame->frame), detections, options_, &session_, watch_, check);
+    });
+    ++mapped_.frames;
+    return {};
+  }
+
+  Result<MappedSequence> Finish() && {
+    if (const auto checked = CheckDetections(0); !checked) return tl::unexpected(checked.error());
+    return std::move(mapped_);
+  }
+
+ private:
+  /// Sets the recorded detections of the frame, or those that the network finds.
+  Result<void> FindDetections(ReadyFrame* frame) {
+    if (input_.network != nullptr) return RunNetwork(frame);
+    if (input_.detections == nullptr || !input_.detections->DetectorRan(frame->frame.header))
+      return {};
+    Result<DetectionSet> detections = input_.detections->ForFrame(frame->frame.header);
+    if (!detections) {
+      mapped_.without_detections.Add(detections.error().message);
+      return CheckDetections(kManyWithoutDetections);
+    }
+    frame->detections = std::move(*detections);
+    ++with_detections_;
+    return {};
+  }
+
+  Result<void> RunNetwork(ReadyFrame* frame) {
+    if (frame->frame.color.empty()) return {};
+    Result<DetectionSet> found = watch_.Measure("detection", [&] {
+      return input_.network->Detect(frame->frame.color, frame->frame.header);
+    });
+    if (!found) return tl::unexpected(found.error());
+    frame->detections = std::move(*found);
+    return {};
+  }
+
+  Result<void> CheckDetections(int64_t tolerance) const {
+    const int64_t without = mapped_.without_detections.total();
+    if (without <= with_detections_ + tolerance) return {};
+    return Fail("the detections of most frames cannot be used (" + std::to_string(without) +
+                " of " + std::to_string(without + with_detections_) +
+                " frames: " + mapped_.without_detections.Text() + ")");
+  }
+
+  const OfflineInput& input_;
+  const SegmentationStageOptions& options_;
+  MapSession& session_;
+  Stopwatch watch_;
+  MappedSequence mapped_;
+  int64_t with_detections_ = 0;  // frames whose recorded detections could be read
+};
 
 }  // namespace
 
-Result<int64_t> MapSequence(const OfflineInput& input, const SegmentationStageOptions& options,
-                            const std::function<bool(size_t done)>& proceed, MapSession* session,
-                            StageTimes* times) {
-  const Stopwatch watch = WatchInto(times);
-  const auto check = [&](const SegmentedFrame& segmented) {
-    if (input.check != nullptr) input.check->Add(segmented);
-  };
-  int64_t used_detections = 0;
+Result<MappedSequence> MapSequence(const OfflineInput& input,
+                                   const SegmentationStageOptions& options,
+                                   const std::function<bool(size_t done)>& proceed,
+                                   MapSession* session, StageTimes* times) {
+  Mapper mapper(input, options, session, times);
   for (size_t i = 0; i < input.dataset.size() && proceed(i); ++i) {
-    Result<ReadyFrame> frame = watch.Measure("reading", [&] { return ReadFrame(input, i); });
-    if (!frame) return tl::unexpected(frame.error());
-    const FrameHeader& header = frame->frame.header;
-    if (session->Contains(header.camera_id, header.utime)) continue;  // of a map that is continued
-    if (const auto detected = DetectObjects(input, watch, &*frame); !detected)
-      return tl::unexpected(detected.error());
-    const DetectionSet* detections = frame->detections ? &*frame->detections : nullptr;
-    if (detections != nullptr)
-      used_detections += static_cast<int64_t>(detections->detections.size());
-    watch.Measure("total", [&] {
-      MapFrame(std::move(frame->frame), detections, options, session, watch, check);
-    });
+    if (const Result<void> mapped = mapper.MapOne(i); !mapped)
+      return tl::unexpected(mapped.error());
   }
-  return used_detections;
+  return std::move(mapper).Finish();
 }
 
 }  // namespace vismap

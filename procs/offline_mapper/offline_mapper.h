@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 
+#include "base/reason_counts.h"
 #include "base/result.h"
 #include "datasets/dataset.h"
 #include "datasets/detections_file.h"
@@ -23,11 +25,22 @@ struct OfflineInput {
   SequenceCheck* check = nullptr;  ///< sees every frame
 };
 
+/// What became of the frames of a sequence and of their detections.
+struct MappedSequence {
+  int64_t frames = 0;               ///< mapped
+  int64_t used_detections = 0;      ///< belonged to frames
+  ReasonCounts left_out;            ///< frames that could not be read
+  ReasonCounts without_color;       ///< frames mapped without the colour that they had
+  ReasonCounts without_detections;  ///< frames mapped without the detections that they had
+};
+
 /// Maps every frame of the sequence in order (see MapFrame), as the processes do over LCM.
-/// `proceed(done)` is called before each frame; when it returns false, mapping ends early. Fails on
-/// the first frame that cannot be read. Returns how many detections belonged to frames.
-Result<int64_t> MapSequence(const OfflineInput& input, const SegmentationStageOptions& options,
-                            const std::function<bool(size_t done)>& proceed, MapSession* session,
-                            StageTimes* times);
+/// `proceed(done)` is called before each frame; when it returns false, mapping ends early. A frame
+/// that cannot be read is left out. Fails when the detections of most frames cannot be read, and
+/// when the network fails.
+Result<MappedSequence> MapSequence(const OfflineInput& input,
+                                   const SegmentationStageOptions& options,
+                                   const std::function<bool(size_t done)>& proceed,
+                                   MapSession* session, StageTimes* times);
 
 }  // namespace vismap
