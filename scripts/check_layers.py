@@ -37,7 +37,7 @@ PROCS = {
     "wire": ["codecs", "exports"],
     "runtime": ["wire"],
     "requests": ["runtime"],
-    "logs": ["wire", "simulation"],
+    "logs": ["wire", "simulation", "plausibility"],
     "queueing": ["runtime"],
     "hub": ["queueing", "settings"],
     "bridge": ["queueing", "settings"],

@@ -69,6 +69,9 @@ Result<void> FollowFrames(LogReader& reader, LogReport* report) {
   }
   report->frames_integrated = static_cast<int64_t>(integrated.size());
   report->frames_skipped = static_cast<int64_t>(skipped.size());
+  report->recording =
+      CheckRecording(LogDataset(std::move(*again), SelectFrames(*run, true, {}), {}), DepthLimits{},
+                     CheckedFrames::kAll);
   if (run->commits.empty()) return {};  // the map server was not recorded
   for (const auto& entry : run->index) {
     if (!integrated.contains(entry.first) && !skipped.contains(entry.first))
@@ -122,6 +125,15 @@ std::vector<std::string> LogReport::Problems() const {
     add(channel.other_type, "message of a wrong type", first);
     add(channel.undecodable, "damaged message", first);
   }
+  // Damaged messages were told above.
+  const auto frames = channels.find(kRgbdFrameChannel.name);
+  const int64_t told =
+      frames == channels.end() ? 0 : frames->second.undecodable + frames->second.other_type;
+  if (const int64_t left_out = recording.left_out.total(); left_out > told) {
+    problems.push_back(std::to_string(left_out) +
+                       " RGBD_FRAMEs cannot be used: " + recording.left_out.Text());
+  }
+  problems.insert(problems.end(), recording.findings.begin(), recording.findings.end());
   problems.insert(problems.end(), run_problems.begin(), run_problems.end());
   return problems;
 }

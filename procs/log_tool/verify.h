@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "logs/check_recording.h"
 #include "logs/log_reader.h"
 #include "wire/frame_key.h"
 
@@ -38,6 +39,7 @@ struct LogReport {
   int64_t frames_integrated = 0, frames_skipped = 0;
   int64_t frames_without_commit = 0;      ///< 0 if the log has no commits at all
   std::vector<std::string> run_problems;  ///< why the recorded map cannot be reproduced
+  RecordingCheck recording;               ///< of the frames with different utimes
 
   /// Sentences, the most serious first; empty = no problem.
   std::vector<std::string> Problems() const;

@@ -65,7 +65,8 @@ FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptio
   } else {
     SelectCommitted(run, &selection);
   }
-  for (const std::string& reason : run.unusable_frames) selection.skipped.push_back({-1, reason});
+  selection.skipped.insert(selection.skipped.end(), run.unusable_frames.begin(),
+                           run.unusable_frames.end());
   selection.frames = LimitFrames(std::move(selection.frames), options);
   return selection;
 }
@@ -83,6 +84,17 @@ std::string LogDataset::name() const {
 FrameHeader LogDataset::Header(size_t i) const {
   Require(i < size(), "the index of a frame is below the number of frames");
   return selection_.frames[i].header;
+}
+
+std::vector<std::string> LogDataset::remarks() const {
+  std::vector<std::string> remarks;
+  std::set<CameraId> told;
+  for (const RecordedFrame& frame : selection_.frames) {
+    if (!told.insert(frame.header.camera_id).second) continue;
+    remarks.push_back("camera " + std::to_string(Raw(frame.header.camera_id)) + ": " +
+                      CameraText(frame.header.camera) + ": from the RGBD_FRAMEs of the log");
+  }
+  return remarks;
 }
 
 // Returns the first copy that is not damaged, as in the recorded run.

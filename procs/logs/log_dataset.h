@@ -38,6 +38,7 @@ class LogDataset : public Dataset {
   FrameHeader Header(size_t i) const override;
   Result<SensorFrame> Read(size_t i) const override;
   const std::vector<SkippedFrame>& skipped() const override { return selection_.skipped; }
+  std::vector<std::string> remarks() const override;
   std::optional<std::string> default_detections_path() const override { return detections_path_; }
 
  private:

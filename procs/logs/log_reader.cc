@@ -26,8 +26,9 @@ uint64_t BigEndian(std::span<const uint8_t> bytes) {
   return value;
 }
 
+// LCM sends any name; those that people give have no control characters.
 bool IsChannelName(std::span<const uint8_t> name) {
-  return std::all_of(name.begin(), name.end(), [](uint8_t c) { return c > 32 && c < 127; });
+  return std::all_of(name.begin(), name.end(), [](uint8_t c) { return c >= 32 && c != 127; });
 }
 
 }  // namespace

@@ -1,23 +1,57 @@
 #include "logs/recorded_run.h"
 
+#include <algorithm>
+
 #include "wire/detections.h"
 #include "wire/rgbd_frame.h"
 
 namespace vismap {
 namespace {
 
+// Whether a message has a frame that was sent before, and not another one with the same time.
+bool LooksLikeACopy(const FrameHeader& header, const LogEvent& event, const RecordedFrame& frame) {
+  return header.frame_number == frame.header.frame_number &&
+         header.T_W_C.matrix() == frame.header.T_W_C.matrix() &&
+         event.data_size == frame.copies.front().data_size;
+}
+
+bool IsDamaged(const LogReader& reader, const LogEvent& event) {
+  return !ReadMessage<rgbd_frame_t>(reader, event, kRgbdFrameChannel);
+}
+
+// Adds a frame whose camera and utime another one has.
+void AddAgain(const LogReader& reader, const LogEvent& event, const FrameHeader& header,
+              RecordedRun* run, RecordedFrame* frame) {
+  if (LooksLikeACopy(header, event, *frame) || IsDamaged(reader, event)) {
+    frame->copies.push_back(event);
+  } else if (std::all_of(frame->copies.begin(), frame->copies.end(),
+                         [&](const LogEvent& copy) { return IsDamaged(reader, copy); })) {
+    frame->header = header;
+    frame->copies.push_back(event);
+  } else {
+    run->unusable_frames.push_back(
+        {header.frame_number, "another frame of " +
+                                  ToText(FrameKey{header.camera_id, header.utime}) +
+                                  " is in the log before; every frame of a camera needs a utime "
+                                  "of its own"});
+  }
+}
+
 Result<void> AddFrame(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
   const Result<std::vector<uint8_t>> bytes = reader.ReadData(event, kFramePeekBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const Result<FrameHeader> header = PeekFrameHeader(*bytes);
   if (!header) {
-    run->unusable_frames.push_back(header.error().message);
+    run->unusable_frames.push_back({-1, header.error().message});
     return {};
   }
   const auto [found, first] =
       run->index.try_emplace(FrameKey{header->camera_id, header->utime}, run->frames.size());
-  if (first) run->frames.push_back({*header, {}});
-  run->frames[found->second].copies.push_back(event);
+  if (first) {
+    run->frames.push_back({*header, {event}});
+  } else {
+    AddAgain(reader, event, *header, run, &run->frames[found->second]);
+  }
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 
+#include "datasets/dataset.h"
 #include "geometry/frame.h"
 #include "logs/log_reader.h"
 #include "wire/channels.h"
@@ -16,6 +17,7 @@
 namespace vismap {
 
 /// A frame in a log. A frame that was sent again has several copies, of which some may be damaged.
+/// Copies have the same camera, utime, frame number and pose.
 struct RecordedFrame {
   FrameHeader header;
   std::vector<LogEvent> copies;  ///< all RGBD_FRAME events of this frame
@@ -24,12 +26,12 @@ struct RecordedFrame {
 /// The parts of a log from which the map is built. Holds their positions in the log, not the
 /// images.
 struct RecordedRun {
-  std::vector<RecordedFrame> frames;         ///< in order of arrival, each FrameKey once
-  std::map<FrameKey, size_t> index;          ///< position in `frames`
-  std::map<FrameKey, LogEvent> detections;   ///< DETECTIONS of frames on which a detector ran
-  std::vector<frame_commit_t> commits;       ///< in recorded order
-  std::vector<std::string> unusable_frames;  ///< why the headers of some RGBD_FRAMEs cannot be used
-  int64_t damaged = 0;                       ///< number of damaged parts of the file
+  std::vector<RecordedFrame> frames;          ///< in order of arrival, each FrameKey once
+  std::map<FrameKey, size_t> index;           ///< position in `frames`
+  std::map<FrameKey, LogEvent> detections;    ///< DETECTIONS of frames on which a detector ran
+  std::vector<frame_commit_t> commits;        ///< in recorded order
+  std::vector<SkippedFrame> unusable_frames;  ///< RGBD_FRAMEs that cannot be used, and why
+  int64_t damaged = 0;                        ///< number of damaged parts of the file
 };
 
 /// Scans the whole log once, without reading the images. Fails when the file cannot be read or has

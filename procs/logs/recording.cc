@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/format.h"
+#include "base/reason_counts.h"
 #include "logs/log_dataset.h"
 #include "simulation/sequence.h"
 #include "simulation/synthetic_dataset.h"
@@ -60,6 +61,15 @@ Result<void> CheckLogOptions(const std::string& path, const DatasetOptions& opti
               ": the frames of a log keep their camera ids, so no other camera id can be given");
 }
 
+std::string WhyNoFrames(const RecordedRun& run, const FrameSelection& selection) {
+  if (run.frames.empty() && run.unusable_frames.empty()) return "the log has no RGBD_FRAME";
+  ReasonCounts reasons;
+  for (const SkippedFrame& skipped : selection.skipped) reasons.Add(skipped.reason);
+  const std::string text = NoUsableFramesText(reasons, reasons.total());
+  if (run.frames.empty()) return text;
+  return text + "; add ?frames=all to the path to use frames without a commit";
+}
+
 Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options) {
   if (const auto checked = CheckLogOptions(path, options); !checked)
     return tl::unexpected(checked.error());
@@ -70,10 +80,7 @@ Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options
   const Result<RecordedRun> run = ReadRun(*reader);
   if (!run) return tl::unexpected(run.error());
   FrameSelection selection = SelectFrames(*run, parsed->all, options);
-  if (selection.frames.empty()) {
-    return Fail(parsed->file + ": none of its " + FormatCount(std::ssize(run->frames), "frame") +
-                " can be used; add ?frames=all to the path to use frames without a commit");
-  }
+  if (selection.frames.empty()) return Fail(parsed->file + ": " + WhyNoFrames(*run, selection));
   Recording recording;
   recording.remarks = selection.remarks;
   if (run->damaged > 0) {

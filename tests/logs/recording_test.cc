@@ -123,7 +123,7 @@ TEST(OpenRecording, RejectsInvalidRequests) {
   EXPECT_THAT(error_of((builder.folder() / "empty.lcmlog").string()), HasSubstr("no LCM event"));
   LogBuilder other;
   EXPECT_THAT(error_of(other.AddBytes("OTHER", {1, 2, 3}).Finish()),
-              HasSubstr("none of its 0 frames"));
+              HasSubstr("the log has no RGBD_FRAME"));
 }
 
 TEST(IsLog, RecognizesLogsByNameAndContent) {

@@ -1,0 +1,42 @@
+#include "logs/check_recording.h"
+
+#include <set>
+
+#include "codecs/frame_codec.h"
+
+namespace vismap {
+namespace {
+
+int64_t CountCameras(const Dataset& dataset) {
+  std::set<CameraId> cameras;
+  for (size_t i = 0; i < dataset.size(); ++i) cameras.insert(dataset.Header(i).camera_id);
+  return std::ssize(cameras);
+}
+
+}  // namespace
+
+RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
+                              CheckedFrames frames) {
+  RecordingCheck result;
+  for (const SkippedFrame& skipped : dataset.skipped()) result.left_out.Add(skipped.reason);
+  if (dataset.size() == 0) return result;
+  SequenceCheck check(limits, static_cast<int64_t>(dataset.size()) / CountCameras(dataset));
+  for (size_t i = 0; i < dataset.size(); ++i) {
+    const FrameHeader header = dataset.Header(i);
+    if (frames != CheckedFrames::kAll && !check.NeedsDepth(header.camera_id)) {
+      check.Add(header, {}, dataset.depth_unit_m());
+      continue;
+    }
+    const Result<SensorFrame> frame = dataset.Read(i);
+    if (frame) {
+      check.Add(frame->header, DepthInMetres(frame->depth, frame->depth_unit_m),
+                frame->depth_unit_m);
+    } else {
+      result.left_out.Add(frame.error().message);
+    }
+  }
+  result.findings = check.Findings();
+  return result;
+}
+
+}  // namespace vismap
