@@ -2,8 +2,8 @@
 #include <string>
 #include <utility>
 
+#include "logs/check_recording.h"
 #include "logs/recording.h"
-#include "plausibility/camera_check.h"
 #include "sensor_replay/replay.h"
 #include "settings/settings.h"
 
@@ -72,8 +72,11 @@ Outcome Open(Arguments* arguments) {
   for (const std::string& remark : recording->dataset->remarks()) LogInfo(remark);
   if (recording->dataset->size() == 0)
     return ExitWith(ExitCode::kUnreadable, arguments->dataset + ": no usable frames");
-  for (const std::string& sentence : UnusualCamera(recording->dataset->Header(0).camera))
-    LogWarning(sentence);
+  const IntegrationOptions& integration = arguments->config.integration;
+  const RecordingCheck check =
+      CheckRecording(*recording->dataset, {integration.min_range_m, integration.max_range_m},
+                     CheckedFrames::kAFewDozen);
+  for (const std::string& finding : check.findings) LogWarning(finding);
   arguments->opened = std::move(recording->dataset);
   return {};
 }

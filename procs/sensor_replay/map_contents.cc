@@ -40,6 +40,7 @@ void MapContents::Request() {
   request.utime = WallUtime();
   request.request_id = request_id_ = request.utime;
   request.verb = "frames";
+  request.argument = "poses";
   bus_->Publish(kMapRequestChannel, request);
 }
 
@@ -48,13 +49,15 @@ Result<void> MapContents::OnReply(const std::string& requester, int64_t request_
   if (!requested_ || requester != bus_->source() || request_id != request_id_ || !ok) return {};
   const Result<nlohmann::json> json = ParseJson(payload);
   if (!json || !json->is_array()) return Fail("answer to 'frames': expected a JSON array");
-  std::set<FrameKey> frames;
+  std::map<FrameKey, std::string> frames;
   for (const auto& frame : *json) {
-    if (!frame.is_array() || frame.size() != 2 || !frame[0].is_number_integer() ||
-        !frame[1].is_number_integer()) {
-      return Fail("answer to 'frames': expected [camera_id, utime], found " + DescribeJson(frame));
+    if (!frame.is_array() || frame.size() != 3 || !frame[0].is_number_integer() ||
+        !frame[1].is_number_integer() || !frame[2].is_string()) {
+      return Fail("answer to 'frames': expected [camera_id, utime, pose], found " +
+                  DescribeJson(frame));
     }
-    frames.insert({CameraId{frame[0].get<int32_t>()}, frame[1].get<int64_t>()});
+    frames[{CameraId{frame[0].get<int32_t>()}, frame[1].get<int64_t>()}] =
+        frame[2].get<std::string>();
   }
   frames_ = std::move(frames);
   answered_ = true;

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 
 #include "runtime/bus.h"
@@ -31,6 +30,8 @@ class MapContents {
   bool ConsumeAnswer();
   /// Whether the map has this frame.
   bool Holds(const FrameKey& frame) const { return frames_.contains(frame); }
+  /// The poses of all frames of the map, as PoseDigest.
+  const std::map<FrameKey, std::string>& frames() const { return frames_; }
   /// Number of frames in the map.
   size_t size() const { return frames_.size(); }
 
@@ -44,7 +45,7 @@ class MapContents {
   bool requested_ = false, answered_ = false;
   double request_time_ = 0;  // MonotonicSeconds
   int64_t request_id_ = 0;
-  std::set<FrameKey> frames_;
+  std::map<FrameKey, std::string> frames_;
 };
 
 }  // namespace vismap
