@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/format.h"
+#include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/status.h"
@@ -143,7 +144,7 @@ void Bridge::PublishStatus() {
   process_status_t message = MakeStatus("bridge", start_utime_);
   message.seq = status_seq_++;
   message.source = name_;
-  message.message = StatusSentence();
+  message.message = PrintableText(StatusSentence());
   message.state =
       StateName(message.message.empty() ? ProcessState::kRunning : ProcessState::kWaiting);
   for (const Direction& direction : directions_) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/format.h"
+#include "base/printable.h"
 
 namespace vismap {
 namespace {
@@ -25,13 +26,6 @@ std::string Format(const char* format, ...) {
   return text;
 }
 
-// Replaces control characters: the text comes from the bus and must not control the terminal.
-std::string Plain(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
-  return text;
-}
-
 double PerSecond(int64_t count, const Listening& listening) {
   return static_cast<double>(count) / std::max(listening.seconds, 1e-9);
 }
@@ -46,10 +40,11 @@ std::string ProcessTable(const Listening& listening, const BusPicture& picture) 
                             "version", "pid", "state", "last STATUS", "restarts", "message");
   for (const auto& [name, process] : picture.processes()) {
     const process_status_t& status = process.last;
-    text += Format("%-24s %-18s %-8s %7d  %-9s %11s %8d  %s\n", Plain(name).c_str(),
-                   Plain(status.host).c_str(), Plain(status.version).c_str(), status.pid,
-                   Plain(status.state).c_str(), Ago(process.last_heard, listening).c_str(),
-                   process.restarts, Plain(status.message).c_str());
+    text += Format("%-24s %-18s %-8s %7d  %-9s %11s %8d  %s\n", PrintableText(name).c_str(),
+                   PrintableText(status.host).c_str(), PrintableText(status.version).c_str(),
+                   status.pid, PrintableText(status.state).c_str(),
+                   Ago(process.last_heard, listening).c_str(), process.restarts,
+                   PrintableText(status.message).c_str());
   }
   return text;
 }
@@ -58,7 +53,7 @@ std::string ChannelTable(const Listening& listening, const BusPicture& picture) 
   std::string text = Format("%-24s %10s %12s %12s %6s %10s\n", "channel", "messages/s", "data",
                             "last message", "lost", "wrong type");
   for (const auto& [name, channel] : picture.channels()) {
-    text += Format("%-24s %10.1f %12s %12s %6lld %10lld\n", Plain(name).c_str(),
+    text += Format("%-24s %10.1f %12s %12s %6lld %10lld\n", PrintableText(name).c_str(),
                    PerSecond(channel.messages, listening),
                    (FormatBytes(PerSecond(channel.bytes, listening)) + "/s").c_str(),
                    Ago(channel.last, listening).c_str(), static_cast<long long>(channel.gaps),
@@ -89,7 +84,7 @@ int64_t UnknownClients(const BusPicture& picture) {
       ++hubs;
       clients += CounterOf(process.last, "clients");
     } else {
-      ++known;
+      known += std::max<int64_t>(1, CounterOf(process.last, "connections"));
     }
   }
   return hubs == 1 ? std::max<int64_t>(0, clients - known) : 0;
@@ -117,7 +112,7 @@ std::vector<DetectionRate> DetectionRates(const Listening& listening, const BusP
 
 std::string RateText(const DetectionRate& rate) {
   std::string text = Format("%s: %.1f frames per second; a detector ran on %.1f of them",
-                            Plain(rate.segmenter).c_str(), rate.frames, rate.with_detector);
+                            PrintableText(rate.segmenter).c_str(), rate.frames, rate.with_detector);
   if (rate.with_detector < 0.9 * rate.frames)
     text += "; the others are mapped without detections, which is no evidence against an object";
   return text + "\n";
@@ -143,7 +138,7 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
   std::string losses;
   for (const auto& [name, process] : picture.processes()) {
     for (const auto& [counter, value] : LossesOf(process.last)) {
-      losses += Plain(name + "  " + counter) + "  " + FormatCount(value) + "\n";
+      losses += PrintableText(name + "  " + counter) + "  " + FormatCount(value) + "\n";
     }
   }
   if (!losses.empty())
@@ -157,7 +152,8 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
   text += findings.empty() ? "\nThe bus is healthy.\n"
                            : "\n" + FormatCount(std::ssize(findings), "problem") + " found:\n";
   for (const Finding& finding : findings) {
-    text += "- " + Plain(finding.what) + (finding.todo.empty() ? "" : "; " + finding.todo) + "\n";
+    text += "- " + PrintableText(finding.what) + (finding.todo.empty() ? "" : "; " + finding.todo) +
+            "\n";
   }
   return text;
 }

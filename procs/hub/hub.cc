@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/format.h"
+#include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/status.h"
@@ -297,10 +298,9 @@ void Hub::Count(const Client& client, const RoutedMessage& message, MessageQueue
       ++counters_.dropped;
       counters_.dropped_by_channel.Add(message.channel);
       counters_.dropped_by_client.Add(client.name);
-      LogWarningRateLimited("slow " + client.name, client.name + " is too slow: its queue of " +
-                                                       FormatBytes(queue_bytes_) +
-                                                       " is full, so a message of " +
-                                                       message.channel + " was dropped");
+      LogWarningRateLimited("slow", client.name + " is too slow: its queue of " +
+                                        FormatBytes(queue_bytes_) + " is full, so a message of " +
+                                        message.channel + " was dropped");
   }
 }
 
@@ -366,7 +366,7 @@ void Hub::PublishStatus() {
   message.seq = status_seq_++;
   message.source = name_;
   message.state = StateName(ProcessState::kRunning);
-  message.message = StatusSentence();
+  message.message = PrintableText(StatusSentence());
   AddCounter(&message, "clients", client_count());
   AddCounter(&message, "clients_accepted", counters_.clients_accepted);
   AddCounter(&message, "clients_cut_off", counters_.clients_cut_off);

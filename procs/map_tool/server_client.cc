@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "base/format.h"
+#include "base/printable.h"
 #include "runtime/clock.h"
 
 namespace vismap {
@@ -32,6 +33,7 @@ Result<map_reply_t> SendRequest(Bus& bus, map_request_t request, double timeout)
                 FormatDuration(timeout) + " on " + bus.url() +
                 "; check with vismap-doctor that vismap-map-server is running on this bus");
   }
+  answer->message = PrintableText(answer->message);
   if (!answer->ok)
     return Fail("the server rejected the request '" + request.verb + "': " + answer->message);
   return *answer;

@@ -3,16 +3,55 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 
 namespace vismap {
 namespace {
 
-constexpr size_t kRememberedReplies = 64;
-constexpr size_t kLargestRemembered = kMegabyte;  // of a payload [bytes]
+constexpr size_t kRememberedReplies = 1000, kRememberedBytes = 32 * kMegabyte;
+constexpr size_t kLargestRemembered = kMegabyte;   // of a reply [bytes]
+constexpr size_t kMaxSource = 200, kMaxVerb = 50;  // of texts that are repeated in replies [bytes]
+// Without other messages for so long, requests are carried out without a pause [s].
+constexpr double kIdle = 0.5;
+constexpr double kPausePerSecond = 4;  // after a request, per second that it took
+constexpr double kServePeriod = 0.02;  // between two looks at the waiting requests [s]
+
+size_t SizeOf(const map_reply_t& reply) {
+  return reply.payload.size() + reply.message.size() + reply.requester.size() + 200;
+}
 
 }  // namespace
+
+bool WaitingRequests::Add(map_request_t request) {
+  auto of_source = std::find_if(by_source_.begin(), by_source_.end(), [&](const auto& requests) {
+    return requests.front().source == request.source;
+  });
+  if (of_source != by_source_.end()) {
+    const bool known = std::any_of(of_source->begin(), of_source->end(), [&](const auto& other) {
+      return other.request_id == request.request_id;
+    });
+    if (known) return true;
+    if (of_source->size() >= kMostOfSource) return false;
+  }
+  if (size_ >= kMost) return false;
+  if (of_source == by_source_.end()) of_source = by_source_.emplace(by_source_.end());
+  of_source->push_back(std::move(request));
+  ++size_;
+  return true;
+}
+
+std::optional<map_request_t> WaitingRequests::Next() {
+  if (by_source_.empty()) return std::nullopt;
+  std::deque<map_request_t> requests = std::move(by_source_.front());
+  by_source_.pop_front();
+  map_request_t next = std::move(requests.front());
+  requests.pop_front();
+  if (!requests.empty()) by_source_.push_back(std::move(requests));
+  --size_;
+  return next;
+}
 
 RequestReceiver ReceiverOf(const std::string& verb) {
   return verb.starts_with("octomap") ? RequestReceiver::kOctomapExporter
@@ -21,20 +60,49 @@ RequestReceiver ReceiverOf(const std::string& verb) {
 
 RequestServer::RequestServer(RequestReceiver receiver, Position position, Bus* bus, Status* status)
     : receiver_(receiver), position_(std::move(position)), bus_(bus), status_(status) {
-  bus_->Subscribe<map_request_t>(kMapRequestChannel,
-                                 [this](const map_request_t& request) { OnRequest(request); });
+  bus_->Subscribe<map_request_t>(
+      kMapRequestChannel, [this](const map_request_t& request) { return OnRequest(request); },
+      Delivery::kUrgent);
+  bus_->Every(kServePeriod, [this] { ServeNextIfDue(); });
 }
 
 void RequestServer::Handle(const std::string& verb, Handler handler) {
   handlers_[verb] = std::move(handler);
 }
 
-void RequestServer::OnRequest(const map_request_t& request) {
-  if (RepeatReply(request) || !IsForUs(request)) return;
+Result<void> RequestServer::OnRequest(const map_request_t& request) {
+  if (request.source.size() > kMaxSource) {
+    return Fail("the source of a request has " + std::to_string(request.source.size()) +
+                " characters; expected at most " + std::to_string(kMaxSource));
+  }
+  if (!IsForUs(request)) return {};
+  if (!waiting_.Add(request)) {
+    status_->Count("requests_not_taken");
+    LogWarningRateLimited("requests",
+                          "too many requests wait; one of " + request.source + " was not taken");
+  }
+  ServeNextIfDue();
+  return {};
+}
+
+void RequestServer::ServeNextIfDue() {
+  const double start = MonotonicSeconds();
+  if (waiting_.size() > 0 && (start >= next_due_ || bus_->SecondsWithoutWork() > kIdle)) {
+    Serve(*waiting_.Next());
+    const double end = MonotonicSeconds();
+    next_due_ = end + kPausePerSecond * (end - start);
+  }
+  status_->SetCounter("requests_waiting", static_cast<int64_t>(waiting_.size()));
+}
+
+void RequestServer::Serve(const map_request_t& request) {
+  if (RepeatReply(request)) return;
   map_reply_t reply = MakeReply(request, CarryOut(request));
   status_->Count(reply.ok ? "requests_done" : "requests_refused");
-  if (!reply.ok)
-    LogWarning("request '" + request.verb + "' of " + request.source + ": " + reply.message);
+  if (!reply.ok) {
+    LogWarningRateLimited("refused", "request '" + PrintableText(request.verb, kMaxVerb) + "' of " +
+                                         request.source + ": " + reply.message);
+  }
   bus_->Publish(kMapReplyChannel, reply);
   Remember(std::move(reply));
 }
@@ -57,7 +125,8 @@ bool RequestServer::IsForUs(const map_request_t& request) const {
 Result<Answer> RequestServer::CarryOut(const map_request_t& request) const {
   const auto handler = handlers_.find(request.verb);
   if (handler == handlers_.end())
-    return Fail("unknown request '" + request.verb + "'; known are " + KnownVerbs());
+    return Fail("unknown request '" + PrintableText(request.verb, kMaxVerb) + "'; known are " +
+                KnownVerbs());
   return handler->second(request);
 }
 
@@ -78,10 +147,10 @@ map_reply_t RequestServer::MakeReply(const map_request_t& request, Result<Answer
   reply.map_id = position.map_id;
   reply.revision = position.revision;
   if (!answer) {
-    reply.message = answer.error().message;
+    reply.message = PrintableText(answer.error().message);
     return reply;
   }
-  reply.message = std::move(answer->message);
+  reply.message = PrintableText(answer->message);
   reply.encoding = std::move(answer->encoding);
   reply.payload = std::move(answer->payload);
   reply.payload_size = static_cast<int32_t>(reply.payload.size());
@@ -89,8 +158,13 @@ map_reply_t RequestServer::MakeReply(const map_request_t& request, Result<Answer
 }
 
 void RequestServer::Remember(map_reply_t reply) {
-  if (reply.payload.size() < kLargestRemembered) remembered_.push_back(std::move(reply));
-  if (remembered_.size() > kRememberedReplies) remembered_.pop_front();
+  if (SizeOf(reply) > kLargestRemembered) return;
+  remembered_bytes_ += SizeOf(reply);
+  remembered_.push_back(std::move(reply));
+  while (remembered_.size() > kRememberedReplies || remembered_bytes_ > kRememberedBytes) {
+    remembered_bytes_ -= SizeOf(remembered_.front());
+    remembered_.pop_front();
+  }
 }
 
 }  // namespace vismap

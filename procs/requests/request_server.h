@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 #include <vismap/map_reply_t.hpp>
@@ -28,9 +29,34 @@ struct Answer {
 enum class RequestReceiver { kMapServer, kOctomapExporter };
 RequestReceiver ReceiverOf(const std::string& verb);
 
+/// The requests that wait to be carried out. Those of one source wait in the order of their
+/// arrival; the sources take turns, so that one with many requests does not keep the others
+/// waiting.
+class WaitingRequests {
+ public:
+  static constexpr size_t kMostOfSource = 8, kMost = 64;
+
+  /// Returns false when there is no room for the request. One that waits already is not added
+  /// again.
+  bool Add(map_request_t request);
+  /// Removes and returns the request whose turn it is; nullopt = none waits.
+  std::optional<map_request_t> Next();
+  size_t size() const { return size_; }
+
+ private:
+  // The source whose turn it is comes first. No source is without requests.
+  std::deque<std::deque<map_request_t>> by_source_;
+  size_t size_ = 0;
+};
+
 /// Answers every MAP_REQUEST to one program with one MAP_REPLY. A request that comes again (same
 /// source and id) is not carried out twice but gets the same reply. Requests for another map are
 /// left to the server of that map.
+///
+/// Requests do not wait for the messages of other channels. While those come, requests take at most
+/// a fifth of the time: after one that took a second, the next is carried out four seconds later.
+/// One for which there is no room (see WaitingRequests) is counted and not answered; its sender
+/// repeats it.
 class RequestServer {
  public:
   /// Carries out a request. An Error is the reason why it cannot be carried out.
@@ -47,7 +73,9 @@ class RequestServer {
   void Handle(const std::string& verb, Handler handler);
 
  private:
-  void OnRequest(const map_request_t& request);
+  Result<void> OnRequest(const map_request_t& request);
+  void ServeNextIfDue();
+  void Serve(const map_request_t& request);
   bool RepeatReply(const map_request_t& request);
   bool IsForUs(const map_request_t& request) const;
   Result<Answer> CarryOut(const map_request_t& request) const;
@@ -60,7 +88,10 @@ class RequestServer {
   Bus* bus_;
   Status* status_;
   std::map<std::string, Handler> handlers_;  // by verb
-  std::deque<map_reply_t> remembered_;       // the newest replies, without very large ones
+  WaitingRequests waiting_;
+  double next_due_ = 0;                 // of a request, while other messages come, MonotonicSeconds
+  std::deque<map_reply_t> remembered_;  // the newest replies, without very large ones
+  size_t remembered_bytes_ = 0;
 };
 
 }  // namespace vismap

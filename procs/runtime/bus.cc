@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kRejoinPeriod = 0.25;  // [s]
 constexpr double kRound = 0.02;         // longest time for messages before timers run [s]
-constexpr size_t kMaxTrackedSources = 1024;
+constexpr double kUrgentRound = 0.005;  // longest time for urgent messages between two others [s]
+constexpr size_t kMaxTrackedSources = 1024, kMaxTrackedName = 256;
 constexpr int64_t kLargestGap = 1'000'000'000;  // a larger one is not a loss, see TrackSequence
 
 }  // namespace
@@ -61,11 +62,38 @@ Result<void> Bus::Join() {
       url_.provider == "tcpq" ? OpenTcpqTransport(url_.hub, options_.stop) : OpenLcmTransport(url_);
   if (!joined) return tl::unexpected(joined.error());
   transport_ = std::move(*joined);
+  urgent_.reset();
+  JoinUrgent();
   for (const std::unique_ptr<Route>& route : routes_) {
-    if (route->counts) transport_->Subscribe(route->channel.name);
+    if (route->counts && !IsUrgent(*route)) transport_->Subscribe(route->channel.name);
   }
   if (!connected()) return Fail("the hub closed the connection");
   return {};
+}
+
+// Without a hub, one connection serves all channels.
+bool Bus::IsUrgent(const Route& route) const {
+  return route.delivery == Delivery::kUrgent && url_.provider == "tcpq";
+}
+
+bool Bus::HasUrgentRoutes() const {
+  return std::any_of(routes_.begin(), routes_.end(),
+                     [this](const auto& route) { return IsUrgent(*route); });
+}
+
+// Opens the connection for urgent channels. It may end without the other one, since a hub cuts it
+// off when too many messages wait on it; later calls open it again.
+void Bus::JoinUrgent() {
+  const bool joined = urgent_ != nullptr && urgent_->connected();
+  const double now = MonotonicSeconds();
+  if (joined || !HasUrgentRoutes() || now < next_urgent_attempt_) return;
+  next_urgent_attempt_ = now + kRejoinPeriod;
+  auto opened = OpenTcpqTransport(url_.hub, options_.stop);
+  if (!opened) return;
+  urgent_ = std::move(*opened);
+  for (const std::unique_ptr<Route>& route : routes_) {
+    if (route->counts && IsUrgent(*route)) urgent_->Subscribe(route->channel.name);
+  }
 }
 
 bool Bus::connected() const { return transport_ != nullptr && transport_->connected(); }
@@ -73,8 +101,10 @@ bool Bus::connected() const { return transport_ != nullptr && transport_->connec
 void Bus::Rejoin() {
   const double now = MonotonicSeconds();
   if (now < next_attempt_) return;
-  if (transport_ != nullptr)
-    LogWarning("the connection to the hub at " + url_.text + " was lost; trying to connect again");
+  if (transport_ != nullptr) {
+    LogWarningRateLimited("connection", "the connection to the hub at " + url_.text +
+                                            " was lost; trying to connect again");
+  }
   next_attempt_ = now + kRejoinPeriod;
   if (Join()) {
     ++reconnects_;
@@ -87,8 +117,13 @@ void Bus::AddRoute(std::unique_ptr<Route> route) {
   route->counts = std::none_of(routes_.begin(), routes_.end(),
                                [&](const auto& r) { return r->channel.name == name; });
   counters_[name];
-  if (route->counts && connected()) transport_->Subscribe(name);
+  const bool urgent = IsUrgent(*route);
   routes_.push_back(std::move(route));
+  if (!connected() || !routes_.back()->counts) return;
+  if (!urgent) return transport_->Subscribe(name);
+  urgent_.reset();  // it is opened for all urgent channels
+  next_urgent_attempt_ = 0;
+  JoinUrgent();
 }
 
 void Bus::Dispatch(const std::string& channel, std::span<const uint8_t> bytes) {
@@ -103,6 +138,7 @@ void Bus::Dispatch(const std::string& channel, std::span<const uint8_t> bytes) {
 }
 
 void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
+  if (route.delivery != Delivery::kUrgent) last_work_ = MonotonicSeconds();
   if (route.counts) {
     ChannelCounters& counters = counters_[route.channel.name];
     ++counters.received;
@@ -111,7 +147,7 @@ void Bus::Receive(Route& route, std::span<const uint8_t> bytes) {
     // not read at all.
     if (bytes.size() <= route.channel.max_bytes) TrackSequence(route, bytes);
   }
-  if (route.delivery == Delivery::kEvery || bytes.size() > route.channel.max_bytes)
+  if (route.delivery != Delivery::kLatest || bytes.size() > route.channel.max_bytes)
     return Deliver(route, bytes);
   if (route.has_newest && route.counts) ++counters_[route.channel.name].superseded;
   route.newest.assign(bytes.begin(), bytes.end());
@@ -122,6 +158,7 @@ void Bus::TrackSequence(Route& route, std::span<const uint8_t> bytes) {
   const std::optional<MessageHead> head = PeekHead(bytes);
   // Not a message of this type: the handler will reject it.
   if (!head || head->fingerprint != route.fingerprint || head->seq < 0) return;
+  if (head->source.size() > kMaxTrackedName) return;
   if (route.last_seq.size() >= kMaxTrackedSources && !route.last_seq.contains(head->source)) return;
   const auto [entry, first] = route.last_seq.try_emplace(head->source, head->seq);
   // A smaller number means that the source was restarted. A gap above kLargestGap cannot come from
@@ -182,17 +219,26 @@ double Bus::RunTimers() {
   return std::max(wait, 0.0);
 }
 
-bool Bus::HandleWaiting() {
-  const double end = MonotonicSeconds() + kRound;
+// Handles a message that has arrived. Returns false when there is none.
+bool Bus::HandleOne(Transport* transport) {
   const Transport::Sink sink = [this](const std::string& channel, std::span<const uint8_t> bytes) {
     Dispatch(channel, bytes);
   };
-  bool any = false;
+  if (transport == nullptr || stop_requested() || !transport->Receive(sink)) return false;
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+  return true;
+}
+
+bool Bus::HandleWaiting() {
+  const double end = MonotonicSeconds() + kRound;
+  bool any = false, more = true;
   // Messages that were read before the connection ended are handled, too.
-  while (transport_ != nullptr && !stop_requested() && transport_->Receive(sink)) {
-    any = true;
-    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
-    if (MonotonicSeconds() > end) break;
+  while (more && MonotonicSeconds() < end) {
+    more = false;
+    const double urgent_end = MonotonicSeconds() + kUrgentRound;
+    while (MonotonicSeconds() < urgent_end && HandleOne(urgent_.get())) more = true;
+    if (HandleOne(transport_.get())) more = true;
+    any = any || more;
   }
   DeliverNewest();
   return any;
@@ -207,17 +253,32 @@ void Bus::DeliverNewest() {
   }
 }
 
+double Bus::SecondsWithoutWork() const {
+  if (transport_ == nullptr) return MonotonicSeconds() - last_work_;
+  pollfd waiting{transport_->fd(), POLLIN, 0};
+  if (transport_->pending() || poll(&waiting, 1, 0) > 0) return 0;
+  return MonotonicSeconds() - last_work_;
+}
+
 bool Bus::Spin(double timeout) {
   double wait = std::min(timeout, RunTimers());
-  const bool pending = transport_ != nullptr && transport_->pending();
+  const auto has_pending = [](const auto& transport) {
+    return transport != nullptr && transport->pending();
+  };
+  const bool pending = has_pending(transport_) || has_pending(urgent_);
   if (!connected() && !pending) {
     Rejoin();
     wait = std::min(wait, kRejoinPeriod);
   }
-  pollfd waiting[2] = {{options_.stop != nullptr ? options_.stop->fd() : -1, POLLIN, 0},
-                       {connected() ? transport_->fd() : -1, POLLIN, 0}};
-  poll(waiting, 2, pending ? 0 : static_cast<int>(std::ceil(wait * 1000)));
-  return (pending || waiting[1].revents != 0) && HandleWaiting();
+  if (connected()) JoinUrgent();
+  const auto fd_of = [](const auto& transport) {
+    return transport != nullptr && transport->connected() ? transport->fd() : -1;
+  };
+  pollfd waiting[3] = {{options_.stop != nullptr ? options_.stop->fd() : -1, POLLIN, 0},
+                       {fd_of(transport_), POLLIN, 0},
+                       {fd_of(urgent_), POLLIN, 0}};
+  poll(waiting, 3, pending ? 0 : static_cast<int>(std::ceil(wait * 1000)));
+  return (pending || waiting[1].revents != 0 || waiting[2].revents != 0) && HandleWaiting();
 }
 
 bool Bus::Run(const std::function<bool()>& finished) {

@@ -32,6 +32,9 @@ struct BusOptions {
 enum class Delivery {
   kEvery,   ///< every message, in order; the hub queues the waiting ones
   kLatest,  ///< only the newest message, for viewers
+  kUrgent,  ///< every message, also while many of other channels wait: on a hub, these channels
+            ///< have a connection of their own, which is read between any two messages of the
+            ///< others
 };
 
 /// Totals of one channel since the process started.
@@ -90,6 +93,10 @@ class Bus {
 
   bool stop_requested() const { return options_.stop != nullptr && options_.stop->requested(); }
   bool connected() const;
+  /// Number of connections to the hub: 2 with channels that are urgent, else 1.
+  int connections() const { return HasUrgentRoutes() ? 2 : 1; }
+  /// How long no message of a channel that is not urgent has been handled [s]; 0 while one waits.
+  double SecondsWithoutWork() const;
   const std::string& source() const { return options_.source; }
   const std::string& url() const { return url_.text; }
   const std::map<std::string, ChannelCounters>& counters() const { return counters_; }
@@ -113,6 +120,9 @@ class Bus {
 
   explicit Bus(const BusOptions& options, LcmUrl url);
   Result<void> Join();
+  void JoinUrgent();
+  bool IsUrgent(const Route& route) const;
+  bool HasUrgentRoutes() const;
   Result<void> JoinWithin(double timeout);
   void Rejoin();
   void AddRoute(std::unique_ptr<Route> route);
@@ -121,6 +131,7 @@ class Bus {
   void Deliver(Route& route, std::span<const uint8_t> bytes);
   void TrackSequence(Route& route, std::span<const uint8_t> bytes);
   bool Send(const Channel& channel, const std::vector<uint8_t>& bytes);
+  bool HandleOne(Transport* transport);
   bool HandleWaiting();
   void DeliverNewest();
   double RunTimers();
@@ -128,13 +139,15 @@ class Bus {
   BusOptions options_;
   LcmUrl url_;
   std::unique_ptr<Transport> transport_;  // nullptr or not connected while there is no hub
+  std::unique_ptr<Transport> urgent_;     // for urgent channels; nullptr when there are none
   std::vector<std::unique_ptr<Route>> routes_;
   std::vector<Timer> timers_;
   std::map<std::string, int64_t> next_seq_;
   std::map<std::string, ChannelCounters> counters_;
   std::exception_ptr thrown_;  // exception of a handler; it must not pass through LCM's C code
   int64_t reconnects_ = 0;
-  double next_attempt_ = 0;  // to connect again, MonotonicSeconds
+  double next_attempt_ = 0, next_urgent_attempt_ = 0;  // to connect again, MonotonicSeconds
+  double last_work_ = 0;  // when a message that is not urgent was handled, MonotonicSeconds
 };
 
 template <typename Message, typename Handler>

@@ -24,7 +24,7 @@ Peers::Peers(Bus* bus) {
     peers_[key] = {status.process,     status.state, status.message, status.start_utime,
                    MonotonicSeconds(), status.host,  status.pid};
     if (status.types_fingerprint != TypesFingerprint()) {
-      LogWarningRateLimited("fingerprint " + status.source,
+      LogWarningRateLimited("fingerprint",
                             status.source + " on " + status.host +
                                 " uses other message types (version " + status.version +
                                 ") than this process; they cannot exchange all messages");

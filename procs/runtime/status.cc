@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/status_message.h"
@@ -61,10 +62,11 @@ Status::Status(Bus* bus, std::string process, ServiceManager* service)
 }
 
 void Status::Set(ProcessState state, const std::string& message) {
-  if (state == state_ && message == message_) return;
+  const std::string text = PrintableText(message);
+  if (state == state_ && text == message_) return;
   const bool changed = state != state_;
   state_ = state;
-  message_ = message;
+  message_ = text;
   UpdateServiceManager();
   if (changed) Publish();  // a change of the message alone is published with the next STATUS
 }
@@ -117,6 +119,7 @@ void Status::Publish() {
   for (const auto& [name, value] : counters_) AddCounter(&message, name, value);
   for (const auto& [channel, counters] : bus_->counters()) AddChannel(&message, channel, counters);
   AddCounter(&message, "reconnects", bus_->reconnects());
+  AddCounter(&message, "connections", bus_->connections());
   for (auto& [stage, values] : timings_ms_) {
     if (values.empty()) continue;
     message.timing_names.push_back(stage);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/version.h"
 #include "wire/fingerprint.h"
@@ -21,7 +22,7 @@ process_status_t MakeStatus(const std::string& process, int64_t start_utime) {
 }
 
 void AddCounter(process_status_t* message, const std::string& name, int64_t value) {
-  message->counter_names.push_back(name);
+  message->counter_names.push_back(PrintableText(name, 200));
   message->counter_values.push_back(value);
   message->n_counters = static_cast<int32_t>(message->counter_names.size());
 }

@@ -11,6 +11,7 @@
 #include <vismap/map_delta_t.hpp>
 #include <vismap/mesh_delta_t.hpp>
 
+#include "runtime/clock.h"
 #include "small_frames.h"
 #include "support/temp_folder.h"
 #include "wire/mesh_follower.h"
@@ -64,6 +65,9 @@ class ServerOnABus : public testing::Test {
     request.path = path;
     replies_.clear();
     bus_->Publish(kMapRequestChannel, request);
+    // A request may wait a little for its turn.
+    const double deadline = MonotonicSeconds() + 10;
+    while (replies_.empty() && MonotonicSeconds() < deadline) bus_->Spin(0.01);
     Deliver();
     EXPECT_THAT(replies_, SizeIs(1)) << verb;
     return replies_.empty() ? map_reply_t{} : replies_.back();

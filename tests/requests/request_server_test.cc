@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <vismap/process_status_t.hpp>
+
+#include "runtime/clock.h"
 
 namespace vismap {
 namespace {
@@ -36,7 +39,16 @@ class Requests : public testing::Test {
 
   void Send(const map_request_t& request) {
     bus_->Publish(kMapRequestChannel, request);
-    while (bus_->Spin(0)) {
+    Settle();
+  }
+  /// Handles all messages and lets the requests that wait have their turns.
+  void Settle() {
+    const double deadline = MonotonicSeconds() + 10;
+    do {
+      while (bus_->Spin(0.001)) {
+      }
+    } while (status_.counter("requests_waiting") > 0 && MonotonicSeconds() < deadline);
+    while (bus_->Spin(0.001)) {
     }
   }
 
@@ -88,11 +100,11 @@ TEST_F(Requests, ThatComeAgainGetTheirFirstReplyAgain) {
   EXPECT_EQ(replies_[1].payload, replies_[0].payload);
   Send(Request(2, "count"));
   EXPECT_EQ(carried_out_, 2);
-  for (int64_t id = 3; id < 80; ++id) Send(Request(id, "count"));
-  Send(Request(79, "count"));
-  EXPECT_EQ(carried_out_, 79);
+  for (int64_t id = 3; id < 1020; ++id) Send(Request(id, "count"));
+  Send(Request(1019, "count"));
+  EXPECT_EQ(carried_out_, 1019);
   Send(Request(1, "count"));
-  EXPECT_EQ(carried_out_, 80) << "only so many replies are remembered";
+  EXPECT_EQ(carried_out_, 1020) << "only so many replies are remembered";
 }
 
 TEST_F(Requests, OfOtherSourcesMayHaveTheSameId) {
@@ -101,8 +113,7 @@ TEST_F(Requests, OfOtherSourcesMayHaveTheSameId) {
     request.source = source;
     bus_->PublishAsIs(kMapRequestChannel, request);
   }
-  while (bus_->Spin(0)) {
-  }
+  Settle();
   EXPECT_EQ(carried_out_, 2);
 }
 
@@ -111,6 +122,64 @@ TEST_F(Requests, WithAVeryLargeReplyAreCarriedOutAgain) {
   Send(Request(1, "count"));
   Send(Request(1, "count"));
   EXPECT_EQ(carried_out_, 2);
+}
+
+TEST_F(Requests, AreAnsweredInPrintableTextOfBoundedLength) {
+  Send(Request(1, std::string(60000, '\n') + "fly"));
+  ASSERT_EQ(replies_.size(), 1u);
+  EXPECT_LT(replies_[0].message.size(), 200u);
+  EXPECT_EQ(replies_[0].message.find('\n'), std::string::npos);
+  map_request_t request = Request(2, "fly");
+  request.source = std::string(60000, 'x');
+  bus_->PublishAsIs(kMapRequestChannel, request);
+  Settle();
+  EXPECT_EQ(replies_.size(), 1u) << "and only to sources with a name of usual length";
+  EXPECT_EQ(bus_->counters().at("MAP_REQUEST").rejected, 1);
+}
+
+TEST_F(Requests, TakeAFifthOfTheTimeWhileOtherMessagesCome) {
+  double busy = 0;
+  server_.Handle("slow", [&](const map_request_t&) -> Result<Answer> {
+    const double start = MonotonicSeconds();
+    while (MonotonicSeconds() < start + 0.05) {
+    }
+    busy += MonotonicSeconds() - start;
+    return Answer{"done"};
+  });
+  bus_->Subscribe<process_status_t>(kStatusChannel, [](const process_status_t&) {});
+  const double start = MonotonicSeconds();
+  for (int64_t id = 1; MonotonicSeconds() < start + 2; ++id) {
+    bus_->Publish(kMapRequestChannel, Request(id, "slow"));
+    status_.Publish();
+    bus_->Spin(0.001);
+  }
+  EXPECT_GT(busy, 0.2);
+  EXPECT_LT(busy, 0.6);
+  EXPECT_GT(status_.counter("requests_not_taken"), 0);
+  EXPECT_LE(status_.counter("requests_waiting"), 64);
+}
+
+TEST(WaitingRequestsTest, SourcesTakeTurns) {
+  WaitingRequests waiting;
+  const auto add = [&](const std::string& source, int64_t id) {
+    map_request_t request{};
+    request.source = source;
+    request.request_id = id;
+    return waiting.Add(request);
+  };
+  for (int64_t id = 0; id < 8; ++id) EXPECT_TRUE(add("flood", id));
+  EXPECT_FALSE(add("flood", 8)) << "there is no room for more of one source";
+  EXPECT_TRUE(add("flood", 3)) << "it waits already";
+  EXPECT_TRUE(add("viewer", 1));
+  EXPECT_EQ(waiting.size(), 9u);
+  EXPECT_EQ(waiting.Next()->source, "flood");
+  EXPECT_EQ(waiting.Next()->source, "viewer");
+  EXPECT_EQ(waiting.Next()->request_id, 1);
+  while (waiting.Next()) {
+  }
+  EXPECT_EQ(waiting.size(), 0u);
+  for (int i = 0; i < 64; ++i) EXPECT_TRUE(add("source " + std::to_string(i), 1));
+  EXPECT_FALSE(add("one more", 1));
 }
 
 TEST_F(Requests, ForOtherMapsAndOtherProgramsAreLeftToThem) {
