@@ -1,6 +1,7 @@
 #include "geometry/surface_options.h"
 
 #include "base/option_check.h"
+#include "geometry/hole_kernels.h"
 
 namespace vismap {
 std::vector<std::string> Validate(const DepthNoiseModel& model) {
@@ -18,6 +19,7 @@ std::vector<std::string> Validate(const SurfaceOptions& options) {
   VISMAP_CHECK_RANGE(check, options.min_depth_m, 0.001, 1000);
   check.Unless(options.max_depth_m >= options.min_depth_m && options.max_depth_m <= 1000,
                "max_depth_m must be in [min_depth_m, 1000]");
+  VISMAP_CHECK_RANGE(check, options.max_hole_px, 0, kMaxHolePx);
   VISMAP_CHECK_RANGE(check, options.normal_sigma_deg, 0.1, 45);
   check.Unless(options.min_radius_px >= 1 && options.min_radius_px <= options.max_radius_px,
                "min_radius_px must be in [1, max_radius_px]");

@@ -27,6 +27,9 @@ struct SurfaceOptions {
   DepthNoiseModel noise = KinectNoise();
   double min_depth_m = 0.1;  ///< nearer depth is no return [m]
   double max_depth_m = 10;   ///< farther depth is no return [m]
+  /// Holes of at most this width along a row or a column are filled before anything else is made of
+  /// the depth, where no depth jump can lie in them [px], see FillHoles; 0 = none.
+  int max_hole_px = 4;
 
   // kInverseDepthFit
   /// Wanted standard deviation of the normals: the window grows with the noise to reach it [deg].

@@ -5,9 +5,10 @@
 
 namespace vismap {
 
-/// The whole stage: removes things that move (LeaveOut), computes the surface, segments it and
-/// matches the segments with the detections. `detections` = nullptr: no detector processed this
-/// frame. The depth of the result is NaN where things were removed.
+/// The whole stage: removes things that move (LeaveOut), fills small holes of the depth
+/// (FillHoles), computes the surface, segments it and matches the segments with the detections.
+/// `detections` = nullptr: no detector processed this frame. The depth of the result is NaN where
+/// things were removed, and has the holes filled.
 SegmentedFrame SegmentFrame(RgbdFrame frame, const DetectionSet* detections,
                             const SegmentationStageOptions& options);
 

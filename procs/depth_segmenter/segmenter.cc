@@ -9,6 +9,7 @@
 #include "base/format.h"
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
+#include "segmentation/leave_out.h"
 #include "segmentation/segment_frame.h"
 #include "wire/detections.h"
 #include "wire/rgbd_frame.h"
@@ -31,8 +32,7 @@ bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
          a.color == b.color;
 }
 
-/// The message of a frame with depth 0 at the pixels that segmentation has left out (NaN in
-/// `kept`).
+/// The message of a frame with depth 0 at the pixels that were left out (NaN in `kept`).
 rgbd_frame_t WithoutLeftOut(const rgbd_frame_t& message, SensorFrame sensor,
                             const Image<float>& kept) {
   bool changed = false;
@@ -185,12 +185,11 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
     }
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
-  const SegmentedFrame segmented =
-      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
-  // Without classes to leave out, segmentation keeps the depth image.
-  if (!detections || stage_.refine.leave_out_classes.empty())
-    return Encode(segmented, joined.frame);
-  return Encode(segmented, WithoutLeftOut(joined.frame, *sensor, segmented.frame.depth));
+  rgbd_frame_t message = joined.frame;
+  if (detections && LeaveOut(*detections, stage_.refine, &*frame) > 0)
+    message = WithoutLeftOut(joined.frame, *sensor, frame->depth);
+  return Encode(SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_),
+                message);
 }
 
 void Segmenter::UpdateStatus() {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "geometry/fill_holes.h"
 #include "runtime/log.h"
 #include "wire/segmented_frame.h"
 
@@ -51,7 +52,7 @@ Result<void> FrameMapper::OnFrame(const segmented_frame_t& message) {
 
 Result<void> FrameMapper::MapMessage(const segmented_frame_t& message) {
   const Result<SegmentedFrame> frame =
-      StageTimings(&status_).Measure("decoding", [&] { return Decode(message); });
+      StageTimings(&status_).Measure("decoding", [&] { return DecodeAndFill(message); });
   if (!frame) {
     Skip(message, frame.error().message);
     return tl::unexpected(frame.error());
@@ -82,6 +83,13 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
   commit.revision = delta.revision;
   commit.digest = DigestFrame(map_.session().map(), association, delta);
   return commit;
+}
+
+// Messages carry the depth as it was measured; the segments were made of the depth without holes.
+Result<SegmentedFrame> FrameMapper::DecodeAndFill(const segmented_frame_t& message) const {
+  Result<SegmentedFrame> frame = Decode(message);
+  if (frame) FillHoles(map_.session().options().holes, &frame->frame.depth);
+  return frame;
 }
 
 // A frame that cannot be used gets a commit, too, so that its source does not wait for it.

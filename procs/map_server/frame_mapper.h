@@ -26,6 +26,7 @@ class FrameMapper {
  private:
   Result<void> OnFrame(const segmented_frame_t& message);
   Result<void> MapMessage(const segmented_frame_t& message);
+  Result<SegmentedFrame> DecodeAndFill(const segmented_frame_t& message) const;
   frame_commit_t MapOrRefuse(const segmented_frame_t& message, const SegmentedFrame& frame);
   void Skip(const segmented_frame_t& message, const std::string& reason);
   void CheckClock(const FrameKey& frame);

@@ -41,8 +41,9 @@ TEST_P(Pipeline, SurfacesAndSegmentsEqualTheNaiveOnes) {
   for (const InputFrame& input : inputs_) {
     SCOPED_TRACE(input.frame.header.frame_number);
     const PinholeCamera& camera = input.frame.header.camera;
-    const SurfaceMap fast = ComputeSurface(input.frame.depth, camera, {});
-    const SurfaceMap slow = naive::ComputeSurface(input.frame.depth, camera, {});
+    const Image<float> depth = naive::FillHoles(input.frame.depth, {});
+    const SurfaceMap fast = ComputeSurface(depth, camera, {});
+    const SurfaceMap slow = naive::ComputeSurface(depth, camera, {});
     naive::ExpectEqualSurfaces(fast, slow);
     EXPECT_TRUE(SegmentDepth(fast, camera, {}).index ==
                 naive::SegmentDepth(fast, camera, {}).index);

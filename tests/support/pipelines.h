@@ -11,6 +11,7 @@
 
 #include "codecs/frame_codec.h"
 #include "geometry/compute_surface.h"
+#include "geometry/fill_holes.h"
 #include "mapping/integrate.h"
 #include "segmentation/refine.h"
 #include "segmentation/segment_depth.h"
@@ -18,6 +19,7 @@
 #include "simulation/sequence.h"
 #include "simulation/synthetic_dataset.h"
 #include "support/naive/associate.h"
+#include "support/naive/fill_holes.h"
 #include "support/naive/integrate.h"
 #include "support/naive/segment_depth.h"
 
@@ -74,6 +76,12 @@ class InputSequence {
   std::unique_ptr<DetectionSource> detections_;
 };
 
+/// A frame as SegmentFrame begins with it when there is nothing to leave out.
+inline RgbdFrame WithFilledHoles(RgbdFrame frame) {
+  FillHoles({}, &frame.depth);
+  return frame;
+}
+
 /// The options that a map is made with by default.
 inline MapSessionOptions DefaultOptions(const VoxelGridOptions& grid) {
   MapSessionOptions options{grid, {}, {}};
@@ -87,9 +95,10 @@ inline SemanticMap MapFast(const std::vector<InputFrame>& inputs, const VoxelGri
   SemanticMap map(grid);
   for (const InputFrame& input : inputs) {
     const PinholeCamera& camera = input.frame.header.camera;
-    const SurfaceMap surface = ComputeSurface(input.frame.depth, camera, {});
+    RgbdFrame filled = WithFilledHoles(input.frame);
+    const SurfaceMap surface = ComputeSurface(filled.depth, camera, {});
     const SegmentedFrame frame = RefineWithDetections(
-        input.frame, SegmentDepth(surface, camera, {}), input.Detections(), {});
+        std::move(filled), SegmentDepth(surface, camera, {}), input.Detections(), {});
     const FrameAssociation association =
         Associate(frame, {map.voxels, map.labels}, options.association);
     IntegrateFrame(frame, association, options.integration, &map);
@@ -105,9 +114,11 @@ inline SemanticMap MapNaively(const std::vector<InputFrame>& inputs, const Voxel
   SemanticMap map(grid);
   for (const InputFrame& input : inputs) {
     const PinholeCamera& camera = input.frame.header.camera;
-    const SurfaceMap surface = ComputeSurface(input.frame.depth, camera, {});
+    RgbdFrame filled = input.frame;
+    filled.depth = naive::FillHoles(input.frame.depth, {});
+    const SurfaceMap surface = ComputeSurface(filled.depth, camera, {});
     const SegmentedFrame frame = RefineWithDetections(
-        input.frame, naive::SegmentDepth(surface, camera, {}), input.Detections(), {});
+        std::move(filled), naive::SegmentDepth(surface, camera, {}), input.Detections(), {});
     const FrameAssociation association =
         naive::Associate(frame, {map.voxels, map.labels}, options.association);
     naive::IntegrateFrame(frame, association, options.integration, &map);

@@ -9,6 +9,7 @@ namespace vismap::testing_support {
 inline SegmentationStageOptions PublishedOptions() {
   SegmentationStageOptions options;
   options.surface.method = NormalMethod::kWindowCovariance;
+  options.surface.max_hole_px = 0;
   options.segmentation.method = SegmentationMethod::kPublished;
   options.refine.min_overlap = 0.8;
   options.refine.max_depth_extent = 0;
