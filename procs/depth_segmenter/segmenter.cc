@@ -186,7 +186,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
   rgbd_frame_t message = joined.frame;
-  if (detections && LeaveOut(*detections, stage_.refine, &*frame) > 0)
+  if (detections && vismap::LeaveOut(*detections, stage_.refine, &*frame) > 0)
     message = WithoutLeftOut(joined.frame, *sensor, frame->depth);
   return Encode(SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_),
                 message);
