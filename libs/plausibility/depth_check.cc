@@ -30,6 +30,13 @@ bool LacksANeighbour(const Image<float>& depth, int v, int u) {
   return false;
 }
 
+std::string HoleCause(double share_beside_holes) {
+  return "the likely cause: " + FormatPercent(share_beside_holes) +
+         " of the pixels with depth lie beside a hole that could not be filled, since it is too "
+         "wide or its sides differ by more than the noise of the sensor (see `surface { "
+         "max_hole_px }` in the config)";
+}
+
 }  // namespace
 
 void DepthCheck::Add(const Image<float>& depth, const SegmentImage* segments) {
@@ -89,11 +96,9 @@ std::optional<std::string> DepthCheck::SegmentFinding() const {
   const double holes = Share(isolated_, segmented_);
   return "only " + FormatPercent(share_in_segments()) +
          " of the pixels with depth lie in segments, so few objects can be found; " +
-         (holes > kManyHoles
-              ? "the likely cause: " + FormatPercent(holes) +
-                    " of the pixels with depth lie beside a hole"
-              : "the likely cause: the depth is noisier than the sensor model says (see `surface "
-                "{ sensor }` in the config), or its unit is wrong");
+         (holes > kManyHoles ? HoleCause(holes)
+                             : "the likely cause: the depth is noisier than the sensor model says "
+                               "(see `surface { sensor }` in the config), or its unit is wrong");
 }
 
 }  // namespace vismap

@@ -58,7 +58,8 @@ Segmenter::Segmenter(const DepthSegmenterOptions& options, const SegmentationSta
       bus_(*context->bus),
       status_(*context->status),
       peers_(context->bus),
-      join_(static_cast<size_t>(options.max_waiting_frames)) {
+      join_(static_cast<size_t>(options.max_waiting_frames)),
+      segment_check_(DepthLimits{stage.surface.min_depth_m, stage.surface.max_depth_m}) {
   bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                [this](const rgbd_frame_t& message) { return OnFrame(message); });
   if (options_.detections != WaitForDetections::kNone) {
@@ -188,8 +189,21 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   rgbd_frame_t message = joined.frame;
   if (detections && vismap::LeaveOut(*detections, stage_.refine, &*frame) > 0)
     message = WithoutLeftOut(joined.frame, *sensor, frame->depth);
-  return Encode(SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_),
-                message);
+  const SegmentedFrame segmented =
+      SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
+  CheckSegments(segmented);
+  return Encode(segmented, message);
+}
+
+// Looks at every 4th frame, since that takes time, and forgets what is old.
+void Segmenter::CheckSegments(const SegmentedFrame& frame) {
+  constexpr int64_t kStride = 4, kFewest = 2, kMost = 64;
+  if (status_.counter("frames") % kStride != 0) return;
+  segment_check_.Add(frame);
+  if (segment_check_.frames() < kFewest) return;
+  status_.SetFinding("segments", segment_check_.SegmentFinding());
+  if (segment_check_.frames() == kMost)
+    segment_check_ = DepthCheck({stage_.surface.min_depth_m, stage_.surface.max_depth_m});
 }
 
 void Segmenter::UpdateStatus() {

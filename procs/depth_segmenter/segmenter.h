@@ -11,6 +11,7 @@
 #include "config/process_options.h"
 #include "depth_segmenter/frame_detection_join.h"
 #include "geometry/frame.h"
+#include "plausibility/depth_check.h"
 #include "runtime/main.h"
 #include "runtime/peers.h"
 #include "segmentation/segmentation_options.h"
@@ -18,7 +19,8 @@
 namespace vismap {
 
 /// Segments frames: computes one SEGMENTED_FRAME from every RGBD_FRAME and its DETECTIONS, in the
-/// order of the frames. For a frame that is sent again it publishes the same result again.
+/// order of the frames. For a frame that is sent again it publishes the same result again. STATUS
+/// tells when hardly any depth lies in segments.
 class Segmenter {
  public:
   /// Subscribes to RGBD_FRAME and DETECTIONS. `context` must outlive the object.
@@ -38,6 +40,7 @@ class Segmenter {
   void UpdateStatus();
   void LeaveOut(const std::string& reason);
   void TellCamera(const FrameHeader& header, const std::string& source);
+  void CheckSegments(const SegmentedFrame& frame);
 
   DepthSegmenterOptions options_;
   SegmentationStageOptions stage_;
@@ -55,6 +58,7 @@ class Segmenter {
   std::set<CameraId> cameras_;  // whose intrinsics were logged
   ReasonCounts left_out_;       // frames that cannot be used
   ReasonCounts without_color_;  // frames whose colour cannot be decoded
+  DepthCheck segment_check_;    // of the latest frames, see CheckSegments
 };
 
 }  // namespace vismap

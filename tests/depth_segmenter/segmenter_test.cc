@@ -1,0 +1,83 @@
+#include "depth_segmenter/segmenter.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "support/messages.h"
+#include "wire/rgbd_frame.h"
+#include "wire/segmented_frame.h"
+
+// A whole depth segmenter, on a bus of its own.
+
+namespace vismap {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A wall with every third row and column missing.
+SensorFrame WallWithHoles(int64_t utime) {
+  SensorFrame frame = SmallSensorFrame(utime);
+  for (int v = 0; v < frame.depth.height(); ++v) {
+    for (int u = 0; u < frame.depth.width(); ++u)
+      frame.depth(v, u) = v % 3 == 0 || u % 3 == 0 ? 0 : 1500;
+  }
+  return frame;
+}
+
+class SegmenterOnABus : public testing::Test {
+ protected:
+  SegmenterOnABus() {
+    bus_->Subscribe<segmented_frame_t>(
+        kSegmentedFrameChannel,
+        [this](const segmented_frame_t& message) { answers_.push_back(message); });
+    options_.detections = WaitForDetections::kNone;
+  }
+
+  void SendFrames(int count) {
+    Segmenter segmenter(options_, stage_, &context_);
+    for (int i = 1; i <= count; ++i) {
+      bus_->Publish(kRgbdFrameChannel, Encode(WallWithHoles(1000 * i)));
+      while (bus_->Spin(0)) {
+      }
+    }
+  }
+
+  std::unique_ptr<Bus> bus_ = std::move(*Bus::Open({"memq://", "test"}));
+  Status status_{bus_.get(), "depth-segmenter"};
+  CommonOptions common_;
+  StopSignal stop_;
+  ServiceManager service_;
+  ProcessContext context_{common_, stop_, service_, bus_.get(), &status_};
+  DepthSegmenterOptions options_;
+  SegmentationStageOptions stage_;
+  std::vector<segmented_frame_t> answers_;
+};
+
+TEST_F(SegmenterOnABus, FillsHolesForItselfAndPassesOnTheMeasuredDepth) {
+  SendFrames(8);
+  ASSERT_EQ(answers_.size(), 8u);
+  const rgbd_frame_t sent = Encode(WallWithHoles(1000));
+  EXPECT_EQ(answers_[0].frame.depth, sent.depth);
+  const Result<SegmentedFrame> frame = Decode(answers_[0]);
+  ASSERT_TRUE(frame) << frame.error().message;
+  ASSERT_EQ(frame->segments.size(), 1u);
+  // The first row and column, and the last column, are holes at the border of the image.
+  EXPECT_EQ(frame->segments[0].pixels, 62 * 47);
+  EXPECT_THAT(status_.findings(), IsEmpty());
+}
+
+TEST_F(SegmenterOnABus, TellsThatHardlyAnyDepthLiesInSegmentsAndWhy) {
+  stage_.surface.max_hole_px = 0;
+  SendFrames(8);
+  EXPECT_THAT(status_.findings(),
+              ElementsAre(AllOf(HasSubstr("only 0 % of the pixels with depth lie in segments"),
+                                HasSubstr("beside a hole"), HasSubstr("max_hole_px"))));
+}
+
+}  // namespace
+}  // namespace vismap
