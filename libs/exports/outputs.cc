@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdio>
+#include <fstream>
+#include <regex>
 #include <set>
 #include <system_error>
 
@@ -18,14 +20,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Removes the meshes of an earlier run, so that the folder has only the objects of this map.
+// Whether a file has the name of an object's mesh, see ObjectFileName, and is one that vismap
+// wrote.
+bool IsObjectMesh(const fs::path& path) {
+  static const std::regex name("(instance_[0-9]+(_[A-Za-z0-9_-]*)?|segment_[0-9]+)\\.ply");
+  std::error_code error;
+  if (!std::regex_match(path.filename().string(), name)) return false;
+  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
+  std::ifstream file(path, std::ios::binary);
+  return StartsLikeOurPly(file);
+}
+
+// Removes the meshes of an earlier run, so that the folder has only the objects of this map. Files
+// that vismap did not write stay.
 Result<void> RemoveStaleMeshes(const fs::path& folder, const std::set<std::string>& current) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool ours =
-        (name.starts_with("instance_") || name.starts_with("segment_")) && name.ends_with(".ply");
-    if (ours && !current.contains(name)) fs::remove(entry.path(), error);
+    if (!current.contains(name) && IsObjectMesh(entry.path())) fs::remove(entry.path(), error);
     if (error) break;
   }
   if (error) return Fail("cannot clean the folder " + folder.string() + ": " + error.message());

@@ -46,8 +46,8 @@ Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& opti
 std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products);
 
 /// Writes one PLY file per object that has a surface and is not structure into `folder`, which is
-/// created. Removes the object files of an earlier run. Returns the number of files. Fails with the
-/// name of a file or folder that cannot be written.
+/// created. Removes the object meshes of an earlier run, and no other file. Returns the number of
+/// files. Fails with the name of a file or folder that cannot be written.
 Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,
                               const std::filesystem::path& folder);
 

@@ -26,9 +26,12 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+constexpr const char* kFirstLine = "ply";
+constexpr const char* kLabelLine = "property uint segment";
+
 std::string Header(const Mesh& mesh, const PlyInfo& info) {
   std::ostringstream header;
-  header << "ply\nformat binary_little_endian 1.0\n";
+  header << kFirstLine << "\nformat binary_little_endian 1.0\n";
   if (!info.map_id.empty()) header << "comment map_id " << OneLine(info.map_id) << '\n';
   for (const auto& [class_id, name] : info.class_names) {
     header << "comment class " << Raw(class_id) << ' ' << OneLine(name) << '\n';
@@ -38,7 +41,7 @@ std::string Header(const Mesh& mesh, const PlyInfo& info) {
     header << "property float " << name << '\n';
   }
   for (const char* name : {"red", "green", "blue"}) header << "property uchar " << name << '\n';
-  header << "property uint segment\nproperty uint instance\nproperty ushort class\n"
+  header << kLabelLine << "\nproperty uint instance\nproperty ushort class\n"
          << "element face " << mesh.triangles.size() << '\n'
          << "property list uchar int vertex_indices\nend_header\n";
   return header.str();
@@ -69,6 +72,16 @@ std::vector<uint8_t> EncodePly(const Mesh& mesh, const PlyInfo& info) {
 
 Result<void> WritePly(const std::filesystem::path& path, const Mesh& mesh, const PlyInfo& info) {
   return WriteFileAtomically(path, EncodePly(mesh, info));
+}
+
+bool StartsLikeOurPly(std::istream& file) {
+  std::string line;
+  if (!std::getline(file, line) || line != kFirstLine) return false;
+  constexpr int kMostLines = 70000;  // a comment for each class, and some more
+  for (int i = 0; i < kMostLines && std::getline(file, line) && line != "end_header"; ++i) {
+    if (line == kLabelLine) return true;
+  }
+  return false;
 }
 
 Result<PlyFile> ReadPly(const std::filesystem::path& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <istream>
 #include <map>
 #include <span>
 #include <string>
@@ -38,6 +39,9 @@ Result<PlyFile> DecodePly(std::span<const uint8_t> bytes, const std::string& nam
 
 /// Writes EncodePly to a file (see WriteFileAtomically).
 Result<void> WritePly(const std::filesystem::path& path, const Mesh& mesh, const PlyInfo& info);
+
+/// Whether a file begins as EncodePly begins one: its header has the properties in our order.
+bool StartsLikeOurPly(std::istream& file);
 
 /// Reads a PLY file (see DecodePly). Fails with the name of the file.
 Result<PlyFile> ReadPly(const std::filesystem::path& path);

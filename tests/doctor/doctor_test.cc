@@ -258,6 +258,19 @@ TEST(Doctor, StrangerWithTheNameOfTheServerDoesNotHideIt) {
                                                HasSubstr("pid 666"), HasSubstr("pid 42"))));
 }
 
+TEST(Doctor, RepeatsWhatARunningProcessSaysIsWrong) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t exporter = scene.Status("octomap-exporter");
+  exporter.message = "there is no octree of the map";
+  scene.PublishesStatus(exporter);
+  process_status_t replay = scene.Status("sensor-replay");
+  replay.message = "waiting for MAP_COMMIT";
+  scene.PublishesStatus(replay);
+  EXPECT_THAT(scene.Findings(),
+              ElementsAre(HasSubstr("octomap-exporter on robot: there is no octree of the map")));
+}
+
 TEST(Doctor, ReportContainsNoControlCharactersFromTheBus) {
   Scene scene;
   process_status_t hostile = scene.Status("x\033[2Jy");
