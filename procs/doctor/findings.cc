@@ -131,13 +131,14 @@ class Diagnosis {
     Losses(who, process);
   }
 
-  // A process says in its STATUS what people should know. A replay waits for commits all the time.
   void State(const std::string& who, const process_status_t& status) {
     const bool told = status.message.empty() ||
                       (status.process == "depth-segmenter" && !Flows(kDetectionsChannel) &&
                        !Flows(kSegmentedFrameChannel) && SegmenterWaits());
-    const bool usual = status.process == "sensor-replay" && status.state == "running";
-    if (!told && !usual && status.state != "stopping") Add(who + ": " + status.message, "");
+    if (told) return;
+    if (status.state == "waiting" || status.state == "starting" || status.process == "hub") {
+      Add(who + ": " + status.message, "");
+    }
   }
 
   // Messages that a process has lost, dropped, rejected or could not send while the bus was

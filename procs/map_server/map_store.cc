@@ -71,7 +71,9 @@ void MapStore::SaveIfDue(const MapSession& session) {
   }
   save_pacer_.RunIfDue([&] {
     const Result<std::string> saved = Save(session);
-    if (!saved) LogWarningRateLimited("save", saved.error().message);
+    std::optional<std::string> trouble;
+    if (!saved) trouble = "the map is not saved: " + saved.error().message;
+    status_->SetFinding("saving", trouble);
   });
 }
 
@@ -117,9 +119,8 @@ void MapStore::AddFrame(const FrameKey& frame) {
 
 // Tells about a file that cannot be used, in the log and in STATUS.
 void MapStore::Report(const std::string& unusable) {
-  LogWarning(unusable);
-  status_->Count("files_unusable");
-  unusable_ += (unusable_.empty() ? "" : "; ") + unusable;
+  unusable_.push_back(unusable);
+  status_->SetFindings("files", unusable_);
 }
 
 void MapStore::ShowLackingFrames() {
@@ -128,10 +129,9 @@ void MapStore::ShowLackingFrames() {
 }
 
 std::string MapStore::StatusMessage() const {
-  if (lacking_.empty()) return unusable_;
+  if (lacking_.empty()) return "";
   return "recovered after a crash; " + std::to_string(lacking_.size()) +
-         " frames that the map had are lacking, sensors may send them again" +
-         (unusable_.empty() ? "" : "; " + unusable_);
+         " frames that the map had are lacking, sensors may send them again";
 }
 
 }  // namespace vismap

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "config/process_options.h"
@@ -40,7 +41,8 @@ class MapStore {
   Result<std::string> Save(const MapSession& session);
   /// Saves the map for a client under this name, see MapFolder.
   Result<std::string> SaveNamed(const MapSession& session, const std::string& name);
-  /// Saves the map as configured if it has changed and the period is over. Logs failures.
+  /// Saves the map as configured if it has changed and the period is over. A failure is a finding
+  /// in STATUS.
   void SaveIfDue(const MapSession& session);
   /// Saves the map when the server ends. An empty map leaves an older file as it is.
   Result<std::string> SaveAtEnd(const MapSession& session);
@@ -52,7 +54,7 @@ class MapStore {
   /// Enters a frame in the journal, if that was started. It is not lacking any more.
   void AddFrame(const FrameKey& frame);
   size_t lacking_frames() const { return lacking_.size(); }
-  /// What people should know: files that were set aside, frames that are lacking; empty = nothing.
+  /// Tells how many frames are lacking; empty = none.
   std::string StatusMessage() const;
 
  private:
@@ -69,7 +71,7 @@ class MapStore {
   SavedMaps saved_;
   CommitJournal journal_;
   std::set<FrameKey> lacking_;
-  std::string unusable_;  // what was set aside at the start, for people
+  std::vector<std::string> unusable_;  // what was set aside at the start, for people
 };
 
 }  // namespace vismap

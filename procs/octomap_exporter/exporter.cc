@@ -29,7 +29,7 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const FollowOutcome outcome = follower_.Apply(std::move(*update));
   status_->SetCounter("updates_missed", follower_.gaps());
   status_->SetCounter("map_revision", follower_.position().revision);
-  if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning, trouble_);
+  if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
   if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
     status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
     catch_up_.Request(follower_.position());
@@ -48,9 +48,9 @@ void Exporter::OnTimer() {
   if (config_.octomap_exporter.period_s <= 0 || !has_news()) return;
   export_pacer_.RunIfDue([&] {
     const Result<std::string> exported = Export();
-    if (!exported) LogWarningRateLimited("export", exported.error().message);
-    trouble_ = exported ? "" : "there is no octree of the map: " + exported.error().message;
-    if (status_->state() == ProcessState::kRunning) status_->Set(ProcessState::kRunning, trouble_);
+    std::optional<std::string> trouble;
+    if (!exported) trouble = "there is no octree of the map: " + exported.error().message;
+    status_->SetFinding("octree", trouble);
   });
 }
 

@@ -44,7 +44,6 @@ class Exporter {
   std::optional<OctreeBuilder> octree_;
   CatchUp catch_up_;
   FollowerPosition exported_;
-  std::string trouble_;  // why the last export failed, for people; empty = it did not
   Pacer export_pacer_;
   RequestServer requests_;
 };

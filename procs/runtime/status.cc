@@ -130,7 +130,7 @@ void Status::Publish() {
   message.n_timings = static_cast<int32_t>(message.timing_names.size());
   for (const std::string& finding : findings()) {
     if (message.findings.size() == kMaxFindings) break;
-    message.findings.push_back(finding.substr(0, kMaxFindingLength));
+    message.findings.push_back(PrintableText(finding, kMaxFindingLength));
   }
   message.n_findings = static_cast<int32_t>(message.findings.size());
   bus_->Publish(kStatusChannel, message);

@@ -182,7 +182,9 @@ TEST(Doctor, WhatAProcessFindsSuspectIsAFinding) {
   process_status_t server = scene.Status("map-server");
   server.findings = {"the frames contradict each other", "3 of 10 frames were left out"};
   server.n_findings = 2;
-  scene.PublishesStatus(server);
+  server.seq = 5;  // after those of the full pipeline
+  server.utime = kUtime + 4'000'000;
+  scene.Receives("STATUS", Pack(server), 4);
   EXPECT_THAT(scene.Findings(),
               ElementsAre("map-server on robot: the frames contradict each other; ",
                           "map-server on robot: 3 of 10 frames were left out; "));
@@ -256,19 +258,6 @@ TEST(Doctor, StrangerWithTheNameOfTheServerDoesNotHideIt) {
   EXPECT_THAT(scene.Findings(), Contains(HasSubstr("the disk is full")));
   EXPECT_THAT(scene.Findings(), Contains(AllOf(HasSubstr("two processes have the name map-server"),
                                                HasSubstr("pid 666"), HasSubstr("pid 42"))));
-}
-
-TEST(Doctor, RepeatsWhatARunningProcessSaysIsWrong) {
-  Scene scene;
-  scene.FullPipeline();
-  process_status_t exporter = scene.Status("octomap-exporter");
-  exporter.message = "there is no octree of the map";
-  scene.PublishesStatus(exporter);
-  process_status_t replay = scene.Status("sensor-replay");
-  replay.message = "waiting for MAP_COMMIT";
-  scene.PublishesStatus(replay);
-  EXPECT_THAT(scene.Findings(),
-              ElementsAre(HasSubstr("octomap-exporter on robot: there is no octree of the map")));
 }
 
 TEST(Doctor, ReportContainsNoControlCharactersFromTheBus) {

@@ -315,7 +315,7 @@ TEST_F(ServerOnABus, StartsWithTheOlderFileWhenTheNewestCannotBeUsed) {
   ASSERT_TRUE(recovered) << recovered.error().message;
   EXPECT_THAT(*recovered, HasSubstr("kept.vismap.previous with 1 frames"));
   EXPECT_THAT(*recovered, HasSubstr("committed later: 1")) << "the journal knows the second frame";
-  EXPECT_THAT(again.map().StatusMessage(), HasSubstr("kept.vismap.unusable-1"));
+  EXPECT_THAT(status.findings(), ElementsAre(HasSubstr("kept.vismap.unusable-1")));
   EXPECT_TRUE(std::filesystem::exists(path + ".unusable-1"));
 }
 

@@ -14,6 +14,8 @@
 namespace vismap {
 namespace {
 
+using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing_support::CoarseMap;
 using testing_support::MemoryBus;
@@ -256,9 +258,8 @@ TEST_F(StoredMap, AJournalThatCannotBeUsedIsSetAside) {
   folder_.Write("kept.vismap.journal", "hello\n");
   MapStore store = Store();
   store.StartJournal(session_);
-  EXPECT_THAT(store.StatusMessage(), HasSubstr("kept.vismap.journal, line 1"));
+  EXPECT_THAT(status_.findings(), ElementsAre(HasSubstr("kept.vismap.journal, line 1")));
   EXPECT_TRUE(std::filesystem::exists(Beside(".journal.unusable-1")));
-  EXPECT_EQ(status_.counter("files_unusable"), 1);
   Integrate(1000, &store);
   EXPECT_EQ(CommitJournal::Read(Beside(".journal"))->size(), 1u) << "there is a new one";
 }
@@ -267,7 +268,7 @@ TEST_F(StoredMap, WithoutAJournalTheServerGoesOn) {
   ASSERT_EQ(mkfifo(Beside(".journal").c_str(), 0600), 0);
   MapStore store = Store();
   store.StartJournal(session_);
-  EXPECT_THAT(store.StatusMessage(), HasSubstr("expected a regular file"));
+  EXPECT_THAT(status_.findings(), Contains(HasSubstr("expected a regular file")));
   Integrate(1000, &store);
   EXPECT_TRUE(store.Save(session_));
 }
