@@ -2,6 +2,8 @@
 
 #include <zstd.h>
 
+#include <algorithm>
+#include <fstream>
 #include <memory>
 
 #include "base/file.h"
@@ -219,6 +221,30 @@ Result<LoadedMap> LoadMap(const std::filesystem::path& path) {
   const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
   return DecodeMap(*bytes, path.string());
+}
+
+Result<int64_t> FramesOfMapFile(const std::filesystem::path& path) {
+  std::error_code error;
+  const uint64_t size = std::filesystem::file_size(path, error);  // fails unless it is regular
+  std::ifstream file(error ? std::filesystem::path() : path, std::ios::binary);
+  const auto read_until = [&](uint64_t end, std::vector<uint8_t>* start) {
+    const size_t before = start->size();
+    start->resize(std::min(end, size));
+    file.read(reinterpret_cast<char*>(start->data()) + before,
+              static_cast<std::streamsize>(start->size() - before));
+  };
+  std::vector<uint8_t> start;
+  if (file) read_until(mapfile::kFirstRecordAt, &start);
+  if (file) read_until(mapfile::EndOfFirstRecord(start), &start);
+  if (!file) return Fail(path.string() + ": cannot be read");
+  const Result<std::vector<Record>> records = mapfile::SplitRecords(start);
+  mapfile::Header header;
+  if (!records) return Fail(path.string() + ": " + records.error().message);
+  if (records->empty() || records->front().kind != RecordKind::kHeader ||
+      !ParseMessage(records->front().content, &header)) {
+    return Fail(path.string() + ": the header cannot be read");
+  }
+  return header.revision();
 }
 
 }  // namespace vismap

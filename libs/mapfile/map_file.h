@@ -43,4 +43,8 @@ Result<LoadedMap> LoadMap(const std::filesystem::path& path);
 std::vector<uint8_t> EncodeMap(const SemanticMap& map, const MapMetadata& metadata);
 Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& name);
 
+/// How many frames a saved map was made of, from the start of the file alone. Fails when that
+/// cannot be read.
+Result<int64_t> FramesOfMapFile(const std::filesystem::path& path);
+
 }  // namespace vismap

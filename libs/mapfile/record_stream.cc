@@ -53,6 +53,15 @@ void AppendRecord(RecordKind kind, std::span<const uint8_t> content, std::vector
   file->insert(file->end(), content.begin(), content.end());
 }
 
+static_assert(kFirstRecordAt == kPrefixBytes + kRecordHeadBytes);
+
+uint64_t EndOfFirstRecord(std::span<const uint8_t> start) {
+  if (start.size() < kFirstRecordAt) return 0;
+  RecordHead head;
+  std::memcpy(&head, start.data() + kPrefixBytes, sizeof(head));
+  return kFirstRecordAt + uint64_t{head.length};
+}
+
 Result<std::vector<Record>> SplitRecords(std::span<const uint8_t> file) {
   if (file.size() < kPrefixBytes || !std::equal(kMagic.begin(), kMagic.end(), file.begin())) {
     return Fail("it is not a map file of vismap");

@@ -29,6 +29,11 @@ struct Record {
   std::span<const uint8_t> content;  ///< part of the bytes given to SplitRecords
 };
 
+/// Number of bytes of a file from its start to the end of its first record, of which `start` must
+/// have the first kFirstRecordAt; 0 = there is none.
+inline constexpr size_t kFirstRecordAt = 28;
+uint64_t EndOfFirstRecord(std::span<const uint8_t> start);
+
 /// All records of a file. Fails on another kind of file, another version, a truncated file and a
 /// wrong checksum.
 Result<std::vector<Record>> SplitRecords(std::span<const uint8_t> file);

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/format.h"
+#include "base/printable.h"
 #include "log_tool/verify.h"
 #include "wire/channel_types.h"
 
@@ -30,11 +31,11 @@ std::string ChannelLine(const std::string& name, const ChannelReport& channel, i
   const auto seconds = [&](int64_t time) {
     return (static_cast<double>(time) - static_cast<double>(start)) * 1e-6;
   };
-  return Format("%-16s %-18s %8lld %10s %8.1f %9.2f %9.2f %7lld %8lld %8lld\n", name.c_str(),
-                TypeName(name), static_cast<long long>(channel.messages),
-                FormatBytes(channel.bytes).c_str(), channel.rate(), seconds(channel.first_time),
-                seconds(channel.last_time), static_cast<long long>(channel.lost),
-                static_cast<long long>(channel.repeated),
+  return Format("%-16s %-18s %8lld %10s %8.1f %9.2f %9.2f %7lld %8lld %8lld\n",
+                PrintableText(name).c_str(), TypeName(name),
+                static_cast<long long>(channel.messages), FormatBytes(channel.bytes).c_str(),
+                channel.rate(), seconds(channel.first_time), seconds(channel.last_time),
+                static_cast<long long>(channel.lost), static_cast<long long>(channel.repeated),
                 static_cast<long long>(channel.other_type + channel.undecodable));
 }
 
@@ -56,7 +57,7 @@ std::string ReportText(const std::string& path, const LogReport& report) {
   }
   text += "\n";
   const std::vector<std::string> problems = report.Problems();
-  for (const std::string& problem : problems) text += problem + "\n";
+  for (const std::string& problem : problems) text += PrintableText(problem) + "\n";
   return text + (problems.empty() ? "no message is lost, and the log is not damaged\n" : "");
 }
 
@@ -88,7 +89,7 @@ std::string ReportJson(const std::string& path, const LogReport& report) {
                     {"skipped", report.frames_skipped},
                     {"without_commit", report.frames_without_commit}};
   json["problems"] = report.Problems();
-  return json.dump(1) + "\n";
+  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace vismap

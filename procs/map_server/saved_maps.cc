@@ -25,11 +25,8 @@ bool Exists(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-uint64_t SizeOf(const fs::path& path) {
-  std::error_code error;
-  const uint64_t size = fs::file_size(path, error);
-  return error ? 0 : size;
-}
+/// How many frames a file was made of; -1 = it cannot be read.
+int64_t FramesOf(const fs::path& path) { return FramesOfMapFile(path).value_or(-1); }
 
 /// Gives another name to what is no saved map and would be replaced.
 Result<void> MakeWay(const fs::path& path) {
@@ -63,7 +60,8 @@ std::vector<fs::path> SavedMaps::NamesForOld(const fs::path& path, int64_t revis
   if (!Exists(path) || HasRevision(path, revision)) return {};  // the same again
   std::vector<fs::path> names = {PreviousOf(path)};
   const bool of_this_map = revisions_.contains(Absolute(path));
-  if (!of_this_map && SizeOf(path) >= SizeOf(ReplacedOf(path))) names.push_back(ReplacedOf(path));
+  if (!of_this_map && FramesOf(path) >= FramesOf(ReplacedOf(path)))
+    names.push_back(ReplacedOf(path));
   return names;
 }
 

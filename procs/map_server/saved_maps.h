@@ -16,7 +16,7 @@ namespace vismap {
 /// any client. Beside a file PATH stand
 ///   PATH.previous  what was saved to PATH before
 ///   PATH.replaced  another map that was at PATH, for example before a reset: of all that were
-///                  replaced, the largest one
+///                  replaced, the one with the most frames
 class SavedMaps {
  public:
   /// From now on the server has another map, with this id. Nothing of it is saved yet.

@@ -7,6 +7,7 @@
 #include "base/class_names.h"
 #include "base/format.h"
 #include "base/json_text.h"
+#include "base/printable.h"
 #include "exports/statistics.h"
 #include "map_tool/compare_runs.h"
 #include "map_tool/live_map.h"
@@ -59,7 +60,7 @@ Image<Rgb8> Render(const MapToolArguments& arguments, const LoadedMap& loaded) {
 
 // A fact as people read it: sizes with a unit, counts with groups of digits.
 std::string FactText(const std::string& key, const nlohmann::ordered_json& value) {
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) return PrintableText(value.get<std::string>());
   if (!value.is_number_integer() || key.ends_with("utime")) return value.dump();
   const bool is_size = key == "bytes" || key.starts_with("bytes_");
   return is_size ? FormatBytes(value.get<int64_t>()) : FormatCount(value.get<int64_t>());
@@ -105,8 +106,9 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context) {
   }
   const auto json = ParseJson<nlohmann::ordered_json>(*statistics).value();
   for (const auto& [key, value] : json.items()) {
-    std::printf("%-20s %s\n", key.c_str(),
-                value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+    std::printf(
+        "%-20s %s\n", key.c_str(),
+        (value.is_string() ? PrintableText(value.get<std::string>()) : value.dump()).c_str());
   }
   return {};
 }
@@ -114,7 +116,8 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context) {
 Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context) {
   const auto statistics = Statistics(arguments, context);
   if (!statistics) return tl::unexpected(statistics.error());
-  std::printf("%s\n", ParseJson(*statistics).value().at("hash").get<std::string>().c_str());
+  std::printf("%s\n",
+              PrintableText(ParseJson(*statistics).value().at("hash").get<std::string>()).c_str());
   return {};
 }
 
@@ -142,8 +145,9 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
   const Result<RunRecord> a = ReadRunRecord(arguments.map), b = ReadRunRecord(arguments.other_map);
   if (!a) return ExitWith(ExitCode::kUnreadable, a.error().message);
   if (!b) return ExitWith(ExitCode::kUnreadable, b.error().message);
-  for (const std::string& fact : CompareFacts(*a, *b)) std::printf("%s\n", fact.c_str());
-  const std::string difference = FirstDifference(*a, *b);
+  for (const std::string& fact : CompareFacts(*a, *b))
+    std::printf("%s\n", PrintableText(fact).c_str());
+  const std::string difference = PrintableText(FirstDifference(*a, *b));
   std::printf("%s\n", difference.empty()
                           ? "the runs are equal: every frame had the same input and the same effect"
                           : difference.c_str());
@@ -178,7 +182,8 @@ Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context) {
                                           {"occupancy_exporter", exporter->message},
                                           {"mesh_server", mesh->message}};
   if (arguments.json) {
-    std::printf("%s\n", digests.dump().c_str());
+    std::printf("%s\n",
+                digests.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
   } else {
     PrintFacts(digests);
   }

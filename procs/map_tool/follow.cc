@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/format.h"
+#include "base/printable.h"
 #include "exports/ply.h"
 #include "runtime/catch_up.h"
 #include "runtime/clock.h"
@@ -55,7 +56,7 @@ class Viewer {
     const auto count = [](size_t number, const char* what) {
       return FormatCount(static_cast<int64_t>(number), what);
     };
-    std::printf("map %s: %s, %s in %s, %s, %s\n", mesh_.position().map_id.c_str(),
+    std::printf("map %s: %s, %s in %s, %s, %s\n", PrintableText(mesh_.position().map_id).c_str(),
                 FormatCount(mesh_.position().revision, "frame").c_str(),
                 count(mesh_.triangle_count(), "triangle").c_str(),
                 count(mesh_.block_count(), "block").c_str(),

@@ -2,7 +2,10 @@
 
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "base/json_text.h"
 
 namespace vismap {
 
@@ -10,11 +13,14 @@ tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments&
                                                          ProcessContext& context,
                                                          map_request_t request) {
   // The pid in the name makes it unique, so that each caller gets its own answer.
+  const std::string verb = request.verb;
   const auto bus = OpenBus(context.options, context.options.name + "-" + std::to_string(getpid()),
                            &context.stop);
   if (!bus) return ExitWith(ExitCode::kFailed, bus.error().message);
   Result<map_reply_t> reply = SendRequest(**bus, std::move(request), arguments.timeout);
   if (!reply) return ExitWith(ExitCode::kFailed, reply.error().message);
+  if (reply->encoding == "json" && !ParseJson(PayloadText(*reply)))
+    return ExitWith(ExitCode::kFailed, "the answer to the request '" + verb + "' is not JSON");
   return std::move(*reply);
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/class_names.h"
 #include "base/json_text.h"
+#include "base/printable.h"
 
 namespace vismap {
 namespace {
@@ -18,6 +19,10 @@ std::string IdOf(const nlohmann::json& object) {
   const int instance = object.at("instance").get<int>();
   return instance != 0 ? std::to_string(instance)
                        : "s" + std::to_string(object.at("segments").at(0).get<int>());
+}
+
+std::string ClassOf(const nlohmann::json& object) {
+  return PrintableText(object.at("class_name").get<std::string>());
 }
 
 /// "chair 0.93, couch 0.07": at most three classes, the most probable first.
@@ -47,18 +52,17 @@ void PrintObject(const nlohmann::json& object) {
   std::printf(
       "%8s  %-16s %5.2f  %7d %7.3f  %5.2f x %5.2f x %5.2f  (%6.2f, %6.2f, %6.2f) %7d  "
       "%.1f..%.1f  %s\n",
-      IdOf(object).c_str(), object.at("class_name").get<std::string>().c_str(),
-      object.at("score").get<double>(), object.at("points").get<int>(),
-      object.at("area").get<double>(), size[0].get<double>(), size[1].get<double>(),
-      size[2].get<double>(), center[0].get<double>(), center[1].get<double>(),
-      center[2].get<double>(), object.at("frames").get<int>(), Seconds(object, "first_utime"),
-      Seconds(object, "last_utime"), Probabilities(object).c_str());
+      IdOf(object).c_str(), ClassOf(object).c_str(), object.at("score").get<double>(),
+      object.at("points").get<int>(), object.at("area").get<double>(), size[0].get<double>(),
+      size[1].get<double>(), size[2].get<double>(), center[0].get<double>(),
+      center[1].get<double>(), center[2].get<double>(), object.at("frames").get<int>(),
+      Seconds(object, "first_utime"), Seconds(object, "last_utime"), Probabilities(object).c_str());
 }
 
 void PrintRemoved(const nlohmann::json& object) {
   std::printf("%8s  %-16s removed: last seen at %.1f s, found missing at %.1f s\n",
-              IdOf(object).c_str(), object.at("class_name").get<std::string>().c_str(),
-              Seconds(object, "last_utime"), Seconds(object, "removed_utime"));
+              IdOf(object).c_str(), ClassOf(object).c_str(), Seconds(object, "last_utime"),
+              Seconds(object, "removed_utime"));
 }
 
 }  // namespace

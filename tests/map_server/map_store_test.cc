@@ -108,7 +108,7 @@ TEST_F(StoredMap, KeepsTheFileThatWasSavedBefore) {
   EXPECT_FALSE(std::filesystem::exists(Beside(".replaced"))) << "it is the same map";
 }
 
-TEST_F(StoredMap, KeepsTheLargestOfTheMapsThatItReplaces) {
+TEST_F(StoredMap, KeepsOfTheMapsThatItReplacesTheOneWithTheMostFrames) {
   MapStore store = Store();
   const auto begin = [&](const std::string& id) {
     MapMetadata metadata;

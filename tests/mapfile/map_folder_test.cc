@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "base/file.h"
 #include "mapfile/map_file.h"
 #include "support/temp_folder.h"
 
@@ -82,6 +83,22 @@ TEST(MapFolder, NamesOfKeptAndTemporaryFilesCannotBeReached) {
     EXPECT_EQ(maps.ForSaving(name).value(), folder / (name + ".vismap"));
     EXPECT_FALSE(maps.ForLoading(name));
   }
+}
+
+TEST(MapFile, StartTellsTheNumberOfFrames) {
+  const TempFolder folder;
+  SemanticMap map{VoxelGridOptions{}};
+  map.revision = 17;
+  ASSERT_TRUE(SaveMap(map, {}, folder / "a.vismap"));
+  EXPECT_EQ(FramesOfMapFile(folder / "a.vismap").value(), 17);
+  const auto bytes = ReadFileBytes(folder / "a.vismap").value();
+  for (const size_t length : {0, 5, 27, 28, 40}) {
+    folder.Write("cut.vismap", std::span(bytes).first(length));
+    EXPECT_FALSE(FramesOfMapFile(folder / "cut.vismap")) << length;
+  }
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_FALSE(FramesOfMapFile(folder / "pipe"));
+  EXPECT_FALSE(FramesOfMapFile(folder / "missing"));
 }
 
 TEST(MapFolder, WithoutAFolderClientsMayDoNeither) {
