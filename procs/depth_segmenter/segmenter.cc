@@ -77,8 +77,9 @@ void Segmenter::Run() {
 }
 
 Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
-  if (RepeatAnswer(message)) return {};
   const Result<FrameHeader> header = DecodeHeader(message);
+  if (header) CheckSource(*header, message);
+  if (RepeatAnswer(message)) return {};
   if (!header) {
     LeaveOut(header.error().message);
     return tl::unexpected(header.error());
@@ -152,6 +153,13 @@ void Segmenter::LeaveOut(const std::string& reason) {
 }
 
 // Logs the intrinsics of a new camera, and which process publishes them.
+void Segmenter::CheckSource(const FrameHeader& header, const rgbd_frame_t& message) {
+  const std::string subject = "sources of camera " + std::to_string(Raw(header.camera_id));
+  if (const auto shared =
+          sources_.Add(header.camera_id, message.source, message.seq, MonotonicSeconds()))
+    status_.SetFinding(subject, shared);
+}
+
 void Segmenter::TellCamera(const FrameHeader& header, const std::string& source) {
   if (cameras_.size() >= kMaxCameras || !cameras_.insert(header.camera_id).second) return;
   LogInfo("camera " + std::to_string(Raw(header.camera_id)) + ": " + CameraText(header.camera) +

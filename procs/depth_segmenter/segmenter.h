@@ -15,6 +15,7 @@
 #include "runtime/main.h"
 #include "runtime/peers.h"
 #include "segmentation/segmentation_options.h"
+#include "wire/camera_sources.h"
 
 namespace vismap {
 
@@ -39,6 +40,7 @@ class Segmenter {
   double Patience() const;
   void UpdateStatus();
   void LeaveOut(const std::string& reason);
+  void CheckSource(const FrameHeader& header, const rgbd_frame_t& message);
   void TellCamera(const FrameHeader& header, const std::string& source);
   void CheckSegments(const SegmentedFrame& frame);
 
@@ -56,6 +58,7 @@ class Segmenter {
   };
   std::deque<Answer> answers_;  // the newest ones, at most kMaxAnswers
   std::set<CameraId> cameras_;  // whose intrinsics were logged
+  CameraSources sources_;
   ReasonCounts left_out_;       // frames that cannot be used
   ReasonCounts without_color_;  // frames whose colour cannot be decoded
   DepthCheck segment_check_;    // of the latest frames, see CheckSegments

@@ -22,7 +22,7 @@ Peers::Peers(Bus* bus) {
     const std::string key = KeyOf(status);
     if (peers_.size() >= kMaxPeers && !peers_.contains(key)) return;
     peers_[key] = {status.process,     status.state, status.message, status.start_utime,
-                   MonotonicSeconds(), status.host,  status.pid};
+                   MonotonicSeconds(), status.host,  status.pid,     status.findings};
     if (status.types_fingerprint != TypesFingerprint()) {
       LogWarningRateLimited("fingerprint",
                             status.source + " on " + status.host +

@@ -19,6 +19,7 @@ struct Peer {
   double last_heard = 0;    ///< MonotonicSeconds
   std::string host;
   int pid = 0;
+  std::vector<std::string> findings;  ///< what it says is wrong or suspect
 };
 
 /// The other processes on the bus, known by their STATUS messages.

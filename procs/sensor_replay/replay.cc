@@ -16,6 +16,7 @@
 #include "sensor_replay/later_times.h"
 #include "sensor_replay/lockstep_window.h"
 #include "sensor_replay/map_contents.h"
+#include "wire/camera_sources.h"
 #include "wire/rgbd_frame.h"
 
 namespace vismap {
@@ -126,6 +127,9 @@ class Player {
     started_ = MonotonicSeconds();
     Outcome outcome = options_.lockstep ? PlayInLockstep() : PlayInRealTime();
     Summarize();
+    if (outcome && Unsent() > 0) return ExitWith(ExitCode::kFailed, UnsentText());
+    if (const auto shared = SharedCamera(); outcome && shared)
+      return ExitWith(ExitCode::kFailed, *shared);
     if (outcome && status_.counter("frames_sent") == 0 && !bus_.stop_requested()) {
       return ExitWith(
           ExitCode::kUnreadable,
@@ -173,6 +177,25 @@ class Player {
     if (left_out.total() > 0) status_.SetFinding("left out", LeftOutText(left_out, frames_.size()));
   }
 
+  // What the segmenter says when another process publishes frames of the same camera.
+  std::optional<std::string> SharedCamera() const {
+    for (const auto& [name, peer] : peers_.all()) {
+      if (peer.process != "depth-segmenter") continue;
+      for (const std::string& finding : peer.findings) {
+        if (IsAboutSharedCamera(finding, bus_.source())) return finding;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // In lockstep, a frame that could not be sent is sent again.
+  int64_t Unsent() const { return options_.lockstep ? 0 : status_.counter("frames_unsent"); }
+  std::string UnsentText() const {
+    return FormatCount(Unsent(), "frame") + " of " +
+           FormatCount(Unsent() + status_.counter("frames_sent")) +
+           " could not be sent, since there was no connection to the hub at " + bus_.url();
+  }
+
   // Publishes a frame, or leaves it out when it cannot be read. Returns whether it was published.
   bool Send(size_t i, int64_t after_utime) {
     Result<rgbd_frame_t> message = frames_.Message(i);
@@ -183,8 +206,8 @@ class Player {
       return false;
     }
     message->after_utime = after_utime;
-    bus_.Publish(kRgbdFrameChannel, std::move(*message));
-    status_.Count("frames_sent");
+    const bool sent = bus_.Publish(kRgbdFrameChannel, std::move(*message));
+    status_.Count(sent ? "frames_sent" : "frames_unsent");
     return true;
   }
 
@@ -307,6 +330,10 @@ class Player {
     const int64_t before = status_.counter("frames_in_map_before");
     const ReasonCounts left_out = frames_.LeftOut();
     if (left_out.total() > 0) LogWarning(LeftOutText(left_out, frames_.size()));
+    if (!options_.lockstep && bus_.reconnects() > 0) {
+      LogWarning("the connection to the hub was lost " + FormatCount(bus_.reconnects(), "time") +
+                 "; frames that were sent shortly before may be lost");
+    }
     LogInfo("sent " + FormatCount(sent, "frame") + " in " + FormatDuration(seconds) + " (" + rate +
             " per second)" +
             (options_.lockstep

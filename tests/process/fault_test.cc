@@ -195,6 +195,25 @@ TEST(Faults, FramesOutOfOrderAndClockJumpsAreIntegratedOnceAndCounted) {
   EXPECT_EQ(Ask(&processes, "frames").revision, 6);
 }
 
+TEST(SeveralCameras, TwoReplaysOfOneCameraFailInsteadOfLosingHalfOfTheFramesInSilence) {
+  ProcessBus processes;
+  RoomPipeline pipeline(&processes);
+  pipeline.detections = "none";
+  pipeline.StartServer();
+  pipeline.StartSegmenter();
+  const auto replay = [&](const std::string& name) {
+    return processes.Start("sensor-replay",
+                           {"--dataset", RoomPipeline::kRoom, "--mode", "lockstep", "--name", name,
+                            "--wait-for", "map-server,depth-segmenter"});
+  };
+  const auto first = replay("first"), second = replay("second");
+  ASSERT_TRUE(processes.SpinUntil([&] { return !first->Running() && !second->Running(); }));
+  const std::string said = first->StandardError() + second->StandardError();
+  EXPECT_TRUE(first->WaitForExit() != 0 || second->WaitForExit() != 0) << said;
+  EXPECT_THAT(said, HasSubstr("camera 0 is published by more than one process"));
+  EXPECT_THAT(said, HasSubstr("--camera-id"));
+}
+
 TEST(SeveralCameras, TwoReplaysBuildOneMapWithAllFrames) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);

@@ -189,6 +189,21 @@ TEST(Pipeline, InvalidMessagesStopNoProcess) {
   EXPECT_TRUE(detector->Running());
 }
 
+TEST(Replay, FramesThatCouldNotBeSentAreAFailure) {
+  ProcessBus processes;
+  const auto replay = processes.Start(
+      "sensor-replay",
+      {"--dataset", "synthetic:room?frames=16&width=160", "--mode", "realtime", "--speed", "2"});
+  int64_t received = 0;
+  processes.bus().Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
+                                          [&](const rgbd_frame_t&) { ++received; });
+  ASSERT_TRUE(processes.SpinUntil([&] { return received > 0; }));
+  processes.StopHub();
+  EXPECT_EQ(replay->WaitForExit(), 1);
+  EXPECT_THAT(replay->StandardError(),
+              HasSubstr("could not be sent, since there was no connection"));
+}
+
 TEST(Replay, StoppingBeforeTheLastCommitIsAFailure) {
   ProcessBus processes;
   FakeMapServer server(&processes);
