@@ -47,12 +47,21 @@ Result<void> WritePicture(const MapMetadata& metadata, const MapProducts& produc
                                           metadata.map_id, overview));
 }
 
+/// Removes what runs that were killed while writing have left.
+void RemoveStaleOutputs(const fs::path& folder) {
+  for (const char* name : {"map.vismap", "mesh.ply", "objects.json", "octree.bt",
+                           "octree.closed.bt", "map.png", "report.json"})
+    RemoveStaleTemporaries(folder / name);
+  RemoveStaleTemporariesIn(folder / "objects", ".ply");
+}
+
 }  // namespace
 
 Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
                               const MapProducts& products, const OutputOptions& options,
                               const fs::path& folder) {
   if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
+  RemoveStaleOutputs(folder);
   std::error_code ignored;
   const fs::path map_file = folder / "map.vismap";
   const bool replaces_map = fs::exists(map_file, ignored);

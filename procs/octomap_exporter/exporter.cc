@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "base/file.h"
 #include "runtime/log.h"
 #include "wire/octree_message.h"
 
@@ -19,6 +20,8 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
                                [this](const map_delta_t& message) { return OnDelta(message); });
   HandleRequests();
   bus_->Every(0.2, [this] { OnTimer(); });
+  for (const char* name : {"octree.bt", "octree.closed.bt"})
+    RemoveStaleTemporaries(std::filesystem::path(config.octomap_exporter.output_folder) / name);
   catch_up_.Request(follower_.position());
 }
 

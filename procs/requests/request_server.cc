@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/format.h"
 #include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -11,7 +12,8 @@ namespace vismap {
 namespace {
 
 constexpr size_t kRememberedReplies = 1000, kRememberedBytes = 32 * kMegabyte;
-constexpr size_t kLargestRemembered = kMegabyte;   // of a reply [bytes]
+constexpr size_t kLargestRemembered = kMegabyte;                            // of a reply [bytes]
+constexpr size_t kLargestPayload = kMapReplyChannel.max_bytes - kMegabyte;  // [bytes]
 constexpr size_t kMaxSource = 200, kMaxVerb = 50;  // of texts that are repeated in replies [bytes]
 // Without other messages for so long, requests are carried out without a pause [s].
 constexpr double kIdle = 0.5;
@@ -97,7 +99,12 @@ void RequestServer::ServeNextIfDue() {
 
 void RequestServer::Serve(const map_request_t& request) {
   if (RepeatReply(request)) return;
-  map_reply_t reply = MakeReply(request, CarryOut(request));
+  Result<Answer> answer = CarryOut(request);
+  if (answer && answer->payload.size() > kLargestPayload) {
+    answer = Fail("the answer has " + FormatBytes(answer->payload.size()) + ", and at most " +
+                  FormatBytes(kLargestPayload) + " can be sent; save the map instead");
+  }
+  map_reply_t reply = MakeReply(request, std::move(answer));
   status_->Count(reply.ok ? "requests_done" : "requests_refused");
   if (!reply.ok) {
     LogWarningRateLimited("refused", "request '" + PrintableText(request.verb, kMaxVerb) + "' of " +

@@ -182,6 +182,14 @@ TEST(WaitingRequestsTest, SourcesTakeTurns) {
   EXPECT_FALSE(add("one more", 1));
 }
 
+TEST_F(Requests, WithAnAnswerThatIsTooLargeToSendAreRefused) {
+  payload_ = kMapReplyChannel.max_bytes;
+  Send(Request(1, "count"));
+  ASSERT_EQ(replies_.size(), 1u);
+  EXPECT_FALSE(replies_[0].ok);
+  EXPECT_THAT(replies_[0].message, HasSubstr("at most"));
+}
+
 TEST_F(Requests, ForOtherMapsAndOtherProgramsAreLeftToThem) {
   map_request_t request = Request(1, "count");
   request.map_id = "another map";
