@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "base/result.h"
+#include "geometry/camera.h"
 #include "geometry/image.h"
 
 namespace vismap {
 
-/// Default limit of the number of pixels of a decoded image: 4096 x 4096.
-inline constexpr size_t kMaxDecodedPixels = size_t{1} << 24;
+/// Default limit of the number of pixels of a decoded image.
+inline constexpr size_t kMaxDecodedPixels = kMaxImagePixels;
 
 /// Width and height [px] as the JPEG header states them; nothing is decoded.
 struct JpegSize {

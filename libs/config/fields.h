@@ -99,7 +99,8 @@ inline constexpr auto FieldsOf(const IntegrationOptions&) {
       VISMAP_FIELD(vote_distance_voxels), VISMAP_FIELD(merge_frames), VISMAP_FIELD(split_frames),
       VISMAP_FIELD(mask_evidence), VISMAP_FIELD(cut_votes), VISMAP_FIELD(carve_frames),
       VISMAP_FIELD(free_frames), VISMAP_FIELD(carve_keep), VISMAP_FIELD(carve_margin_voxels),
-      VISMAP_FIELD(carve_sigmas), VISMAP_FIELD(carve_slope));
+      VISMAP_FIELD(carve_sigmas), VISMAP_FIELD(carve_slope), VISMAP_FIELD(max_map_mb),
+      VISMAP_FIELD(max_frame_blocks));
 }
 
 inline constexpr auto FieldsOf(const MeshingOptions&) {
@@ -143,19 +144,22 @@ inline constexpr auto FieldsOf(const OctreeOptions&) {
 inline constexpr auto FieldsOf(const DepthSegmenterOptions&) {
   using Options = DepthSegmenterOptions;
   return std::tuple(VISMAP_FIELD(detections), VISMAP_FIELD(detection_timeout_s),
-                    VISMAP_FIELD(max_waiting_frames));
+                    VISMAP_FIELD(max_waiting_frames), VISMAP_FIELD(queue_mb),
+                    VISMAP_FIELD(max_wait_s), VISMAP_FIELD(overload));
 }
 
 inline constexpr auto FieldsOf(const MapServerOptions&) {
   using Options = MapServerOptions;
   return std::tuple(VISMAP_FIELD(load), VISMAP_FIELD(save_on_exit), VISMAP_FIELD(save_period_s),
                     VISMAP_FIELD(recover), VISMAP_FIELD(map_folder), VISMAP_FIELD(map_folder_mb),
-                    VISMAP_FIELD(mesh_period_s), VISMAP_FIELD(objects_period_s));
+                    VISMAP_FIELD(mesh_period_s), VISMAP_FIELD(objects_period_s),
+                    VISMAP_FIELD(queue_mb), VISMAP_FIELD(max_wait_s), VISMAP_FIELD(overload));
 }
 
 inline constexpr auto FieldsOf(const OctomapExporterOptions&) {
   using Options = OctomapExporterOptions;
-  return std::tuple(VISMAP_FIELD(period_s), VISMAP_FIELD(unknown), VISMAP_FIELD(output_folder));
+  return std::tuple(VISMAP_FIELD(period_s), VISMAP_FIELD(unknown), VISMAP_FIELD(output_folder),
+                    VISMAP_FIELD(max_map_mb));
 }
 
 inline constexpr auto FieldsOf(const SensorReplayOptions&) {

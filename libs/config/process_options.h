@@ -23,10 +23,24 @@ inline constexpr auto NamesOf(WaitForDetections) {
                                                      {"NONE", WaitForDetections::kNone}});
 }
 
+/// What a process does when frames arrive faster than it can handle them.
+enum class Overload {
+  kLossless,  ///< it handles all of them, and their publishers have to wait
+  kNewest,    ///< it drops the oldest ones that wait, and stays close behind the camera
+};
+
+inline constexpr auto NamesOf(Overload) {
+  return std::to_array<EnumName<Overload>>(
+      {{"LOSSLESS", Overload::kLossless}, {"NEWEST", Overload::kNewest}});
+}
+
 struct DepthSegmenterOptions {
   WaitForDetections detections = WaitForDetections::kAuto;
   double detection_timeout_s = 2.0;  ///< kAuto: patience with a detector that is alive
   int max_waiting_frames = 64;       ///< beyond, the oldest is given up
+  int queue_mb = 512;                ///< of waiting frames and detections; beyond, the oldest go
+  double max_wait_s = 600;           ///< what has waited for longer is dropped
+  Overload overload = Overload::kLossless;
 };
 
 struct MapServerOptions {
@@ -38,12 +52,18 @@ struct MapServerOptions {
   int map_folder_mb = 10240;        ///< when its files have so much, no more maps are saved there
   double mesh_period_s = 1;         ///< least time between two mesh updates [s]; 0 = every frame
   double objects_period_s = 1;      ///< least time between two object lists [s]; 0 = every frame
+  /// Of frames that wait for the frame before them, and for how long they do. Beyond, they are
+  /// dropped, and their source may send them again.
+  int queue_mb = 256;
+  double max_wait_s = 30;
+  Overload overload = Overload::kLossless;
 };
 
 struct OctomapExporterOptions {
   double period_s = 1;  ///< least time between two octrees; 0 = only on request
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
   std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere
+  int max_map_mb = 1024;      ///< of the copy of the map; a larger map is not followed
 };
 
 struct SensorReplayOptions {

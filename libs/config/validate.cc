@@ -85,6 +85,8 @@ std::vector<std::string> Problems(const DepthSegmenterOptions& segmenter) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, segmenter.detection_timeout_s, 0.01, 3600);
   VISMAP_CHECK_RANGE(check, segmenter.max_waiting_frames, 1, 10000);
+  VISMAP_CHECK_RANGE(check, segmenter.queue_mb, 1, 65536);
+  VISMAP_CHECK_RANGE(check, segmenter.max_wait_s, 1, kDay);
   return std::move(check).problems();
 }
 
@@ -94,6 +96,8 @@ std::vector<std::string> Problems(const MapServerOptions& server) {
   VISMAP_CHECK_RANGE(check, server.map_folder_mb, 1, 1048576);
   VISMAP_CHECK_RANGE(check, server.mesh_period_s, 0, kDay);
   VISMAP_CHECK_RANGE(check, server.objects_period_s, 0, kDay);
+  VISMAP_CHECK_RANGE(check, server.queue_mb, 1, 65536);
+  VISMAP_CHECK_RANGE(check, server.max_wait_s, 1, kDay);
   check.Unless(!server.recover || !server.save_on_exit.empty(),
                "recover needs map_server.save_on_exit to say from where");
   check.Unless(server.save_period_s == 0 || !server.save_on_exit.empty(),
@@ -104,6 +108,7 @@ std::vector<std::string> Problems(const MapServerOptions& server) {
 std::vector<std::string> Problems(const OctomapExporterOptions& exporter) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, exporter.period_s, 0, kDay);
+  VISMAP_CHECK_RANGE(check, exporter.max_map_mb, 1, 1048576);
   return std::move(check).problems();
 }
 

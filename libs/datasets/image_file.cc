@@ -12,7 +12,9 @@
 namespace vismap {
 namespace {
 
-constexpr int kMaxSide = 16384;
+// Of a file: twice those of a frame, since colour may have more pixels than depth. A decoder needs
+// up to nine bytes for each.
+constexpr size_t kMaxFilePixels = 2 * kMaxImagePixels;
 constexpr uint64_t kMaxImageFileBytes = uint64_t{1} << 30;
 constexpr std::array<uint8_t, 16> kPngStart{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
                                             0,    0,   0,   13,  'I',  'H',  'D',  'R'};
@@ -99,9 +101,8 @@ Result<Image<Rgb8>> DecodeColor(const std::vector<uint8_t>& bytes, int width, in
   if (const auto checked = CheckSize(*info, width, height); !checked) {
     return Fail(checked.error().message);
   }
-  return info->kind == ImageFileInfo::Kind::kJpeg
-             ? DecodeJpeg(bytes, 0, 0, size_t{kMaxSide} * kMaxSide)
-             : DecodeColorPng(bytes, *info);
+  return info->kind == ImageFileInfo::Kind::kJpeg ? DecodeJpeg(bytes, 0, 0, kMaxFilePixels)
+                                                  : DecodeColorPng(bytes, *info);
 }
 
 /// The result, with the path at the front of its error.
@@ -128,9 +129,12 @@ Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes) {
   } else {
     return Fail("expected a PNG or JPEG image, found neither a PNG nor a JPEG header");
   }
-  if (info.width < 1 || info.height < 1 || info.width > kMaxSide || info.height > kMaxSide) {
+  const auto fits = [](int side) { return side >= 1 && side <= kMaxImageSide; };
+  if (!fits(info.width) || !fits(info.height) ||
+      static_cast<size_t>(info.width) * static_cast<size_t>(info.height) > kMaxFilePixels) {
     return Fail("the image is " + SizeText(info.width, info.height) + "; expected 1.." +
-                std::to_string(kMaxSide) + " pixels along each side");
+                std::to_string(kMaxImageSide) + " pixels along each side and at most " +
+                std::to_string(kMaxFilePixels) + " in all");
   }
   return info;
 }

@@ -24,7 +24,8 @@ struct ImageFileInfo {
   bool grey = false;  ///< one channel, without a palette
 };
 
-/// Reads the header of a PNG or JPEG file. Fails on other files and on sides of more than 16384 px.
+/// Reads the header of a PNG or JPEG file. Fails on other files, on sides of more than 16384 pixels
+/// and on more than 2^25 pixels in all.
 Result<ImageFileInfo> ReadImageInfo(std::span<const uint8_t> bytes);
 Result<ImageFileInfo> ReadImageInfo(const std::filesystem::path& path);
 

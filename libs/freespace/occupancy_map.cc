@@ -64,6 +64,8 @@ bool OccupancyMap::Set(BlockIndex index, const BlockOccupancy& occupancy) {
   const BlockOccupancy& before = At(index);
   if (before == occupancy) return false;
   digest_.Replace(ChecksumOf(index, before), ChecksumOf(index, occupancy));
+  mixed_ -= !before.is_uniform();
+  mixed_ += !occupancy.is_uniform();
   if (occupancy.is(CellState::kUnknown)) {
     blocks_.Erase(index);
   } else {

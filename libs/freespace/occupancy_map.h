@@ -63,6 +63,11 @@ class OccupancyMap {
   /// complete.
   Result<void> Apply(const OccupancyDelta& delta);
 
+  /// Memory of the map [bytes], about; takes constant time.
+  size_t bytes() const { return blocks_.bytes() + mixed_ * kMixedBytes; }
+  /// Memory of a block that is not uniform besides its entry in the table [bytes].
+  static constexpr size_t kMixedBytes = sizeof(OccupancyPlanes) + 32;
+
   /// Digest of the content, 32 hexadecimal digits; takes constant time.
   std::string Digest() const { return digest_.Hex(cell_size_); }
 
@@ -72,6 +77,7 @@ class OccupancyMap {
  private:
   double cell_size_;
   BlockTable<BlockOccupancy> blocks_;
+  size_t mixed_ = 0;  // blocks that are not uniform
   OccupancyDigest digest_;
 };
 

@@ -45,6 +45,7 @@ struct OctreeBytes {
   int64_t nodes = 0;      ///< inner nodes and leaves; 0 = empty tree
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
   Eigen::AlignedBox3d bounds_W;  ///< bounds of the tree [m]; empty for an empty tree
+  std::string left_out{};  ///< one sentence when parts of the map are not in the tree; "" = all are
 };
 
 /// The size of leaves.
@@ -58,8 +59,9 @@ struct OctreeGrid {
 Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
 
 /// The map as an OctoMap `.bt` stream. A leaf is occupied when any of its voxels is occupied, free
-/// when none is occupied and enough voxels are free, else unknown. Fails on a resolution that is no
-/// multiple of the voxel size, and on a map with more than OctoMap's 65536 leaves along an axis.
+/// when none is occupied and enough voxels are free, else unknown. OctoMap has 32768 leaves from
+/// the origin along each axis; what lies beyond is left out. Fails on a resolution that is no
+/// multiple of the voxel size, and when all of the map lies beyond.
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
 
 /// Writes the stream to a file, see WriteFileAtomically; the folder must exist.

@@ -53,6 +53,12 @@ Eigen::AlignedBox3d MetersOf(const OccupancyBox& box, double resolution) {
           Eigen::Vector3d(box.max.x, box.max.y, box.max.z) * resolution};
 }
 
+std::string BeyondReach(double resolution) {
+  return " beyond the " + ShortestText(kOctreeCellOffset * resolution) +
+         " m around the origin that an octree with leaves of " + ShortestText(resolution) +
+         " m can hold; if poses are right, use larger leaves (octree.resolution_m)";
+}
+
 std::vector<uint8_t> WithHeader(const NodeWriter& tree, double resolution) {
   const std::string header =
       "# Octomap OcTree binary file\n"
@@ -122,12 +128,8 @@ void OctreeCache::EncodeChanged(const OccupancyMap& leaves, const OccupancyBox& 
 Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, double resolution,
                                         UnknownPolicy unknown,
                                         const std::optional<Eigen::AlignedBox3d>& bounds_W) {
-  if (!unreachable_.empty()) {
-    return Fail("octree: the map reaches beyond the " +
-                ShortestText(kOctreeCellOffset * resolution) +
-                " m around the origin that an octree with leaves of " + ShortestText(resolution) +
-                " m can hold; use larger leaves");
-  }
+  if (!unreachable_.empty() && cubes_.empty())
+    return Fail("octree: all of the map lies" + BeyondReach(resolution));
   const std::optional<OccupancyBox> box = bounds_W ? CellsOf(*bounds_W, resolution) : KnownCells();
   EncodeChanged(leaves, box.value_or(OccupancyBox{}), unknown);
   std::vector<PlacedSubtree> parts;
@@ -142,6 +144,11 @@ Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, double resol
   octree.unknown = unknown;
   if (box) octree.bounds_W = MetersOf(*box, resolution);
   octree.bytes = WithHeader(tree, resolution);
+  if (!unreachable_.empty()) {
+    octree.left_out = std::to_string(unreachable_.size()) +
+                      " pieces of the map are not in the octree: they lie" +
+                      BeyondReach(resolution);
+  }
   return octree;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <string>
 
 #include "base/result.h"
@@ -28,8 +29,18 @@ struct PinholeCamera {
 /// "fx 525 fy 525 cx 319.5 cy 239.5 (640x480)".
 std::string CameraText(const PinholeCamera& camera);
 
-/// Fails, naming the field, unless sizes are in [1, 16384] and focal lengths and principal point
-/// are finite and plausible.
+/// The largest images: 16384 pixels along a side, and 4096 x 4096 in all.
+inline constexpr int kMaxImageSide = 16384;
+inline constexpr size_t kMaxImagePixels = size_t{1} << 24;
+/// No pixel of a camera may see farther from its optical axis than this along one image axis.
+/// Beyond, the work for a frame would grow without bound, and the intrinsics are those of another
+/// image size or in another unit.
+inline constexpr double kMaxViewAngleDeg = 75;
+/// The largest focal length, in larger sides of the image: an angle of view of 0.06 degrees.
+inline constexpr double kMaxFocalSides = 1000;
+
+/// Fails, naming the field, unless the image size is within the limits above, and focal lengths and
+/// principal point are those of a camera that sees at most kMaxViewAngleDeg to each side.
 Result<PinholeCamera> ValidateCamera(const PinholeCamera& camera);
 
 }  // namespace vismap

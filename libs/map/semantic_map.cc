@@ -78,6 +78,14 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
 
 }  // namespace
 
+size_t BytesOf(const SemanticMap& map) {
+  // Of a label with some evidence, of a pair of labels, and of a frame: its pose and its time.
+  constexpr size_t kLabel = sizeof(LabelRecord) + 192, kPair = 96, kFrame = 256;
+  return map.voxels.bytes() + map.labels.records().size() * kLabel +
+         (map.labels.pairs().size() + map.labels.bonds().pairs().size()) * kPair +
+         static_cast<size_t>(std::max<int64_t>(map.revision, 0)) * kFrame;
+}
+
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes) {
   // Without branches, since the processor cannot predict which label leads. A label that is there
   // twice has its sum both times. More votes rank first, then the lower label.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -21,6 +22,9 @@ struct SemanticMap {
   /// Position of the camera of the frame that was integrated last [m].
   Eigen::Vector3d last_camera_W = Eigen::Vector3d::Zero();
 };
+
+/// Memory of a map with its trajectory [bytes], about; takes constant time.
+size_t BytesOf(const SemanticMap& map);
 
 /// The label with most votes, ties to the lower label; kNone without votes. Labels must be alive
 /// and may repeat: their votes are summed.

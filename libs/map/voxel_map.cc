@@ -13,9 +13,12 @@ void VoxelMap::MarkUsed(BlockIndex index, Block& block, uint32_t now) {
 }
 
 void VoxelMap::PackUnused(uint32_t before, size_t most) {
-  constexpr size_t kMaxChecked = 2048;  // blocks per call, so that no frame waits long
+  // Checks a limited number of blocks per call, so that no frame waits long; but all that are too
+  // many when a camera brings more new blocks with every frame.
+  constexpr size_t kMaxChecked = 2048;
+  const size_t too_many = unpacked_.size() > 2 * most ? unpacked_.size() - 2 * most : 0;
   std::vector<Block*> to_pack;
-  for (size_t checked = 0; checked < kMaxChecked && unpacked_.size() > most; ++checked) {
+  for (size_t checked = 0; checked < kMaxChecked + too_many && unpacked_.size() > most; ++checked) {
     if (next_to_pack_ >= unpacked_.size()) next_to_pack_ = 0;
     Block* block = FindMutable(unpacked_[next_to_pack_]);
     if (block != nullptr && block->last_used >= before) {
@@ -29,7 +32,16 @@ void VoxelMap::PackUnused(uint32_t before, size_t most) {
     unpacked_[next_to_pack_] = unpacked_.back();
     unpacked_.pop_back();
   }
+  for (const Block* block : to_pack) CountBytes(BytesOf(*block), 0);
   ParallelFor(to_pack.size(), 8, [&](size_t i) { to_pack[i]->surface.Pack(); });
+  for (const Block* block : to_pack) CountBytes(0, BytesOf(*block));
+}
+
+size_t BytesOf(const Block& block) {
+  constexpr size_t kPalette = 64;  // rarely more; looking would cost a cache miss
+  if (block.surface.packed()) return block.surface.packed_bytes();
+  if (block.surface) return sizeof(SurfaceVoxels) + kPalette;
+  return block.free ? sizeof(FreeVoxels) : 0;
 }
 
 VoxelMapMemory MeasureMemory(const VoxelMap& map) {

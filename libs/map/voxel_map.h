@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -38,6 +40,7 @@ class VoxelMap {
   void Clear() {
     blocks_.Clear();
     unpacked_.clear();
+    content_bytes_ = 0;
   }
 
   /// Records that revision `now`, at least 1, has changed the surface of a block.
@@ -45,6 +48,16 @@ class VoxelMap {
   /// Packs blocks that were not used since revision `before`, a limited number per call, while more
   /// than `most` are unpacked. The content of the map stays the same.
   void PackUnused(uint32_t before, size_t most);
+
+  /// Memory of the map [bytes], about; takes constant time.
+  size_t bytes() const {
+    return blocks_.bytes() + static_cast<size_t>(std::max<int64_t>(content_bytes_, 0));
+  }
+  /// Records that a block was changed, which took `before` bytes and takes `after` now, see
+  /// BytesOf.
+  void CountBytes(size_t before, size_t after) {
+    content_bytes_ += static_cast<int64_t>(after) - static_cast<int64_t>(before);
+  }
 
   size_t size() const { return blocks_.size(); }
   const BlockTable<Block>& blocks() const { return blocks_; }
@@ -56,7 +69,12 @@ class VoxelMap {
   BlockTable<Block> blocks_;
   std::vector<BlockIndex> unpacked_;  // blocks with last_used > 0, in any order
   size_t next_to_pack_ = 0;           // where in unpacked_ the next PackUnused begins
+  int64_t content_bytes_ = 0;         // of the blocks outside of the table, see CountBytes
 };
+
+/// Memory that a block takes outside of the table [bytes], about. It depends on whether it is
+/// packed.
+size_t BytesOf(const Block& block);
 
 /// Memory of a map by layer.
 struct VoxelMapMemory {

@@ -3,6 +3,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <memory>
 
@@ -10,6 +11,7 @@
 #include "base/parallel.h"
 #include "map.pb.h"
 #include "mapfile/block_chunk.h"
+#include "mapfile/expansion.h"
 #include "mapfile/map_proto.h"
 #include "mapfile/record_stream.h"
 
@@ -24,6 +26,7 @@ using mapfile::RecordKind;
 constexpr int kZstdLevel = -3;
 // More than any chunk has: it ends with the block that passes half a megabyte.
 constexpr size_t kMaxChunkBytes = size_t{1} << 22;
+constexpr size_t kBytesPerMegabyte = size_t{1} << 20;
 
 std::span<const uint8_t> AsBytes(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
@@ -70,7 +73,13 @@ std::vector<std::string> EncodeChunks(const VoxelMap& voxels) {
   return chunks;
 }
 
-Result<std::vector<IndexedBlock>> DecodeChunk(const Record& record, size_t labels) {
+// A chunk is in memory as it is in the file, expanded, and as blocks, so only so many are at once.
+constexpr size_t kChunksAtOnce = 16;
+// Blocks near surfaces that stay unpacked. The others are packed at once, as they are in a map that
+// was made here, so that a large map needs no more memory than when it was saved.
+constexpr size_t kUnpackedSurfaces = 8000;
+
+Result<std::vector<IndexedBlock>> DecodeChunk(const Record& record, size_t labels, bool pack) {
   mapfile::BlockChunk chunk;
   if (!ParseMessage(record.content, &chunk)) return Fail("it cannot be read");
   if (chunk.raw_bytes() > kMaxChunkBytes) {
@@ -83,26 +92,72 @@ Result<std::vector<IndexedBlock>> DecodeChunk(const Record& record, size_t label
   if (ZSTD_isError(size))
     return Fail(std::string("zstd cannot decompress it: ") + ZSTD_getErrorName(size));
   if (size != raw.size()) return Fail("it does not have its stated size");
-  return mapfile::DecodeBlocks(raw, chunk.blocks(), labels);
+  auto blocks = mapfile::DecodeBlocks(raw, chunk.blocks(), labels);
+  if (blocks && pack) {
+    for (IndexedBlock& entry : *blocks) entry.second.surface.Pack();
+  }
+  return blocks;
 }
 
-Result<void> DecodeChunks(std::span<const Record> records, size_t labels, VoxelMap* voxels) {
-  std::vector<Result<std::vector<IndexedBlock>>> chunks(records.size());
-  ParallelFor(records.size(), 1, [&](size_t i) { chunks[i] = DecodeChunk(records[i], labels); });
-  const BlockIndex* last = nullptr;
-  for (size_t i = 0; i < chunks.size(); ++i) {
-    const std::string place = "chunk " + std::to_string(i + 1) + " of blocks: ";
-    if (!chunks[i]) return Fail(place + chunks[i].error().message);
-    for (const IndexedBlock& entry : *chunks[i]) {
-      if (last != nullptr && !(*last < entry.first))
-        return Fail(place + "blocks are not in ascending order");
-      last = &entry.first;
+/// Adds the blocks of decoded chunks to a map, in ascending order and within a limit.
+class BlockInserter {
+ public:
+  BlockInserter(size_t max_bytes, VoxelMap* voxels) : max_bytes_(max_bytes), voxels_(*voxels) {}
+
+  bool has_many_surfaces() const { return surfaces_ >= kUnpackedSurfaces; }
+
+  Result<void> Add(std::vector<IndexedBlock> blocks) {
+    for (auto& [index, block] : blocks) {
+      if (!(last_ < index)) return Fail("blocks are not in ascending order");
+      last_ = index;
+      surfaces_ += static_cast<bool>(block.surface);
+      voxels_.CountBytes(0, BytesOf(block));
+      voxels_.FindOrCreate(index) = std::move(block);
+      if (voxels_.bytes() > max_bytes_) {
+        return Fail("the map needs more than the allowed " +
+                    std::to_string(max_bytes_ / kBytesPerMegabyte) +
+                    " MB of memory (integration.max_map_mb)");
+      }
+    }
+    return {};
+  }
+
+ private:
+  size_t max_bytes_;
+  VoxelMap& voxels_;
+  BlockIndex last_{INT32_MIN, INT32_MIN, INT32_MIN};
+  size_t surfaces_ = 0;
+};
+
+Result<void> DecodeChunks(std::span<const Record> records, size_t labels, size_t max_bytes,
+                          VoxelMap* voxels) {
+  BlockInserter inserter(max_bytes, voxels);
+  for (size_t first = 0; first < records.size(); first += kChunksAtOnce) {
+    const size_t count = std::min(kChunksAtOnce, records.size() - first);
+    std::vector<Result<std::vector<IndexedBlock>>> chunks(count);
+    const bool pack = inserter.has_many_surfaces();
+    ParallelFor(count, 1,
+                [&](size_t i) { chunks[i] = DecodeChunk(records[first + i], labels, pack); });
+    for (size_t i = 0; i < count; ++i) {
+      const Result<void> added =
+          chunks[i] ? inserter.Add(std::move(*chunks[i])) : tl::unexpected(chunks[i].error());
+      if (!added) {
+        return Fail("chunk " + std::to_string(first + i + 1) +
+                    " of blocks: " + added.error().message);
+      }
     }
   }
-  for (Result<std::vector<IndexedBlock>>& chunk : chunks) {
-    for (auto& [index, block] : *chunk) voxels->FindOrCreate(index) = std::move(block);
-  }
   return {};
+}
+
+// Header and labels expand when they are read. Each may take half of the limit.
+Result<void> CheckExpansion(const Record& record, size_t max_bytes) {
+  const size_t bytes = mapfile::ExpandedBytes(record.content);
+  if (bytes <= max_bytes / 2) return {};
+  return Fail("a record of " + std::to_string(record.content.size()) + " bytes would need up to " +
+              std::to_string(bytes / kBytesPerMegabyte) +
+              " MB of memory, more than half of the allowed " +
+              std::to_string(max_bytes / kBytesPerMegabyte) + " MB (integration.max_map_mb)");
 }
 
 /// Checks that the records are header, labels, chunks and end, in this order.
@@ -140,10 +195,14 @@ Result<void> CheckEnd(const Record& record, LoadedMap* loaded) {
   return {};
 }
 
-Result<LoadedMap> DecodeRecords(std::span<const uint8_t> bytes) {
+Result<LoadedMap> DecodeRecords(std::span<const uint8_t> bytes, size_t max_bytes) {
   const Result<std::vector<Record>> records = mapfile::SplitRecords(bytes);
   if (!records) return tl::unexpected(records.error());
   if (Result<void> order = CheckOrder(*records); !order) return tl::unexpected(order.error());
+  for (size_t i = 0; i < 2; ++i) {
+    if (Result<void> checked = CheckExpansion((*records)[i], max_bytes); !checked)
+      return tl::unexpected(checked.error());
+  }
   mapfile::Header header;
   mapfile::Labels proto_labels;
   if (!ParseMessage((*records)[0].content, &header)) return Fail("the header cannot be read");
@@ -157,7 +216,7 @@ Result<LoadedMap> DecodeRecords(std::span<const uint8_t> bytes) {
   loaded->map.labels = std::move(*labels);
   const std::span<const Record> chunks(records->data() + 2, records->size() - 3);
   if (Result<void> decoded =
-          DecodeChunks(chunks, loaded->map.labels.records().size(), &loaded->map.voxels);
+          DecodeChunks(chunks, loaded->map.labels.records().size(), max_bytes, &loaded->map.voxels);
       !decoded) {
     return tl::unexpected(decoded.error());
   }
@@ -199,8 +258,9 @@ std::vector<uint8_t> EncodeMap(const SemanticMap& map, const MapMetadata& metada
   return EncodeRecords(map, metadata, HashMap(map));
 }
 
-Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& name) {
-  Result<LoadedMap> loaded = DecodeRecords(bytes);
+Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& name,
+                            size_t max_bytes) {
+  Result<LoadedMap> loaded = DecodeRecords(bytes, max_bytes);
   if (!loaded) return Fail(name + ": " + loaded.error().message);
   return loaded;
 }
@@ -217,10 +277,10 @@ Result<SaveInfo> SaveMap(const SemanticMap& map, const MapMetadata& metadata,
   return SaveInfo{std::filesystem::absolute(path, ignored), bytes.size(), map_hash};
 }
 
-Result<LoadedMap> LoadMap(const std::filesystem::path& path) {
-  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path);
+Result<LoadedMap> LoadMap(const std::filesystem::path& path, size_t max_bytes) {
+  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, max_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  return DecodeMap(*bytes, path.string());
+  return DecodeMap(*bytes, path.string(), max_bytes);
 }
 
 Result<int64_t> FramesOfMapFile(const std::filesystem::path& path) {
@@ -241,6 +301,7 @@ Result<int64_t> FramesOfMapFile(const std::filesystem::path& path) {
   mapfile::Header header;
   if (!records) return Fail(path.string() + ": " + records.error().message);
   if (records->empty() || records->front().kind != RecordKind::kHeader ||
+      !CheckExpansion(records->front(), kDefaultMaxMapBytes) ||
       !ParseMessage(records->front().content, &header)) {
     return Fail(path.string() + ": the header cannot be read");
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -34,14 +35,20 @@ Result<SaveInfo> SaveMap(const SemanticMap& map, const MapMetadata& metadata,
                          const std::filesystem::path& path,
                          const std::vector<std::filesystem::path>& keep_old_as = {});
 
+/// The memory that a loaded map may take unless another limit is given [bytes].
+inline constexpr size_t kDefaultMaxMapBytes = size_t{2048} << 20;
+
 /// Reads a map. Integrating frames into it gives the same results as into the map that was saved.
 /// Version, checksums, ids, order, counts and the map's hash are checked: a damaged file gives an
-/// Error that names the file and what was found.
-Result<LoadedMap> LoadMap(const std::filesystem::path& path);
+/// Error that names the file and what was found. Fails, too, when the map would need more memory
+/// than `max_bytes`, before it is allocated; the file itself may have as many bytes.
+Result<LoadedMap> LoadMap(const std::filesystem::path& path,
+                          size_t max_bytes = kDefaultMaxMapBytes);
 
 /// The same in memory. `name` begins the message of an error.
 std::vector<uint8_t> EncodeMap(const SemanticMap& map, const MapMetadata& metadata);
-Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& name);
+Result<LoadedMap> DecodeMap(std::span<const uint8_t> bytes, const std::string& name,
+                            size_t max_bytes = kDefaultMaxMapBytes);
 
 /// How many frames a saved map was made of, from the start of the file alone. Fails when that
 /// cannot be read.

@@ -14,6 +14,8 @@ namespace {
 
 // A block is packed only after this many frames without a change to it.
 constexpr uint32_t kPackAfter = 5;
+constexpr size_t kBytesPerMegabyte = size_t{1} << 20;
+constexpr size_t kCostPerBlock = 16;  // see FrameCost
 
 // Adds the frame to the counts F, Phi and Psi of the paper (Sec. III-D). Phi and Psi grow by the
 // detection's score times the overlap of mask and segment.
@@ -59,23 +61,87 @@ struct WorkItem {
   Block* block = nullptr;  // in the map; nullptr = not there yet, then `fresh` is used
   Block fresh;
   FrameProjection::Outcome outcome;
+  size_t bytes_before = 0, bytes_after = 0;  // of the block
 };
 
-// Blocks are looked up before the parallel part and inserted after it, since the table must not
-// change while threads use it.
-void FuseBlocks(const FrameProjection& projection, const std::vector<VisibleBlock>& visible,
-                uint32_t revision, VoxelMap& voxels, MapDelta& delta) {
+std::vector<WorkItem> LookUp(const std::vector<VisibleBlock>& visible, VoxelMap& voxels) {
   std::vector<WorkItem> work(visible.size());
   for (size_t i = 0; i < visible.size(); ++i) {
     work[i].target = visible[i];
     work[i].block = voxels.FindMutable(visible[i].index);
   }
+  return work;
+}
+
+// The memory that new blocks may take, at most.
+size_t LargestGrowth(const std::vector<WorkItem>& work) {
+  size_t bytes = 0;
+  for (const WorkItem& item : work) {
+    if (item.block != nullptr) continue;
+    bytes += sizeof(Block) + (item.target.view == BlockVisibility::kMixed ? sizeof(SurfaceVoxels)
+                                                                          : sizeof(FreeVoxels));
+  }
+  return bytes;
+}
+
+// Leaves out new blocks when the map might grow beyond `most` bytes.
+void LimitGrowth(size_t bytes, size_t most, std::vector<WorkItem>* work, MapDelta* delta) {
+  if (bytes + LargestGrowth(*work) <= most) return;
+  delta->blocks_left_out = static_cast<int64_t>(
+      std::erase_if(*work, [](const WorkItem& item) { return item.block == nullptr; }));
+  const bool shows_known_surface =
+      std::any_of(work->begin(), work->end(), [](const WorkItem& item) {
+        return item.target.view == BlockVisibility::kMixed && item.block->surface;
+      });
+  const std::string reached = "the map has reached its limit of " +
+                              std::to_string(most / kBytesPerMegabyte) +
+                              " MB (integration.max_map_mb)";
+  if (!shows_known_surface) delta->refused = reached + ", and the frame shows no surface of it";
+  // Labels and poses take memory, too, also in frames that bring no block.
+  if (bytes > most + most / 8) delta->refused = reached + " by more than an eighth";
+}
+
+// The blocks that the frame may change, within the limits of the options.
+std::vector<WorkItem> FindWork(const FrameHeader& header, const DepthPyramid& pyramid,
+                               const IntegrationOptions& options, SemanticMap* map,
+                               MapDelta* delta) {
+  VisibilityOptions visibility{map->voxels.block_size(),   map->voxels.truncation(),
+                               options.min_range_m,        options.max_range_m,
+                               options.free_space_range_m, options.free_space};
+  visibility.max_cost = static_cast<size_t>(options.max_frame_blocks) * kCostPerBlock;
+  const auto may_change = [&](const VisibleBlock& target) {
+    if (target.view == BlockVisibility::kMixed) return true;
+    // The whole block was seen empty: nothing new for a block that is free everywhere already.
+    const Block* block = map->voxels.Find(target.index);
+    return block == nullptr || !block->all_free;
+  };
+  const std::vector<VisibleBlock> visible =
+      FindVisibleBlocks(header, pyramid, visibility, may_change);
+  if (FrameCost(visible) > visibility.max_cost) {
+    delta->refused = "the frame would change more than " +
+                     std::to_string(options.max_frame_blocks) +
+                     " blocks of the map (integration.max_frame_blocks)";
+    return {};
+  }
+  std::vector<WorkItem> work = LookUp(visible, map->voxels);
+  LimitGrowth(BytesOf(*map), MaxMapBytes(options), &work, delta);
+  return work;
+}
+
+// Blocks were looked up before, and are inserted after the parallel part, since the table must not
+// change while threads use it.
+void FuseBlocks(const FrameProjection& projection, std::vector<WorkItem> work, uint32_t revision,
+                VoxelMap& voxels, MapDelta& delta) {
   ParallelFor(work.size(), 32, [&](size_t i) {
     WorkItem& item = work[i];
     Block& block = item.block != nullptr ? *item.block : item.fresh;
+    item.bytes_before = BytesOf(block);
     item.outcome = projection.Fuse(item.target.index, item.target.view, block);
+    item.bytes_after = BytesOf(block);
   });
   for (WorkItem& item : work) {
+    if (item.block != nullptr || item.outcome.changed())
+      voxels.CountBytes(item.bytes_before, item.bytes_after);
     if (!item.outcome.changed()) continue;
     if (item.block == nullptr) {
       item.block = &voxels.FindOrCreate(item.target.index);
@@ -148,6 +214,8 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   VISMAP_CHECK_RANGE(check, options.carve_margin_voxels, 2, 1000);
   VISMAP_CHECK_RANGE(check, options.carve_sigmas, 0, 100);
   VISMAP_CHECK_RANGE(check, options.carve_slope, 0, 1000);
+  VISMAP_CHECK_RANGE(check, options.max_map_mb, 1, 1048576);
+  VISMAP_CHECK_RANGE(check, options.max_frame_blocks, 1000, 100000000);
   return std::move(check).problems();
 }
 
@@ -161,6 +229,11 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
               frame.image.index.height() == header.camera.height,
           "depth and segment images have the size of the camera");
   MapDelta delta;
+  delta.revision = map->revision;
+  const DepthPyramid pyramid(frame.frame.depth);
+  std::vector<WorkItem> work = FindWork(header, pyramid, options, map, &delta);
+  if (!delta.refused.empty()) return delta;
+
   const MaskCuts cuts(association, map->labels, options.mask_evidence);
   CountEvidence(frame, association, map->labels);
   SeparateObjects(frame, association, options.split_frames, map->labels, delta);
@@ -168,21 +241,10 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   std::vector<SegmentLabel> labels;
   for (const FrameAssociation::Segment& segment : association.segments)
     labels.push_back(segment.label);
-  const DepthPyramid pyramid(frame.frame.depth);
-  const VisibilityOptions visibility{map->voxels.block_size(),   map->voxels.truncation(),
-                                     options.min_range_m,        options.max_range_m,
-                                     options.free_space_range_m, options.free_space};
   const FrameProjection projection(frame, pyramid, {std::move(labels), cuts, map->labels}, options,
                                    map->voxels.options());
-  const auto may_change = [&](const VisibleBlock& target) {
-    if (target.view == BlockVisibility::kMixed) return true;
-    // The whole block was seen empty: nothing new for a block that is free everywhere already.
-    const Block* block = map->voxels.Find(target.index);
-    return block == nullptr || !block->all_free;
-  };
   const auto revision = static_cast<uint32_t>(map->revision + 1);
-  FuseBlocks(projection, FindVisibleBlocks(header, pyramid, visibility, may_change), revision,
-             map->voxels, delta);
+  FuseBlocks(projection, std::move(work), revision, map->voxels, delta);
   if (revision > kPackAfter)
     map->voxels.PackUnused(revision - kPackAfter, static_cast<size_t>(options.max_unpacked_blocks));
   AddCleared(delta, header.utime, map->labels);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <utility>
@@ -16,6 +18,8 @@ namespace vismap {
 
 /// What one frame changed in the map.
 struct MapDelta {
+  /// Why the map was not changed at all: one sentence; empty = the frame was integrated.
+  std::string refused;
   int64_t revision = 0;  ///< of the map after the frame
   /// Blocks whose surface, votes or free space changed, ascending.
   std::vector<BlockIndex> changed_blocks;
@@ -28,6 +32,7 @@ struct MapDelta {
   int64_t votes_evicted = 0;  ///< label votes that found all slots of their voxel taken
   /// Per label: voxels on or behind its surface that carving turned into free space.
   std::map<SegmentLabel, uint32_t> cleared;
+  int64_t blocks_left_out = 0;  ///< new blocks that the map did not get, see max_map_mb
 
   BlockChanges changes() const { return {changed_blocks, affected}; }
 };
@@ -77,14 +82,27 @@ struct IntegrationOptions {
   /// A voxel whose mean distance is at least 0.9 truncations keeps no more weight than this many
   /// frames like the present one, so that an object put there later appears as fast; 0 = no limit.
   double free_frames = 10.0;
+
+  /// Memory of the map. Beyond, it gets no new blocks, and a frame that shows nothing else is
+  /// refused. A frame may pass the limit by the blocks of its view that have to be unpacked.
+  int max_map_mb = 2048;
+  /// A frame is refused when it may change more blocks that a surface may pass near; blocks in free
+  /// space count a sixteenth. At 1 cm voxels and 5 m, a Kinect sees 68000 blocks in all.
+  int max_frame_blocks = 100000;
 };
+
+/// IntegrationOptions::max_map_mb [bytes].
+inline size_t MaxMapBytes(const IntegrationOptions& options) {
+  return static_cast<size_t>(options.max_map_mb) << 20;
+}
 
 /// All problems of the options, one sentence each; empty = valid.
 std::vector<std::string> Validate(const IntegrationOptions& options);
 
 /// Fuses one associated frame into the map (Grinvald 2019, Sec. III-D). No other function changes a
 /// map. Every voxel of the visible blocks is projected into the image once; the result does not
-/// depend on the number of threads. Formulas and departures from the published code are in
+/// depend on the number of threads. Limits on work and memory are checked before anything changes,
+/// see MapDelta::refused. Formulas and departures from the published code are in
 /// libs/METHOD.md, Integration.
 MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& association,
                         const IntegrationOptions& options, SemanticMap* map);

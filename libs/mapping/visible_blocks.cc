@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -9,7 +10,10 @@
 namespace vismap {
 namespace {
 
-constexpr int kTopLevel = 4;  // the descent starts at cubes of 16 blocks
+// The descent starts at cubes of 16 blocks, or at larger ones when the view would have more of them
+// than this.
+constexpr int kTopLevel = 4;
+constexpr double kMaxTopCubes = 1e6;
 
 class Descent {
  public:
@@ -145,23 +149,33 @@ class Descent {
   const double range_;
 };
 
-// The top cubes that the view up to `range` can touch: the bounding box of the camera centre and
-// the far corners.
-std::vector<BlockIndex> TopCubes(const FrameHeader& header, double range, double block_size) {
+// The box around the camera centre and the far corners of the view up to `range`.
+Eigen::AlignedBox3d BoundsOfView(const FrameHeader& header, double range) {
   const PinholeCamera& camera = header.camera;
   Eigen::AlignedBox3d box(header.T_W_C.translation());
   for (const double u : {-0.5, camera.width - 0.5}) {
     for (const double v : {-0.5, camera.height - 0.5})
       box.extend(header.T_W_C * camera.BackProject(u, v, range));
   }
-  const double edge = block_size * (1 << kTopLevel);
+  return box;
+}
+
+int TopLevelFor(const Eigen::AlignedBox3d& box, double block_size) {
+  int level = kTopLevel;
+  while ((box.sizes() / (block_size * (1 << level))).array().prod() > kMaxTopCubes) ++level;
+  return level;
+}
+
+// The cubes of 2^level blocks that a box can touch.
+std::vector<BlockIndex> CubesIn(const Eigen::AlignedBox3d& box, double block_size, int level) {
+  const double edge = block_size * (1 << level);
   const Eigen::Vector3i low = (box.min() / edge).array().floor().cast<int>() - 1;
   const Eigen::Vector3i high = (box.max() / edge).array().floor().cast<int>() + 1;
   std::vector<BlockIndex> cubes;
   for (int x = low.x(); x <= high.x(); ++x) {
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int z = low.z(); z <= high.z(); ++z)
-        cubes.push_back({x << kTopLevel, y << kTopLevel, z << kTopLevel});
+        cubes.push_back({x << level, y << level, z << level});
     }
   }
   return cubes;
@@ -169,14 +183,26 @@ std::vector<BlockIndex> TopCubes(const FrameHeader& header, double range, double
 
 }  // namespace
 
+size_t FrameCost(const std::vector<VisibleBlock>& visible) {
+  size_t cost = 0;
+  for (const VisibleBlock& block : visible) cost += block.view == BlockVisibility::kMixed ? 16 : 1;
+  return cost;
+}
+
 std::vector<VisibleBlock> FindVisibleBlocks(
     const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,
     const std::function<bool(const VisibleBlock&)>& wanted) {
   const Descent descent(header, pyramid, options, wanted);
-  const std::vector<BlockIndex> cubes =
-      TopCubes(header, descent.range() + options.truncation, options.block_size);
+  const Eigen::AlignedBox3d box = BoundsOfView(header, descent.range() + options.truncation);
+  const int level = TopLevelFor(box, options.block_size);
+  const std::vector<BlockIndex> cubes = CubesIn(box, options.block_size, level);
   std::vector<std::vector<VisibleBlock>> parts(cubes.size());
-  ParallelFor(cubes.size(), 1, [&](size_t i) { descent.Visit(cubes[i], kTopLevel, parts[i]); });
+  std::atomic<size_t> cost = 0;
+  ParallelFor(cubes.size(), 1, [&](size_t i) {
+    if (cost > options.max_cost) return;
+    descent.Visit(cubes[i], level, parts[i]);
+    if (!parts[i].empty()) cost += FrameCost(parts[i]);
+  });
   std::vector<VisibleBlock> visible;
   for (const auto& part : parts) visible.insert(visible.end(), part.begin(), part.end());
   std::sort(visible.begin(), visible.end(),

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "geometry/frame.h"
@@ -18,6 +20,8 @@ struct VisibilityOptions {
   double max_range = 5.0;         ///< of surfaces [m along z]
   double free_space_range = 5.0;  ///< [m along z]
   bool free_space = true;
+  /// The search ends once it has found more than this, see FrameCost.
+  size_t max_cost = std::numeric_limits<size_t>::max();
 };
 
 /// What a frame can change in a block.
@@ -34,8 +38,13 @@ struct VisibleBlock {
   BlockVisibility view = BlockVisibility::kMixed;
 };
 
+/// What it takes to change blocks: 16 for each that a surface may pass near, 1 for each in free
+/// space.
+size_t FrameCost(const std::vector<VisibleBlock>& visible);
+
 /// The blocks that the frame may change, ascending: those that a surface may pass near, and those
-/// in which it sees free space. Blocks for which `wanted` returns false are left out; several
+/// in which it sees free space. When they cost more than options.max_cost, only so many of them
+/// that their cost is above it. Blocks for which `wanted` returns false are left out; several
 /// threads call it at the same time. Found by descending an octree over the view.
 std::vector<VisibleBlock> FindVisibleBlocks(
     const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,

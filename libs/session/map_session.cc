@@ -32,10 +32,12 @@ FrameAssociation MapSession::Associate(const SegmentedFrame& frame) const {
 
 MapDelta MapSession::Integrate(const SegmentedFrame& frame, const FrameAssociation& association) {
   const FrameHeader& header = frame.frame.header;
-  const bool is_new = integrated_.insert({Raw(header.camera_id), header.utime}).second;
-  Require(is_new, "a frame is integrated once");
+  Require(!Contains(header.camera_id, header.utime), "a frame is integrated once");
+  MapDelta delta = IntegrateFrame(frame, association, options_.integration, &map_);
+  if (!delta.refused.empty()) return delta;
+  integrated_.insert({Raw(header.camera_id), header.utime});
   metadata_.trajectory.push_back({header.utime, header.camera_id, header.T_W_C});
-  return IntegrateFrame(frame, association, options_.integration, &map_);
+  return delta;
 }
 
 std::string DigestFrame(const SemanticMap& map, const FrameAssociation& association,

@@ -38,7 +38,8 @@ class MapSession {
 
   /// Finds the segments and instances of the map that the frame shows. Changes nothing.
   FrameAssociation Associate(const SegmentedFrame& frame) const;
-  /// Fuses a frame and adds its pose to the trajectory. Throws when the map contains the frame.
+  /// Fuses a frame and adds its pose to the trajectory, or refuses it, see MapDelta::refused.
+  /// Throws when the map contains the frame.
   MapDelta Integrate(const SegmentedFrame& frame, const FrameAssociation& association);
 
   const SemanticMap& map() const { return map_; }

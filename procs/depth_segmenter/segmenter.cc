@@ -20,8 +20,24 @@ namespace {
 
 constexpr double kPatienceCheck = 0.05;  // time between two checks of the waiting frames [s]
 constexpr double kReportedWait = 0.5;    // a longer wait is shown in the status [s]
-constexpr size_t kMaxAnswers = 32;       // results kept for frames that are sent again
 constexpr size_t kMaxCameras = 100;      // whose intrinsics are logged
+// Results kept for frames that are sent again: so many, of so many bytes, for so long [s].
+constexpr size_t kMaxAnswers = 32;
+constexpr size_t kMaxAnswerBytes = 64 * kMegabyte;
+constexpr double kMaxAnswerAge = 60;
+
+JoinLimits LimitsOf(const DepthSegmenterOptions& options) {
+  JoinLimits limits;
+  limits.capacity = static_cast<size_t>(options.max_waiting_frames);
+  limits.max_bytes = static_cast<size_t>(options.queue_mb) * kMegabyte;
+  limits.max_wait_s = options.max_wait_s;
+  return limits;
+}
+
+size_t BytesOf(const segmented_frame_t& message) {
+  return 1024 + message.frame.depth.size() + message.frame.color.size() + message.labels.size() +
+         message.segments.size() * sizeof(frame_segment_t);
+}
 
 /// Whether two messages are the same frame: same key, image size, depth unit, pose and colour.
 /// Depth, source and sequence number are not compared.
@@ -58,7 +74,7 @@ Segmenter::Segmenter(const DepthSegmenterOptions& options, const SegmentationSta
       bus_(*context->bus),
       status_(*context->status),
       peers_(context->bus),
-      join_(static_cast<size_t>(options.max_waiting_frames)),
+      join_(LimitsOf(options)),
       segment_check_(DepthLimits{stage.surface.min_depth_m, stage.surface.max_depth_m}) {
   bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                [this](const rgbd_frame_t& message) { return OnFrame(message); });
@@ -94,7 +110,7 @@ Result<void> Segmenter::OnDetections(const detections_t& message) {
   if (DetectorRan(message)) {
     if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
   }
-  join_.AddDetections(message);
+  join_.AddDetections(message, MonotonicSeconds());
   SegmentReadyFrames();
   return {};
 }
@@ -140,9 +156,10 @@ void Segmenter::SegmentReadyFrames() {
     status_.Count("frames");
     status_.Count("segments", answer->n_segments);
     bus_.Publish(kSegmentedFrameChannel, *answer);
-    answers_.push_back({joined->frame.depth, std::move(*answer)});
-    if (answers_.size() > kMaxAnswers) answers_.pop_front();
+    Remember(joined->frame.depth, std::move(*answer));
   }
+  join_.DropLate(MonotonicSeconds());
+  ForgetAnswers();
   UpdateStatus();
 }
 
@@ -164,6 +181,20 @@ void Segmenter::TellCamera(const FrameHeader& header, const std::string& source)
   if (cameras_.size() >= kMaxCameras || !cameras_.insert(header.camera_id).second) return;
   LogInfo("camera " + std::to_string(Raw(header.camera_id)) + ": " + CameraText(header.camera) +
           ": from the RGBD_FRAMEs of " + source);
+}
+
+void Segmenter::Remember(const std::vector<uint8_t>& depth, segmented_frame_t message) {
+  const size_t bytes = depth.size() + BytesOf(message);
+  answer_bytes_ += bytes;
+  answers_.push_back({depth, std::move(message), bytes, MonotonicSeconds()});
+}
+
+void Segmenter::ForgetAnswers() {
+  while (!answers_.empty() && (answers_.size() > kMaxAnswers || answer_bytes_ > kMaxAnswerBytes ||
+                               MonotonicSeconds() - answers_.front().time > kMaxAnswerAge)) {
+    answer_bytes_ -= answers_.front().bytes;
+    answers_.pop_front();
+  }
 }
 
 Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
@@ -217,6 +248,7 @@ void Segmenter::CheckSegments(const SegmentedFrame& frame) {
 void Segmenter::UpdateStatus() {
   const JoinCounters& counters = join_.counters();
   status_.SetCounter("frames_waiting", static_cast<int64_t>(join_.waiting()));
+  status_.SetCounter("waiting_bytes", static_cast<int64_t>(join_.bytes()));
   status_.SetCounter("frames_dropped", counters.frames_dropped);
   status_.SetCounter("frames_repeated", counters.frames_repeated);
   status_.SetCounter("frames_without_detections", counters.frames_without);

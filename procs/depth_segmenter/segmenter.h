@@ -36,6 +36,8 @@ class Segmenter {
   Result<void> OnDetections(const detections_t& message);
   bool RepeatAnswer(const rgbd_frame_t& message);
   void SegmentReadyFrames();
+  void Remember(const std::vector<uint8_t>& depth, segmented_frame_t message);
+  void ForgetAnswers();
   Result<segmented_frame_t> Segment(const JoinedFrame& joined);
   double Patience() const;
   void UpdateStatus();
@@ -55,8 +57,11 @@ class Segmenter {
     /// Encoded depth of the RGBD_FRAME; in `message` left-out pixels are removed.
     std::vector<uint8_t> depth;
     segmented_frame_t message;
+    size_t bytes = 0;
+    double time = 0;  ///< when it was made [s]
   };
-  std::deque<Answer> answers_;  // the newest ones, at most kMaxAnswers
+  std::deque<Answer> answers_;  // the newest ones, within the limits of ForgetAnswers
+  size_t answer_bytes_ = 0;
   std::set<CameraId> cameras_;  // whose intrinsics were logged
   CameraSources sources_;
   ReasonCounts left_out_;       // frames that cannot be used

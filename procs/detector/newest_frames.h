@@ -13,11 +13,12 @@ namespace vismap {
 /// camera. The cameras take turns.
 class NewestFrames {
  public:
-  /// Frames of at most `max_cameras` cameras wait.
-  explicit NewestFrames(size_t max_cameras = 64) : max_cameras_(max_cameras) {}
+  /// Frames of at most `max_cameras` cameras wait, with at most `max_bytes` in all.
+  explicit NewestFrames(size_t max_cameras = 64, size_t max_bytes = size_t{256} << 20)
+      : max_cameras_(max_cameras), max_bytes_(max_bytes) {}
 
   /// Adds a frame. Returns the frame that is skipped because of it: the waiting one of the same
-  /// camera, or `frame` itself when too many cameras wait; nullopt when no frame is skipped.
+  /// camera, or `frame` itself when there is no room; nullopt when no frame is skipped.
   std::optional<rgbd_frame_t> Add(const rgbd_frame_t& frame);
 
   /// Removes and returns the frame of the camera whose turn it is; nullopt when no frame waits.
@@ -27,7 +28,7 @@ class NewestFrames {
   bool Waits(const FrameKey& key) const;
 
  private:
-  size_t max_cameras_;
+  size_t max_cameras_, max_bytes_;
   std::deque<rgbd_frame_t> frames_;  // one per camera, in the order of their turns
 };
 

@@ -51,7 +51,9 @@ Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& requ
   if (request.has_bbx) options.bounds_W = BoxOf(request);
   Result<OctreeBytes> octree = BuildOctree(ClassifyMap(session.map(), outputs.free_space), options);
   if (!octree) return tl::unexpected(octree.error());
-  return Answer{std::to_string(octree->nodes) + " nodes", "bt", std::move(octree->bytes)};
+  const std::string left_out = octree->left_out.empty() ? "" : "; " + octree->left_out;
+  return Answer{std::to_string(octree->nodes) + " nodes" + left_out, "bt",
+                std::move(octree->bytes)};
 }
 
 Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest) {

@@ -2,7 +2,9 @@
 
 #include <optional>
 
+#include "base/format.h"
 #include "geometry/fill_holes.h"
+#include "runtime/clock.h"
 #include "runtime/log.h"
 #include "wire/segmented_frame.h"
 
@@ -22,16 +24,28 @@ frame_commit_t CommitOf(const segmented_frame_t& message, const MapSession& sess
   return commit;
 }
 
+constexpr double kTrimPeriod = 0.5;  // [s]
+
+HoldLimits LimitsOf(const MapServerOptions& options) {
+  HoldLimits limits;
+  limits.max_bytes = static_cast<size_t>(options.queue_mb) * kMegabyte;
+  limits.max_wait_s = options.max_wait_s;
+  return limits;
+}
+
 }  // namespace
 
-FrameMapper::FrameMapper(LiveMap* map, const IntegrationOptions& options, Bus* bus, Status* status)
+FrameMapper::FrameMapper(LiveMap* map, const VismapConfig& config, Bus* bus, Status* status)
     : map_(*map),
       bus_(*bus),
       status_(*status),
-      check_({options.min_range_m, options.max_range_m}, status) {
+      limits_(LimitsOf(config.map_server)),
+      intake_(limits_),
+      check_({config.integration.min_range_m, config.integration.max_range_m}, status) {
   bus_.Subscribe<segmented_frame_t>(
       kSegmentedFrameChannel,
       [this](const segmented_frame_t& message) { return OnFrame(message); });
+  bus_.Every(kTrimPeriod, [this] { DropBeyondLimits(); });
 }
 
 bool FrameMapper::Contains(const FrameKey& frame) const {
@@ -41,13 +55,31 @@ bool FrameMapper::Contains(const FrameKey& frame) const {
 Result<void> FrameMapper::OnFrame(const segmented_frame_t& message) {
   intake_.SetMap(map_.session().metadata().map_id);
   check_.SetMap(map_.session().metadata().map_id);
-  if (!intake_.Add(message)) status_.Count("frames_not_held");
+  intake_.Add(message, MonotonicSeconds());
   Result<void> mapped;
   while (const std::optional<segmented_frame_t> next = intake_.Next(map_.session())) {
     if (const Result<void> one = MapMessage(*next); !one) mapped = one;
   }
-  status_.SetCounter("frames_held", static_cast<int64_t>(intake_.waiting()));
+  DropBeyondLimits();
   return mapped;
+}
+
+void FrameMapper::DropBeyondLimits() {
+  const DroppedFrames dropped = intake_.Trim(MonotonicSeconds());
+  if (dropped.late > 0) {
+    LogWarningRateLimited("late", FormatCount(dropped.late, "frame") +
+                                      " dropped: the frame before did not come within " +
+                                      FormatDuration(limits_.max_wait_s));
+  }
+  if (dropped.no_room > 0) {
+    LogWarningRateLimited("no room",
+                          FormatCount(dropped.no_room, "frame") + " dropped: more than " +
+                              std::to_string(limits_.max_frames) + " frames or " +
+                              FormatBytes(limits_.max_bytes) + " wait for the frames before them");
+  }
+  status_.Count("held_frames_dropped", dropped.late + dropped.no_room);
+  status_.SetCounter("frames_held", static_cast<int64_t>(intake_.waiting()));
+  status_.SetCounter("held_bytes", static_cast<int64_t>(intake_.waiting_bytes()));
 }
 
 Result<void> FrameMapper::MapMessage(const segmented_frame_t& message) {
@@ -74,6 +106,19 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
     return commit;
   }
   const auto [association, delta] = map_.Integrate(frame);
+  status_.SetCounter("map_bytes", static_cast<int64_t>(BytesOf(map_.session().map())));
+  if (!delta.refused.empty()) {
+    Refuse(message, delta.refused, &commit);
+    return commit;
+  }
+  if (delta.blocks_left_out > 0) {
+    status_.Count("blocks_left_out", delta.blocks_left_out);
+    LogWarningRateLimited("map limit",
+                          "the map has reached its limit of " +
+                              std::to_string(map_.session().options().integration.max_map_mb) +
+                              " MB (integration.max_map_mb): new space is left out, what the map "
+                              "has is still updated");
+  }
   status_.Count("frames_integrated");
   status_.Count("votes_evicted", delta.votes_evicted);
   if (frame.had_detections) status_.Count("frames_with_detections");
@@ -94,15 +139,28 @@ Result<SegmentedFrame> FrameMapper::DecodeAndFill(const segmented_frame_t& messa
 
 // A frame that cannot be used gets a commit, too, so that its source does not wait for it.
 void FrameMapper::Skip(const segmented_frame_t& message, const std::string& reason) {
-  const FrameKey key = KeyOf(message.frame);
-  if (Contains(key)) return;  // a usable copy of it came before
-  intake_.Skip(key);
+  if (Contains(KeyOf(message.frame))) return;  // a usable copy of it came before
   status_.Count("frames_skipped");
   check_.Skipped(reason);
   frame_commit_t commit = CommitOf(message, map_.session());
-  commit.status = frame_commit_t::STATUS_SKIPPED;
-  commit.reason = reason;
+  MarkSkipped(message, reason, &commit);
   bus_.Publish(kMapCommitChannel, commit);
+}
+
+// A frame that is right in itself, but beyond a limit.
+void FrameMapper::Refuse(const segmented_frame_t& message, const std::string& reason,
+                         frame_commit_t* commit) {
+  status_.Count("frames_refused");
+  check_.Skipped(reason);
+  LogWarningRateLimited("refused", ToText(KeyOf(message.frame)) + " is not integrated: " + reason);
+  MarkSkipped(message, reason, commit);
+}
+
+void FrameMapper::MarkSkipped(const segmented_frame_t& message, const std::string& reason,
+                              frame_commit_t* commit) {
+  intake_.Skip(KeyOf(message.frame));
+  commit->status = frame_commit_t::STATUS_SKIPPED;
+  commit->reason = reason;
 }
 
 void FrameMapper::CheckClock(const FrameKey& frame) {

@@ -18,23 +18,28 @@ namespace vismap {
 /// frames and which of them were left out (MapCheck).
 class FrameMapper {
  public:
-  /// Subscribes to SEGMENTED_FRAME. All but the options must outlive it.
-  FrameMapper(LiveMap* map, const IntegrationOptions& options, Bus* bus, Status* status);
+  /// Subscribes to SEGMENTED_FRAME. All but the config must outlive it.
+  FrameMapper(LiveMap* map, const VismapConfig& config, Bus* bus, Status* status);
   FrameMapper(const FrameMapper&) = delete;
   FrameMapper& operator=(const FrameMapper&) = delete;
 
  private:
   Result<void> OnFrame(const segmented_frame_t& message);
+  void DropBeyondLimits();
   Result<void> MapMessage(const segmented_frame_t& message);
   Result<SegmentedFrame> DecodeAndFill(const segmented_frame_t& message) const;
   frame_commit_t MapOrRefuse(const segmented_frame_t& message, const SegmentedFrame& frame);
   void Skip(const segmented_frame_t& message, const std::string& reason);
+  void Refuse(const segmented_frame_t& message, const std::string& reason, frame_commit_t* commit);
+  void MarkSkipped(const segmented_frame_t& message, const std::string& reason,
+                   frame_commit_t* commit);
   void CheckClock(const FrameKey& frame);
   bool Contains(const FrameKey& frame) const;
 
   LiveMap& map_;
   Bus& bus_;
   Status& status_;
+  HoldLimits limits_;  // of the frames that wait
   FrameIntake intake_;
   CameraClocks clocks_;
   MapCheck check_;

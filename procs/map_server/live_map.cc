@@ -73,6 +73,7 @@ Result<std::string> LiveMap::Recover() {
 
 MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
   MappedFrame mapped = MapFrame(frame, session_.get(), StageTimings(status_));
+  if (!mapped.delta.refused.empty()) return mapped;
   store_.AddFrame({frame.frame.header.camera_id, frame.frame.header.utime});
   publisher_.PublishFrame(*session_, mapped.delta);
   return mapped;

@@ -21,7 +21,7 @@ class LiveMap {
   LiveMap(const VismapConfig& config, Bus* bus, Status* status);
 
   /// Integrates a frame that the map does not contain, enters it in the journal, and publishes the
-  /// space that it changed.
+  /// space that it changed. Does none of it when the map refuses the frame, see MapDelta::refused.
   MappedFrame Integrate(const SegmentedFrame& frame);
   /// Publishes surface and objects and saves the map, if they have changed and are due.
   void PublishAndSaveIfDue();

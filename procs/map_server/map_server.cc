@@ -10,7 +10,7 @@ constexpr double kTimerPeriod = 0.5;  // [s]
 
 MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
     : map_(config, bus, status),
-      frames_(&map_, config.integration, bus, status),
+      frames_(&map_, config, bus, status),
       requests_(config, &map_, bus, status) {
   bus->Every(kTimerPeriod, [this] {
     map_.PublishAndSaveIfDue();

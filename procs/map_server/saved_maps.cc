@@ -84,7 +84,7 @@ Result<SaveInfo> SavedMaps::Save(const MapSession& session, const fs::path& path
 Result<MapSession> ReadSavedMap(const fs::path& path, const MapSessionOptions& options,
                                 const std::string& map_id) {
   if (path.empty()) return Fail("no map given to load");
-  Result<LoadedMap> loaded = LoadMap(path);
+  Result<LoadedMap> loaded = LoadMap(path, MaxMapBytes(options.integration));
   if (!loaded) return tl::unexpected(loaded.error());
   loaded->metadata.map_id = map_id;
   Result<MapSession> session = MapSession::Continue(options, std::move(*loaded));

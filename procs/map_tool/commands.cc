@@ -27,7 +27,8 @@ tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& argume
     if (!reply) return tl::unexpected(reply.error());
     return PayloadText(*reply);
   }
-  const Result<LoadedMap> loaded = LoadMap(arguments.map);
+  const Result<LoadedMap> loaded =
+      LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   return StatisticsJson(loaded->map, loaded->metadata);
 }
@@ -122,7 +123,8 @@ Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context) {
 }
 
 Outcome RunRender(const MapToolArguments& arguments, ProcessContext&) {
-  const Result<LoadedMap> loaded = LoadMap(arguments.map);
+  const Result<LoadedMap> loaded =
+      LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   const Result<void> written = WritePng(arguments.out, Render(arguments, *loaded));
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
@@ -131,7 +133,8 @@ Outcome RunRender(const MapToolArguments& arguments, ProcessContext&) {
 }
 
 Outcome RunDiff(const MapToolArguments& arguments, ProcessContext&) {
-  const Result<LoadedMap> a = LoadMap(arguments.map), b = LoadMap(arguments.other_map);
+  const size_t most = MaxMapBytes(arguments.config.integration);
+  const Result<LoadedMap> a = LoadMap(arguments.map, most), b = LoadMap(arguments.other_map, most);
   if (!a) return ExitWith(ExitCode::kUnreadable, a.error().message);
   if (!b) return ExitWith(ExitCode::kUnreadable, b.error().message);
   const std::vector<std::string> differences = DiffMaps(*a, *b);

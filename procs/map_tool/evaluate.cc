@@ -60,7 +60,8 @@ Result<MapInput> ReadMesh(const MapToolArguments& arguments) {
 
 Result<MapInput> ReadMap(const MapToolArguments& arguments) {
   if (fs::path(arguments.map).extension() == ".ply") return ReadMesh(arguments);
-  const Result<LoadedMap> loaded = LoadMap(arguments.map);
+  const Result<LoadedMap> loaded =
+      LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
   if (!loaded) return tl::unexpected(loaded.error());
   const OutputOptions options = arguments.config;
   MapProducts products = MakeProducts(loaded->map, loaded->metadata, options);

@@ -26,6 +26,7 @@ class Viewer {
         kObjectsChannel, [this](const object_list_t& message) { objects_ = message.n_objects; },
         Delivery::kLatest);
     bus->Every(0.25, [this] {
+      mesh_.GiveUpStaleParts(MonotonicSeconds());
       if (!mesh_.in_sync()) catch_up_.Request(mesh_.position());
     });
     catch_up_.Request(mesh_.position());
@@ -35,7 +36,7 @@ class Viewer {
 
  private:
   Result<void> OnMeshDelta(const mesh_delta_t& message) {
-    switch (mesh_.Apply(message)) {
+    switch (mesh_.Apply(message, MonotonicSeconds())) {
       case FollowOutcome::kApplied:
         Print();
         break;
@@ -45,6 +46,9 @@ class Viewer {
       case FollowOutcome::kBroken:
         return Fail("the update to revision " + std::to_string(message.revision) +
                     " is inconsistent");
+      case FollowOutcome::kTooLarge:
+        return Fail("the surface needs more memory than a viewer takes, " +
+                    FormatBytes(FollowLimits{}.max_bytes));
       case FollowOutcome::kWaiting:
       case FollowOutcome::kIgnored:
         break;

@@ -37,7 +37,7 @@ struct SelectedObjects {
 
 tl::expected<SelectedObjects, ExitFailure> Select(const MapToolArguments& arguments,
                                                   const ObjectQuery& query) {
-  Result<LoadedMap> loaded = LoadMap(arguments.map);
+  Result<LoadedMap> loaded = LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   MapProducts products = MakeProducts(loaded->map, loaded->metadata, arguments.config);
   Result<std::vector<ObjectSummary>> objects = SelectObjects(products.objects, query);

@@ -3,15 +3,22 @@
 #include <filesystem>
 
 #include "base/file.h"
+#include "base/format.h"
+#include "runtime/clock.h"
 #include "runtime/log.h"
 #include "wire/octree_message.h"
 
 namespace vismap {
 
+namespace {
+constexpr double kRestAfterTooLarge = 60;  // before a map that was too large is asked for again [s]
+}  // namespace
+
 Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
     : config_(config),
       bus_(bus),
       status_(status),
+      follower_({.max_bytes = static_cast<size_t>(config.octomap_exporter.max_map_mb) * kMegabyte}),
       catch_up_(bus, "snapshot"),
       export_pacer_(config.octomap_exporter.period_s),
       requests_(
@@ -29,13 +36,16 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const StageTimer timer(status_, "following");
   Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
-  const FollowOutcome outcome = follower_.Apply(std::move(*update));
+  const FollowOutcome outcome = follower_.Apply(std::move(*update), MonotonicSeconds());
   status_->SetCounter("updates_missed", follower_.gaps());
   status_->SetCounter("map_revision", follower_.position().revision);
+  status_->SetCounter("map_bytes", static_cast<int64_t>(follower_.bytes()));
   if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
+  if (outcome == FollowOutcome::kTooLarge) return OnTooLarge();
   if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
-    status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
-    catch_up_.Request(follower_.position());
+    if (MonotonicSeconds() >= next_catch_up_)
+      status_->Set(ProcessState::kWaiting, "waiting for what was missed on MAP_DELTA");
+    RequestCatchUp();
   }
   if (outcome == FollowOutcome::kBroken) {
     return Fail("update to revision " + std::to_string(message.revision) + " of map '" +
@@ -44,10 +54,32 @@ Result<void> Exporter::OnDelta(const map_delta_t& message) {
   return {};
 }
 
+// Asking for the map again would only cost the map server work.
+Result<void> Exporter::OnTooLarge() {
+  const std::string sentence = "the map needs more than " +
+                               std::to_string(config_.octomap_exporter.max_map_mb) +
+                               " MB (octomap_exporter.max_map_mb), so it is not followed";
+  octree_.reset();
+  next_catch_up_ = MonotonicSeconds() + kRestAfterTooLarge;
+  status_->Count("updates_too_large");
+  status_->Set(ProcessState::kWaiting, sentence);
+  return Fail(sentence);
+}
+
+void Exporter::RequestCatchUp() {
+  if (MonotonicSeconds() >= next_catch_up_) catch_up_.Request(follower_.position());
+}
+
 bool Exporter::has_news() const { return follower_.in_sync() && follower_.position() != exported_; }
 
 void Exporter::OnTimer() {
-  if (!follower_.in_sync()) catch_up_.Request(follower_.position());
+  const size_t given_up = follower_.GiveUpStaleParts(MonotonicSeconds());
+  status_->Count("parts_given_up", static_cast<int64_t>(given_up));
+  if (given_up > 0) {
+    LogWarningRateLimited("parts", FormatCount(static_cast<int64_t>(given_up), "part") +
+                                       " of an update dropped: its other parts did not come");
+  }
+  if (!follower_.in_sync()) RequestCatchUp();
   if (config_.octomap_exporter.period_s <= 0 || !has_news()) return;
   export_pacer_.RunIfDue([&] {
     const Result<std::string> exported = Export();
@@ -83,12 +115,19 @@ Result<std::string> Exporter::Export() {
   Result<OctreeBytes> octree = octree_->Build(config_.octomap_exporter.unknown);
   if (!octree) return tl::unexpected(octree.error());
   message.octree = std::move(*octree);
+  TellLeftOut(message.octree.left_out);
   bus_->Publish(kOctomapChannel, Encode(message));
   status_->Count("octrees_published");
   exported_ = follower_.position();
   if (config_.octomap_exporter.output_folder.empty())
     return std::to_string(message.octree.nodes) + " nodes published";
   return WriteFiles();
+}
+
+void Exporter::TellLeftOut(const std::string& sentence) {
+  if (!sentence.empty()) LogWarningRateLimited("left out", sentence);
+  status_->SetCounter("octree_incomplete", sentence.empty() ? 0 : 1);
+  status_->Set(ProcessState::kRunning, sentence);
 }
 
 Result<std::string> Exporter::WriteFiles() {

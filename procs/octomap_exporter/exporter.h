@@ -32,10 +32,13 @@ class Exporter {
 
  private:
   Result<void> OnDelta(const map_delta_t& message);
+  Result<void> OnTooLarge();
+  void RequestCatchUp();
   void OnTimer();
   void HandleRequests();
   Result<void> UpdateOctree();
   Result<std::string> WriteFiles();
+  void TellLeftOut(const std::string& sentence);
 
   VismapConfig config_;
   Bus* bus_;
@@ -43,6 +46,7 @@ class Exporter {
   MapFollower follower_;
   std::optional<OctreeBuilder> octree_;
   CatchUp catch_up_;
+  double next_catch_up_ = 0;  // no request before [s]
   FollowerPosition exported_;
   Pacer export_pacer_;
   RequestServer requests_;

@@ -7,6 +7,10 @@
 namespace vismap {
 namespace {
 
+// Messages of a channel that LCM holds while the process is busy; it drops the newest beyond. LCM
+// does not limit their bytes, but takes no message above 16 MB.
+constexpr int kMaxQueued = 256;
+
 class LcmTransport : public Transport {
  public:
   explicit LcmTransport(const std::string& url) : lcm_(url) {}
@@ -18,8 +22,7 @@ class LcmTransport : public Transport {
   void Subscribe(const std::string& channel) override {
     lcm::Subscription* subscription =
         lcm_.subscribeFunction(channel, &LcmTransport::OnMessage, this);
-    // 0 = no limit: LCM queues all messages that the process has not handled yet and drops none.
-    if (subscription != nullptr) subscription->setQueueCapacity(0);
+    if (subscription != nullptr) subscription->setQueueCapacity(kMaxQueued);
   }
 
   bool Publish(const std::string& channel, std::span<const uint8_t> data) override {

@@ -10,6 +10,7 @@ namespace vismap {
 namespace {
 
 constexpr size_t kMaxPeers = 1024;
+constexpr size_t kMaxText = 255;  // of what is kept of a peer
 
 bool PeerIsAlive(const Peer& peer) {
   return peer.state != "stopping" && MonotonicSeconds() - peer.last_heard < Peers::kMaxSilence;
@@ -21,8 +22,17 @@ Peers::Peers(Bus* bus) {
   bus->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& status) {
     const std::string key = KeyOf(status);
     if (peers_.size() >= kMaxPeers && !peers_.contains(key)) return;
-    peers_[key] = {status.process,     status.state, status.message, status.start_utime,
-                   MonotonicSeconds(), status.host,  status.pid,     status.findings};
+    if (status.source.size() > kMaxText || status.process.size() > kMaxText ||
+        status.host.size() > kMaxText)
+      return;
+    peers_[key] = {status.process,
+                   status.state.substr(0, kMaxText),
+                   status.message.substr(0, 4 * kMaxText),
+                   status.start_utime,
+                   MonotonicSeconds(),
+                   status.host,
+                   status.pid,
+                   status.findings};
     if (status.types_fingerprint != TypesFingerprint()) {
       LogWarningRateLimited("fingerprint",
                             status.source + " on " + status.host +

@@ -21,6 +21,8 @@ constexpr double kSendTimeout = 90.0;
 constexpr size_t kReadPerTurn = 256 * 1024;  // [bytes]
 // Largest amount read ahead while sending [bytes].
 constexpr size_t kMaxInboxBytes = 256 * kMegabyte;
+// Memory of a message besides its bytes, so that a flood of empty ones is bounded, too [bytes].
+constexpr size_t kEntryBytes = 256;
 
 class TcpqTransport : public Transport {
  public:
@@ -44,7 +46,7 @@ class TcpqTransport : public Transport {
     if (inbox_.empty()) return false;
     const TcpqRecord record = std::move(inbox_.front());
     inbox_.pop_front();
-    inbox_bytes_ -= record.bytes->size();
+    inbox_bytes_ -= record.bytes->size() + kEntryBytes;
     sink(record.name, record.data());
     return true;
   }
@@ -55,7 +57,7 @@ class TcpqTransport : public Transport {
     const Result<void> read =
         reader_.ReadFrom(socket_.fd(), kReadPerTurn, [this](TcpqRecord record) {
           if (record.kind != TcpqRecord::Kind::kPublish) return;
-          inbox_bytes_ += record.bytes->size();
+          inbox_bytes_ += record.bytes->size() + kEntryBytes;
           inbox_.push_back(std::move(record));
         });
     if (!read) socket_.Close();

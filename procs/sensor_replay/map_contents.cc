@@ -11,10 +11,13 @@ namespace vismap {
 
 namespace {
 constexpr double kRepeatPeriod = 1.0;  // [s]
+// Of a list of frames: a million of them. As JSON it takes about 15 times as much memory.
+constexpr size_t kMaxPayload = 32 * kMegabyte;
 }  // namespace
 
 MapContents::MapContents(Bus* bus, const Peers* peers) : bus_(bus), peers_(peers) {
   bus_->Subscribe<map_reply_t>(kMapReplyChannel, [this](const map_reply_t& reply) {
+    if (reply.payload.size() > kMaxPayload) return Result<void>();
     return OnReply(reply.requester, reply.request_id, reply.ok,
                    {reply.payload.begin(), reply.payload.end()});
   });

@@ -8,6 +8,9 @@
 namespace vismap {
 namespace {
 
+// Processes keep the names of sources, so they are bounded [bytes].
+constexpr int32_t kMaxSourceBytes = 256;
+
 uint64_t ReadBigEndian(std::span<const uint8_t> bytes) {
   uint64_t value = 0;
   for (const uint8_t byte : bytes) value = (value << 8) | byte;
@@ -21,7 +24,8 @@ std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes) {
   if (bytes.size() < kFixed) return std::nullopt;
   const auto length = static_cast<int32_t>(ReadBigEndian(bytes.subspan(24, 4)));
   const std::span<const uint8_t> rest = bytes.subspan(kFixed);
-  if (!vismap_lcm_guard::IsString(rest.data(), length, static_cast<int>(rest.size())))
+  if (length > kMaxSourceBytes ||
+      !vismap_lcm_guard::IsString(rest.data(), length, static_cast<int>(rest.size())))
     return std::nullopt;
   return MessageHead{
       static_cast<int64_t>(ReadBigEndian(bytes.first(8))),

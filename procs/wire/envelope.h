@@ -44,7 +44,7 @@ struct MessageHead {
 };
 
 /// Reads the head of an encoded message without decoding the rest; nullopt when the bytes are too
-/// short or the source is no valid string.
+/// short, or the source is no valid string or has more than 255 characters.
 std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes);
 
 /// Encodes a message for the bus. Computes the checksum and stores it in the message where the type

@@ -11,15 +11,23 @@ void SortUnique(std::vector<BlockIndex>* blocks) {
   blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
 }
 
+size_t BytesOf(const MapUpdate& update) {
+  size_t bytes = update.map_id.size();
+  for (const auto& entry : update.delta.blocks)
+    bytes += sizeof(entry) + (entry.second.is_uniform() ? 0 : OccupancyMap::kMixedBytes);
+  return bytes;
+}
+
 }  // namespace
 
-FollowOutcome MapFollower::Apply(MapUpdate update) {
+FollowOutcome MapFollower::Apply(MapUpdate update, double now) {
   const bool complete = update.delta.complete;
   const double voxel_size = update.delta.voxel_size;
   const int64_t utime = update.utime;
   const UpdateHead head{update.map_id, update.revision, complete ? -1 : update.base_revision,
                         complete,      update.part,     update.parts};
-  const FollowOutcome outcome = sequence_.AddPart(head, std::move(update));
+  const size_t bytes = BytesOf(update);
+  const FollowOutcome outcome = sequence_.AddPart(head, std::move(update), bytes, now);
   if (outcome != FollowOutcome::kApplied) return outcome;
   if (complete) {
     occupancy_.emplace(voxel_size);
@@ -31,6 +39,12 @@ FollowOutcome MapFollower::Apply(MapUpdate update) {
     if (!occupancy_->Apply(part.delta)) {
       sequence_.RequireSnapshot();
       return FollowOutcome::kBroken;
+    }
+    if (occupancy_->bytes() > sequence_.limits().max_bytes) {
+      occupancy_.reset();
+      changes_ = {true, {}};
+      sequence_.RequireSnapshot();
+      return FollowOutcome::kTooLarge;
     }
   }
   utime_ = utime;

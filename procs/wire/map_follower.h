@@ -18,11 +18,19 @@ struct OccupancyChanges {
 
 /// A copy of the occupancy of the server's map, built from its MAP_DELTA updates. It detects a
 /// missing update and then reports kNeedsSnapshot; it keeps the last consistent state until the
-/// missing data has arrived completely.
+/// missing data has arrived completely. Its memory is bounded, see FollowLimits; a map that needs
+/// more is dropped and reported as kTooLarge.
 class MapFollower {
  public:
-  /// Adds one part of an update; the copy changes when the last part has arrived.
-  FollowOutcome Apply(MapUpdate update);
+  explicit MapFollower(const FollowLimits& limits = {}) : sequence_(limits) {}
+
+  /// Adds one part of an update at time `now` [s]; the copy changes when the last part has arrived.
+  FollowOutcome Apply(MapUpdate update, double now = 0);
+
+  /// Drops the parts of an update whose other parts do not come. Returns how many.
+  size_t GiveUpStaleParts(double now) { return sequence_.GiveUpStaleParts(now); }
+  /// Memory of the copy and of the parts that wait [bytes].
+  size_t bytes() const { return sequence_.staged_bytes() + (occupancy_ ? occupancy_->bytes() : 0); }
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }

@@ -35,7 +35,7 @@ std::string MeshDigest::Hex() const {
   return digest.Hex();
 }
 
-FollowOutcome MeshFollower::Apply(const mesh_delta_t& message) {
+FollowOutcome MeshFollower::Apply(const mesh_delta_t& message, double now) {
   if (!Check(message)) return FollowOutcome::kBroken;
   Part received;
   size_t bytes = 0;
@@ -53,25 +53,33 @@ FollowOutcome MeshFollower::Apply(const mesh_delta_t& message) {
     if (size > 0) message.blocks[i].encode(to, 0, static_cast<int>(size));
     to += size;
   }
+  const size_t part_bytes = bytes + received.blocks.size() * sizeof(Part::Block);
   const FollowOutcome outcome =
       sequence_.AddPart({message.map_id, message.revision, message.base_revision,
                          static_cast<bool>(message.full), message.part, message.parts},
-                        std::move(received));
+                        std::move(received), part_bytes, now);
   if (outcome != FollowOutcome::kApplied) return outcome;
-  if (message.full) {
-    blocks_.clear();
-    triangles_ = 0;
-    digest_.Clear();
-  }
+  if (message.full) Clear();
   for (const Part& part : sequence_.ReleaseParts()) {
     std::span<const uint8_t> left = part.bytes;
     for (const Part::Block& block : part.blocks) {
       Set(block, left.first(block.size));
       left = left.subspan(block.size);
     }
+    if (copy_bytes() > sequence_.limits().max_bytes) {
+      Clear();
+      sequence_.RequireSnapshot();
+      return FollowOutcome::kTooLarge;
+    }
   }
   utime_ = message.utime;
   return outcome;
+}
+
+void MeshFollower::Clear() {
+  blocks_.clear();
+  triangles_ = held_bytes_ = 0;
+  digest_.Clear();
 }
 
 void MeshFollower::Set(const Part::Block& block, std::span<const uint8_t> bytes) {
@@ -80,6 +88,7 @@ void MeshFollower::Set(const Part::Block& block, std::span<const uint8_t> bytes)
     const auto known = blocks_.find(block.index);
     if (known == blocks_.end()) return;
     triangles_ -= known->second.triangles;
+    held_bytes_ -= known->second.bytes.capacity();
     blocks_.erase(known);
     return;
   }
@@ -88,9 +97,11 @@ void MeshFollower::Set(const Part::Block& block, std::span<const uint8_t> bytes)
   held.triangles = block.triangles;
   // Reserve in steps: a block changes often, and its size changes little.
   constexpr size_t kStep = 512;
+  held_bytes_ -= held.bytes.capacity();
   if (held.bytes.capacity() < bytes.size())
     held.bytes.reserve((bytes.size() + kStep - 1) / kStep * kStep);
   held.bytes.assign(bytes.begin(), bytes.end());
+  held_bytes_ += held.bytes.capacity();
 }
 
 Mesh MeshFollower::Joined() const {

@@ -33,12 +33,20 @@ class MeshDigest {
 };
 
 /// A copy of the surface of the server's map, built from its MESH_DELTA updates; a viewer holds
-/// one.
+/// one. Its memory is bounded, see FollowLimits; a surface that needs more is dropped and reported
+/// as kTooLarge.
 class MeshFollower {
  public:
-  /// Adds one part of an update; the copy changes when the last part has arrived. Returns kBroken
-  /// when the message is inconsistent; the copy then stays as it was.
-  FollowOutcome Apply(const mesh_delta_t& message);
+  explicit MeshFollower(const FollowLimits& limits = {}) : sequence_(limits) {}
+
+  /// Adds one part of an update at time `now` [s]; the copy changes when the last part has arrived.
+  /// Returns kBroken when the message is inconsistent; the copy then stays as it was.
+  FollowOutcome Apply(const mesh_delta_t& message, double now = 0);
+
+  /// Drops the parts of an update whose other parts do not come. Returns how many.
+  size_t GiveUpStaleParts(double now) { return sequence_.GiveUpStaleParts(now); }
+  /// Memory of the copy and of the parts that wait [bytes], about.
+  size_t bytes() const { return sequence_.staged_bytes() + copy_bytes(); }
 
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }
@@ -71,10 +79,15 @@ class MeshFollower {
     std::vector<uint8_t> bytes;
   };
   void Set(const Part::Block& block, std::span<const uint8_t> bytes);
+  void Clear();
+  size_t copy_bytes() const { return held_bytes_ + blocks_.size() * kBytesPerBlock; }
+  // Entries of a block in both tables.
+  static constexpr size_t kBytesPerBlock = 256;
 
   UpdateSequence<Part> sequence_;
   tsl::robin_map<BlockIndex, EncodedBlock, BlockIndexHash> blocks_;  // with a surface
   size_t triangles_ = 0;
+  size_t held_bytes_ = 0;  // of the encoded blocks
   MeshDigest digest_;
   int64_t utime_ = 0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -32,6 +33,14 @@ enum class FollowOutcome {
   kNeedsSnapshot,  ///< cannot be applied: an earlier update is missing, or the copy is empty;
                    ///< request it
   kBroken,         ///< the update is inconsistent in itself or with the copy
+  kTooLarge,       ///< the copy with this update would need more memory than allowed; the parts of
+                   ///< the update were dropped
+};
+
+/// How much a follower keeps.
+struct FollowLimits {
+  size_t max_bytes = size_t{1024} << 20;  ///< of the copy, and again of parts that wait [bytes]
+  double max_wait_s = 30;  ///< after the last new part of an update, its other parts are given up
 };
 
 /// The position of one update in its stream (MAP_DELTA or MESH_DELTA).
@@ -47,13 +56,20 @@ struct UpdateHead {
 
 /// Collects the parts of an update, which may arrive in any order, and decides whether the update
 /// can be applied. An update applies only to its base revision, so that the copy always equals some
-/// earlier state of the original.
+/// earlier state of the original. Memory is bounded: parts of an update that never becomes complete
+/// are dropped. It has no clock of its own: callers pass the current time `now` [s].
 template <typename Update>
 class UpdateSequence {
  public:
-  /// Adds one part. When it returns kApplied, position() is that of the update, and ReleaseParts()
-  /// returns all of its parts in ascending order, for the caller to apply.
-  FollowOutcome AddPart(const UpdateHead& head, Update update) {
+  /// Memory of a part besides what the caller counts [bytes].
+  static constexpr size_t kPartBytes = sizeof(Update) + 128;
+
+  explicit UpdateSequence(const FollowLimits& limits) : limits_(limits) {}
+
+  /// Adds one part, which takes `bytes` of memory. When it returns kApplied, position() is that of
+  /// the update, and ReleaseParts() returns all of its parts in ascending order, for the caller to
+  /// apply.
+  FollowOutcome AddPart(const UpdateHead& head, Update update, size_t bytes, double now) {
     ready_.clear();
     const bool same_map = head.map_id == position_.map_id;
     if (same_map && in_sync_ && head.revision <= position_.revision) return FollowOutcome::kIgnored;
@@ -63,17 +79,33 @@ class UpdateSequence {
       const bool fits = head.full || (same_map && position_.revision >= 0 &&
                                       head.base_revision == position_.revision);
       if (!fits) return OnMissingUpdate();
+      DropParts();
       staged_ = whole;
-      parts_.clear();
+      staged_since_ = now;
     }
-    parts_.insert_or_assign(head.part, std::move(update));
+    if (parts_.contains(head.part)) return FollowOutcome::kWaiting;  // it was sent again
+    if (staged_bytes_ + bytes + kPartBytes > limits_.max_bytes) {
+      DropParts();
+      OnMissingUpdate();
+      return FollowOutcome::kTooLarge;
+    }
+    parts_.emplace(head.part, std::move(update));
+    staged_bytes_ += bytes + kPartBytes;
+    staged_since_ = now;
     if (parts_.size() < static_cast<size_t>(head.parts)) return FollowOutcome::kWaiting;
     for (auto& entry : parts_) ready_.push_back(std::move(entry.second));
-    parts_.clear();
-    staged_.reset();
+    DropParts();
     position_ = {head.map_id, head.revision};
     in_sync_ = true;
     return FollowOutcome::kApplied;
+  }
+
+  /// Drops the parts of an update that has waited too long for its other parts. Returns how many.
+  size_t GiveUpStaleParts(double now) {
+    if (!staged_ || now - staged_since_ < limits_.max_wait_s) return 0;
+    const size_t dropped = parts_.size();
+    DropParts();
+    return dropped;
   }
 
   std::vector<Update> ReleaseParts() { return std::exchange(ready_, {}); }
@@ -86,9 +118,17 @@ class UpdateSequence {
 
   bool in_sync() const { return in_sync_; }
   const FollowerPosition& position() const { return position_; }
-  int64_t gaps() const { return gaps_; }  ///< how often an update was missing
+  int64_t gaps() const { return gaps_; }                 ///< how often an update was missing
+  size_t staged_bytes() const { return staged_bytes_; }  ///< memory of the parts that wait
+  const FollowLimits& limits() const { return limits_; }
 
  private:
+  void DropParts() {
+    parts_.clear();
+    staged_.reset();
+    staged_bytes_ = 0;
+  }
+
   // Keeps the staged parts, because the other parts of that update may still arrive.
   FollowOutcome OnMissingUpdate() {
     if (in_sync_) ++gaps_;
@@ -96,12 +136,15 @@ class UpdateSequence {
     return FollowOutcome::kNeedsSnapshot;
   }
 
+  FollowLimits limits_;
   FollowerPosition position_;
   bool in_sync_ = false;
   int64_t gaps_ = 0;
   std::optional<UpdateHead> staged_;  // head of the update being collected, with part = 0
-  std::map<int32_t, Update> parts_;   // of the staged update, by index
-  std::vector<Update> ready_;         // parts of the update that was just completed
+  double staged_since_ = 0;           // when the last new part arrived [s]
+  size_t staged_bytes_ = 0;
+  std::map<int32_t, Update> parts_;  // of the staged update, by index
+  std::vector<Update> ready_;        // parts of the update that was just completed
 };
 
 }  // namespace vismap

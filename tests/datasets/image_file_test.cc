@@ -35,6 +35,21 @@ TEST(ImageInfo, RefusesHugePngs) {
   EXPECT_FALSE(ReadImageInfo(std::span<const uint8_t>(bytes)));
 }
 
+TEST(ImageInfo, RefusesMorePixelsThanAreEverDecoded) {
+  std::vector<uint8_t> bytes = GreyPng(7, 5, 1);
+  const auto set_size = [&](uint8_t width, uint8_t height) {  // in units of 256 pixels
+    bytes[18] = width;
+    bytes[22] = height;
+    bytes[19] = bytes[23] = 0;
+  };
+  set_size(0x40, 0x40);  // 16384 x 16384
+  EXPECT_THAT(
+      ReadImageInfo(std::span<const uint8_t>(bytes)).error().message,
+      HasSubstr("16384x16384; expected 1..16384 pixels along each side and at most 33554432"));
+  set_size(0x40, 0x08);  // 16384 x 2048
+  EXPECT_TRUE(ReadImageInfo(std::span<const uint8_t>(bytes)));
+}
+
 TEST(ReadPng16, MutationsGiveAnImageOfTheRightSizeOrANamedError) {
   const TempFolder folder;
   ForEachMutation(GreyPng(16, 12, 1234), 1500, [&](const std::vector<uint8_t>& bytes) {

@@ -167,20 +167,35 @@ TEST(OctreeBuilder, WritesAgainOnlyWhatChangedHoweverLargeTheMap) {
   EXPECT_LT(builder->encoded_cubes(), 30);
 }
 
-TEST(OctreeBuilder, RefusesAMapOnlyWhileItReachesBeyondTheKeySpace) {
+TEST(OctreeBuilder, LeavesOutWhatLiesBeyondTheKeySpace) {
   OccupancyMap map(0.02);
   Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), {});
   const BlockIndex near{3, 4, 5};
   const BlockIndex far{3 * 4096, 0, 0};
   map.Set(near, BlockOccupancy(CellState::kFree));
-  map.Set(far, BlockOccupancy(CellState::kOccupied));
   builder->Update(map, map.SortedIndices());
-  const Result<OctreeBytes> refused = builder->Build(UnknownPolicy::kAbsent);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("beyond the 1966.08 m"));
+  const Result<OctreeBytes> alone = builder->Build(UnknownPolicy::kAbsent);
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->left_out, "");
+  map.Set(far, BlockOccupancy(CellState::kOccupied));
+  builder->Update(map, std::array{far});
+  const Result<OctreeBytes> tree = builder->Build(UnknownPolicy::kAbsent);
+  ASSERT_TRUE(tree);
+  EXPECT_EQ(tree->bytes, alone->bytes);
+  EXPECT_THAT(tree->left_out, HasSubstr("1 pieces of the map"));
+  EXPECT_THAT(tree->left_out, HasSubstr("beyond the 1966.08 m"));
   map.Set(far, BlockOccupancy(CellState::kUnknown));
   builder->Update(map, std::array{far});
+  EXPECT_EQ(builder->Build(UnknownPolicy::kAbsent)->left_out, "");
   ExpectSame(builder->Build(UnknownPolicy::kAbsent), BuildOctree(map, {}));
+}
+
+TEST(OctreeBuilder, RefusesAMapOfWhichAllLiesBeyondTheKeySpace) {
+  OccupancyMap map(0.02);
+  map.Set({3 * 4096, 0, 0}, BlockOccupancy(CellState::kOccupied));
+  const Result<OctreeBytes> refused = BuildOctree(map, {});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("all of the map lies beyond the 1966.08 m"));
 }
 
 TEST(OctreeBuilder, RefusesWhatBuildOctreeRefuses) {

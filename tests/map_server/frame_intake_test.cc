@@ -28,11 +28,11 @@ class Frames : public testing::Test {
 };
 
 TEST_F(Frames, WaitForTheFrameBeforeThem) {
-  EXPECT_TRUE(intake_.Add(SmallMessage(3000, 2000)));
-  EXPECT_TRUE(intake_.Add(SmallMessage(2000, 1000)));
+  intake_.Add(SmallMessage(3000, 2000), 0);
+  intake_.Add(SmallMessage(2000, 1000), 0);
   EXPECT_EQ(IntegrateNext(), -1);
   EXPECT_EQ(intake_.waiting(), 2u);
-  EXPECT_TRUE(intake_.Add(SmallMessage(1000)));
+  intake_.Add(SmallMessage(1000), 0);
   EXPECT_EQ(IntegrateNext(), 1000);
   EXPECT_EQ(IntegrateNext(), 2000);
   EXPECT_EQ(IntegrateNext(), 3000);
@@ -41,34 +41,49 @@ TEST_F(Frames, WaitForTheFrameBeforeThem) {
 }
 
 TEST_F(Frames, DoNotWaitForASkippedOne) {
-  EXPECT_TRUE(intake_.Add(SmallMessage(2000, 1000)));
+  intake_.Add(SmallMessage(2000, 1000), 0);
   EXPECT_EQ(IntegrateNext(), -1);
   intake_.Skip(SmallKey(1000));
   EXPECT_EQ(IntegrateNext(), 2000);
 }
 
 TEST_F(Frames, AreDroppedWhenAnotherMapBegins) {
-  EXPECT_TRUE(intake_.Add(SmallMessage(3000, 2000)));
+  intake_.Add(SmallMessage(3000, 2000), 0);
   intake_.Skip(SmallKey(1000));
   intake_.SetMap("map");
   EXPECT_EQ(intake_.waiting(), 1u) << "the same map";
   intake_.SetMap("another map");
   EXPECT_EQ(intake_.waiting(), 0u);
-  EXPECT_TRUE(intake_.Add(SmallMessage(2000, 1000)));
+  intake_.Add(SmallMessage(2000, 1000), 0);
   EXPECT_EQ(IntegrateNext(), -1) << "no frame of the new map was skipped";
 }
 
-TEST_F(Frames, BeyondALimitAreRefused) {
+TEST_F(Frames, BeyondALimitAreDropped) {
   const segmented_frame_t message = SmallMessage(2000, 1000);
-  int added = 0;
+  int64_t dropped = 0;
   for (int i = 0; i < 300; ++i) {
     segmented_frame_t copy = message;
     copy.frame.utime = 2000 + i;
-    added += intake_.Add(copy);
+    intake_.Add(copy, 0);
+    dropped += intake_.Trim(0).no_room;
   }
-  EXPECT_EQ(added, 256);
+  EXPECT_EQ(dropped, 44);
   EXPECT_EQ(intake_.waiting(), 256u);
-  EXPECT_TRUE(intake_.Add(message)) << "waits already";
+  EXPECT_EQ(intake_.waiting_bytes(), 256 * BytesOf(message));
+}
+
+TEST_F(Frames, ThatWaitForNothingAreTakenWhateverOthersWaitFor) {
+  for (int i = 0; i < 300; ++i) {
+    intake_.Add(SmallMessage(5000 + 2 * i, 4999 + 2 * i), 0);
+    intake_.Trim(0);
+  }
+  intake_.Add(SmallMessage(1000), 1);
+  EXPECT_EQ(IntegrateNext(), 1000);
+  intake_.Add(SmallMessage(2000, 1000), 1);
+  EXPECT_EQ(IntegrateNext(), 2000);
+  EXPECT_EQ(intake_.Trim(29.9).late, 0);
+  EXPECT_EQ(intake_.Trim(30.1).late, 256);
+  EXPECT_EQ(intake_.waiting(), 0u);
 }
 
 }  // namespace

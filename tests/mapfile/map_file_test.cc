@@ -264,6 +264,54 @@ TEST(MapFile, DamageBehindRightChecksumsIsAnErrorNotACrash) {
   }
 }
 
+/// A file that is small and right but for its hash, with `count` blocks of free space far from each
+/// other: every one needs a cube of the table for itself.
+std::vector<uint8_t> FileOfScatteredBlocks(int count) {
+  SemanticMap map{VoxelGridOptions{}};
+  for (int i = 0; i < count; ++i) map.voxels.FindOrCreate({i * 4, 0, 0}).all_free = true;
+  return EncodeMap(map, {});
+}
+
+TEST(MapFile, AMapThatNeedsMoreMemoryThanAllowedIsRefused) {
+  constexpr size_t kMegabyte = size_t{1} << 20;
+  const std::vector<uint8_t> bytes = FileOfScatteredBlocks(50'000);
+  EXPECT_LT(bytes.size(), 400'000u);
+  const Result<LoadedMap> refused = DecodeMap(bytes, "bomb", 16 * kMegabyte);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("needs more than the allowed 16 MB"));
+  const Result<LoadedMap> loaded = DecodeMap(bytes, "bomb", 256 * kMegabyte);
+  ASSERT_TRUE(loaded);
+  EXPECT_LE(MeasureMemory(loaded->map.voxels).total_bytes(), 256 * kMegabyte);
+}
+
+TEST(MapFile, ListsOfEmptyEntriesAreRefusedBeforeTheyAreRead) {
+  const std::vector<uint8_t> bytes = EncodeMap(RandomMap(1, 5), SomeMetadata());
+  constexpr size_t kEntries = 5'000'000;
+  for (const auto& [record, field] : {std::pair{0, 10}, std::pair{1, 1}, std::pair{1, 3}}) {
+    std::vector<uint8_t> content;
+    for (size_t i = 0; i < kEntries; ++i) {
+      content.push_back(static_cast<uint8_t>(field << 3 | 2));
+      content.push_back(0);
+    }
+    const Result<LoadedMap> loaded =
+        DecodeMap(Rewrite(bytes, static_cast<size_t>(record), content), "bomb");
+    ASSERT_FALSE(loaded);
+    EXPECT_THAT(loaded.error().message, HasSubstr("more than half of the allowed 2048 MB"));
+  }
+}
+
+TEST(MapFile, SurfaceBeyondTheFirstBlocksIsPackedWhenItIsLoaded) {
+  const SemanticMap map = RandomMap(1, 60'000);
+  const VoxelMapMemory memory = MeasureMemory(map.voxels);
+  ASSERT_GT(memory.surface_blocks, 11'000u);
+  const Result<LoadedMap> loaded = DecodeMap(EncodeMap(map, {}), "large");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->map_hash, HashMap(map));
+  const VoxelMapMemory after = MeasureMemory(loaded->map.voxels);
+  EXPECT_GT(after.packed_blocks, 1000u);
+  EXPECT_LT(after.surface_blocks - after.packed_blocks, 10'000u);
+}
+
 TEST(MapFile, RecordsMissingOrInAnotherOrderAreAnError) {
   const std::vector<uint8_t> bytes = EncodeMap(RandomMap(1, 900), {});
   const auto records = mapfile::SplitRecords(bytes);
