@@ -15,7 +15,6 @@ namespace {
 // A block is packed only after this many frames without a change to it.
 constexpr uint32_t kPackAfter = 5;
 constexpr size_t kBytesPerMegabyte = size_t{1} << 20;
-constexpr size_t kCostPerBlock = 16;  // see FrameCost
 
 // Adds the frame to the counts F, Phi and Psi of the paper (Sec. III-D). Phi and Psi grow by the
 // detection's score times the overlap of mask and segment.

@@ -15,6 +15,15 @@ namespace {
 constexpr int kTopLevel = 4;
 constexpr double kMaxTopCubes = 1e6;
 
+size_t CostOf(const VisibleBlock& block) {
+  return block.view == BlockVisibility::kMixed ? kCostPerBlock : 1;
+}
+
+struct Found {
+  std::vector<VisibleBlock> blocks;
+  size_t cost = 0;
+};
+
 class Descent {
  public:
   Descent(const FrameHeader& header, const DepthPyramid& pyramid, const VisibilityOptions& options,
@@ -31,8 +40,10 @@ class Descent {
 
   double range() const { return range_; }
 
-  // Appends the visible blocks of the cube of 2^level blocks whose lowest block is `low`.
-  void Visit(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
+  // Appends the visible blocks of the cube of 2^level blocks whose lowest block is `low`. Ends when
+  // they cost too much.
+  void Visit(BlockIndex low, int level, Found& visible) const {
+    if (visible.cost > options_.max_cost) return;
     const BlockVisibility view = Classify(low, level);
     if (view == BlockVisibility::kNothing) return;
     if (level == 0) {
@@ -52,11 +63,14 @@ class Descent {
   }
 
  private:
-  void Emit(const VisibleBlock& block, std::vector<VisibleBlock>& visible) const {
-    if (wanted_(block)) visible.push_back(block);
+  void Emit(const VisibleBlock& block, Found& visible) const {
+    if (!wanted_(block)) return;
+    visible.blocks.push_back(block);
+    visible.cost += CostOf(block);
   }
 
-  void EmitFree(BlockIndex low, int level, std::vector<VisibleBlock>& visible) const {
+  void EmitFree(BlockIndex low, int level, Found& visible) const {
+    if (visible.cost > options_.max_cost) return;
     const int side = 1 << level;
     for (int x = 0; x < side; ++x) {
       for (int y = 0; y < side; ++y) {
@@ -196,15 +210,16 @@ std::vector<VisibleBlock> FindVisibleBlocks(
   const Eigen::AlignedBox3d box = BoundsOfView(header, descent.range() + options.truncation);
   const int level = TopLevelFor(box, options.block_size);
   const std::vector<BlockIndex> cubes = CubesIn(box, options.block_size, level);
-  std::vector<std::vector<VisibleBlock>> parts(cubes.size());
+  std::vector<Found> parts(cubes.size());
   std::atomic<size_t> cost = 0;
   ParallelFor(cubes.size(), 1, [&](size_t i) {
     if (cost > options.max_cost) return;
     descent.Visit(cubes[i], level, parts[i]);
-    if (!parts[i].empty()) cost += FrameCost(parts[i]);
+    if (parts[i].cost > 0) cost += parts[i].cost;
   });
   std::vector<VisibleBlock> visible;
-  for (const auto& part : parts) visible.insert(visible.end(), part.begin(), part.end());
+  for (const Found& part : parts)
+    visible.insert(visible.end(), part.blocks.begin(), part.blocks.end());
   std::sort(visible.begin(), visible.end(),
             [](const VisibleBlock& a, const VisibleBlock& b) { return a.index < b.index; });
   return visible;

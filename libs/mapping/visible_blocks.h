@@ -38,8 +38,10 @@ struct VisibleBlock {
   BlockVisibility view = BlockVisibility::kMixed;
 };
 
-/// What it takes to change blocks: 16 for each that a surface may pass near, 1 for each in free
-/// space.
+/// What it takes to change a block that a surface may pass near; one in free space costs 1.
+inline constexpr size_t kCostPerBlock = 16;
+
+/// What it takes to change blocks.
 size_t FrameCost(const std::vector<VisibleBlock>& visible);
 
 /// The blocks that the frame may change, ascending: those that a surface may pass near, and those

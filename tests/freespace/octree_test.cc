@@ -90,7 +90,7 @@ TEST(EncodeOctree, HugeUnknownBoxStaysSmall) {
   EXPECT_EQ(CellAt(**ReadOctree(octree->bytes, "tree"), {0, 0, 0}), CellState::kOccupied);
 }
 
-TEST(EncodeOctree, MapBeyondTheKeySpaceIsRefusedAndItsEdgeIsNot) {
+TEST(EncodeOctree, MapBeyondTheKeySpaceIsLeftOutAndItsEdgeIsNot) {
   OccupancyMap leaves(0.05);
   leaves.Set({-4096, 0, 4095}, BlockOccupancy(CellState::kOccupied));
   const Result<OctreeBytes> octree =
@@ -99,9 +99,10 @@ TEST(EncodeOctree, MapBeyondTheKeySpaceIsRefusedAndItsEdgeIsNot) {
   EXPECT_EQ(CellAt(**ReadOctree(octree->bytes, "tree"), {-1638.3, 0.1, 1638.3}),
             CellState::kOccupied);
   leaves.Set({4096, 0, 0}, BlockOccupancy(CellState::kFree));
-  const auto refused = EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("1638.4 m"));
+  const auto cut = EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);
+  ASSERT_TRUE(cut);
+  EXPECT_EQ(cut->bytes, octree->bytes);
+  EXPECT_THAT(cut->left_out, HasSubstr("1638.4 m"));
 }
 
 TEST(ChooseOctreeGrid, TakesWholeMultiplesAndNamesTheNearest) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "base/file.h"
 #include "process/process_harness.h"
+#include "runtime/clock.h"
 
 namespace vismap::hostile {
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <limits>
+#include <vismap/octree_t.hpp>
 
 #include "hostile/hostile_bus.h"
 #include "hostile/hostile_frames.h"
-#include "runtime/clock.h"
 
 // What single frames can do to the segmenter and to the map server.
 

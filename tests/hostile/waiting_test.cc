@@ -3,6 +3,7 @@
 #include <vismap/detections_t.hpp>
 #include <vismap/map_delta_t.hpp>
 
+#include "codecs/color_codec.h"
 #include "hostile/hostile_bus.h"
 #include "hostile/hostile_frames.h"
 #include "wire/map_update.h"

@@ -100,7 +100,7 @@ TEST(RgbdFrameMessage, RejectsImpossibleCameraValues) {
       {"color_encoding", [](rgbd_frame_t* m) { m->color_encoding = 99; }},
       {"color", [](rgbd_frame_t* m) { m->color_encoding = rgbd_frame_t::COLOR_NONE; }},
       {"depth", [](rgbd_frame_t* m) { m->depth.resize(m->depth.size() / 2); }},
-      {"depth", [](rgbd_frame_t* m) { m->height = 4096, m->width = 16384; }},
+      {"camera size", [](rgbd_frame_t* m) { m->height = 4096, m->width = 16384; }},
       {"color", [](rgbd_frame_t* m) { m->color.resize(3); }},
   };
   for (const BadField& bad : cases) {
