@@ -58,10 +58,15 @@ class Mapper {
     const auto check = [&](const SegmentedFrame& segmented) {
       if (input_.check != nullptr) input_.check->Add(segmented, frame->depth_unit_m);
     };
-    watch_.Measure("total", [&] {
-      MapFrame(std::move(frame->frame), detections, options_, &session_, watch_, check);
+    const MappedFrame mapped = watch_.Measure("total", [&] {
+      return MapFrame(std::move(frame->frame), detections, options_, &session_, watch_, check);
     });
+    if (!mapped.delta.refused.empty()) {
+      mapped_.left_out.Add(mapped.delta.refused);
+      return {};
+    }
     ++mapped_.frames;
+    mapped_.blocks_left_out += mapped.delta.blocks_left_out;
     return {};
   }
 

@@ -27,10 +27,11 @@ struct OfflineInput {
 
 /// What became of the frames of a sequence and of their detections.
 struct MappedSequence {
-  int64_t frames = 0;               ///< mapped
-  int64_t used_detections = 0;      ///< belonged to frames
-  ReasonCounts left_out;            ///< frames that could not be read
-  ReasonCounts without_color;       ///< frames mapped without the colour that they had
+  int64_t frames = 0;           ///< mapped
+  int64_t used_detections = 0;  ///< belonged to frames
+  ReasonCounts left_out;        ///< frames that could not be read, or were refused, see MapDelta
+  int64_t blocks_left_out = 0;  ///< of the map, see IntegrationOptions::max_map_mb
+  ReasonCounts without_color;   ///< frames mapped without the colour that they had
   ReasonCounts without_detections;  ///< frames mapped without the detections that they had
 };
 
