@@ -47,7 +47,7 @@ PROCS = {
 # Tests of one room see what the room sees; these folders of tests/ see everything.
 # Tests of rooms that read a map may also include the makers, since they need maps to read.
 READERS = {"meshing", "objects", "exports", "freespace", "mapfile", "render"}
-OPEN_TESTS = {"process", "quality", "oracle", "support", "bench", "fuzz"}
+OPEN_TESTS = {"process", "quality", "oracle", "support", "bench", "fuzz", "hostile"}
 
 # Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
 OUTSIDE = [
