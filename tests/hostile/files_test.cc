@@ -26,7 +26,8 @@ Ended RunToEnd(const std::string& name, const std::vector<std::string>& argument
   ChildProcess process(name, arguments, folder);
   int64_t megabytes = 0;
   while (process.Running()) {
-    megabytes = std::max(megabytes, ProcessMegabytes(process.pid()));
+    // The last value counts: the first one may be that of this process, of which it is a copy.
+    if (const int64_t peak = ProcessMegabytes(process.pid()); peak >= 0) megabytes = peak;
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return {process.WaitForExit().value_or(-1), process.StandardError(), megabytes};
