@@ -27,8 +27,10 @@ std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes) {
   if (length > kMaxSourceBytes ||
       !vismap_lcm_guard::IsString(rest.data(), length, static_cast<int>(rest.size())))
     return std::nullopt;
+  const int64_t fingerprint = envelope::ReadFingerprint(bytes);
+  const OlderType* older = FindOlderType(fingerprint);
   return MessageHead{
-      static_cast<int64_t>(ReadBigEndian(bytes.first(8))),
+      older != nullptr ? older->current : fingerprint,
       static_cast<int64_t>(ReadBigEndian(bytes.subspan(8, 8))),
       static_cast<int64_t>(ReadBigEndian(bytes.subspan(16, 8))),
       std::string(reinterpret_cast<const char*>(rest.data()), static_cast<size_t>(length) - 1)};
@@ -44,6 +46,10 @@ int64_t ChecksumAfter(std::span<const uint8_t> bytes, size_t checksum_offset) {
 void WriteBigEndian(int64_t value, uint8_t* destination) {
   const auto bits = static_cast<uint64_t>(value);
   for (int i = 0; i < 8; ++i) destination[i] = static_cast<uint8_t>(bits >> (8 * (7 - i)));
+}
+
+int64_t ReadFingerprint(std::span<const uint8_t> bytes) {
+  return static_cast<int64_t>(ReadBigEndian(bytes.first(8)));
 }
 
 std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, int64_t expected) {

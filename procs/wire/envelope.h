@@ -9,6 +9,7 @@
 #include "base/digest.h"
 #include "base/require.h"
 #include "base/result.h"
+#include "wire/older_types.h"
 
 namespace vismap {
 
@@ -30,6 +31,8 @@ inline size_t ChecksumOffset(const std::string& source) {
 /// XXH3-64 of all bytes after the checksum field. Never 0, since 0 means "not computed".
 int64_t ChecksumAfter(std::span<const uint8_t> bytes, size_t checksum_offset);
 void WriteBigEndian(int64_t value, uint8_t* destination);
+/// The first eight bytes of a message.
+int64_t ReadFingerprint(std::span<const uint8_t> bytes);
 /// The sentence for bytes that LCM cannot decode as `type`: wrong fingerprint, or too short.
 std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, int64_t expected);
 
@@ -37,7 +40,8 @@ std::string FingerprintError(std::span<const uint8_t> bytes, const char* type, i
 
 /// The fields with which every message begins.
 struct MessageHead {
-  int64_t fingerprint = 0;  ///< of the message type
+  int64_t fingerprint = 0;  ///< of the message type; of the current version for a message of an
+                            ///< older one
   int64_t utime = 0;        ///< [us]
   int64_t seq = 0;          ///< counts 0, 1, ... per source and channel
   std::string source;       ///< name of the process that published the message
@@ -63,12 +67,14 @@ std::vector<uint8_t> Pack(Message& message) {
   return bytes;
 }
 
-/// Decodes a message. Fails on a different type or version of the type, on more than `max_bytes`,
-/// on impossible array lengths, on trailing bytes, and on a checksum that does not match. Never
-/// throws.
+/// Decodes a message, also one of an older version of the type. Fails on a different type, on more
+/// than `max_bytes`, on impossible array lengths, on trailing bytes, and on a checksum that does
+/// not match. Never throws.
 template <typename Message>
 Result<Message> Unpack(std::span<const uint8_t> bytes, size_t max_bytes) {
   const std::string type = Message::getTypeName();
+  const std::optional<std::vector<uint8_t>> completed = CompleteOlderMessage(bytes);
+  if (completed) bytes = *completed;
   if (bytes.size() > max_bytes) {
     return Fail(type + ": " + std::to_string(bytes.size()) + " bytes are more than the allowed " +
                 std::to_string(max_bytes));

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <vismap/process_status_t.hpp>
 
 #include "base/file.h"
 #include "support/log_builder.h"
@@ -79,6 +82,22 @@ TEST(VerifyLog, ReportsMessagesThatCannotBeDecoded) {
                                 HasSubstr("fingerprint"), HasSubstr("detections_t")),
                           AllOf(HasSubstr("RGBD_FRAME"), HasSubstr("1 damaged message"),
                                 HasSubstr("at byte 0"), HasSubstr("checksum"))));
+}
+
+TEST(VerifyLog, ReadsStatusOfBothVersions) {
+  process_status_t status{};
+  status.source = "map-server";
+  std::vector<uint8_t> old = Pack(status);
+  old.resize(old.size() - 4);  // the older version had no findings
+  const std::array<uint8_t, 8> fingerprint = {0xdf, 0xd3, 0x01, 0x2f, 0xf7, 0x31, 0x1f, 0x8a};
+  std::copy(fingerprint.begin(), fingerprint.end(), old.begin());
+  status.seq = 1;
+  LogBuilder builder;
+  builder.Frame(1000).Frame(2000).AddBytes("STATUS", old).AddBytes("STATUS", Pack(status));
+  const LogReport report = Verify(builder.Finish());
+  EXPECT_EQ(report.channels.at("STATUS").messages, 2);
+  EXPECT_EQ(report.channels.at("STATUS").other_type, 0);
+  EXPECT_EQ(report.channels.at("STATUS").undecodable, 0);
 }
 
 TEST(VerifyLog, DistinguishesTruncationFromDamage) {

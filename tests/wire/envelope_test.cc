@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <vismap/detections_t.hpp>
 #include <vismap/map_delta_t.hpp>
 #include <vismap/map_reply_t.hpp>
@@ -174,6 +176,38 @@ TEST(Channels, NamesContainNoRegularExpressionCharacters) {
     EXPECT_THAT(std::string(channel.name), testing::MatchesRegex("[A-Z_]+"));
     EXPECT_LE(channel.max_bytes, kMaxMessageBytes);
   }
+}
+
+// Bytes of a process_status_t of the version before it had findings.
+std::vector<uint8_t> OldStatus() {
+  process_status_t status{};
+  status.source = "map-server";
+  status.seq = 7;
+  status.state = "running";
+  status.counter_names = {"frames"};
+  status.counter_values = {3};
+  status.n_counters = 1;
+  std::vector<uint8_t> bytes = Pack(status);
+  bytes.resize(bytes.size() - 4);  // the number of findings
+  const std::array<uint8_t, 8> fingerprint = {0xdf, 0xd3, 0x01, 0x2f, 0xf7, 0x31, 0x1f, 0x8a};
+  std::copy(fingerprint.begin(), fingerprint.end(), bytes.begin());
+  return bytes;
+}
+
+TEST(OlderTypes, StatusWithoutFindingsIsRead) {
+  const Result<process_status_t> status = Unpack<process_status_t>(OldStatus(), 1000);
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(status->source, "map-server");
+  EXPECT_EQ(status->state, "running");
+  EXPECT_EQ(status->counter_values, std::vector<int64_t>{3});
+  EXPECT_TRUE(status->findings.empty());
+  const std::optional<MessageHead> head = PeekHead(OldStatus());
+  ASSERT_TRUE(head);
+  EXPECT_EQ(head->fingerprint, process_status_t::getHash());
+  EXPECT_EQ(head->seq, 7);
+  std::vector<uint8_t> cut = OldStatus();
+  cut.resize(cut.size() - 1);
+  EXPECT_FALSE(Unpack<process_status_t>(cut, 1000));
 }
 
 TEST(TypesFingerprint, IsDeterministic) { EXPECT_EQ(TypesFingerprint(), TypesFingerprint()); }
