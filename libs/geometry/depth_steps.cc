@@ -1,7 +1,9 @@
 #include "geometry/depth_steps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace vismap {
@@ -23,7 +25,70 @@ float Bend(const float* w, const float* sigma) {
   return bend / std::max(sigma[1], sigma[2]);
 }
 
+/// The value that a tenth of the bends exceed.
+double Quantile(std::vector<float>* bends) {
+  const auto rank = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(bends->size()));
+  std::nth_element(bends->begin(), bends->begin() + rank, bends->end());
+  return (*bends)[static_cast<size_t>(rank)];
+}
+
+/// Four pixels with depth in a row.
+struct SparseSample {
+  std::array<double, 4> w{};
+  std::array<int, 4> u{};
+};
+
+std::optional<SparseSample> FindSample(const float* depth, int begin, int end) {
+  constexpr int kNearest = 2, kFarthest = 5;
+  SparseSample sample;
+  size_t found = 0;
+  for (int u = begin; u < end && found < 4;) {
+    if (found > 0 && u - sample.u[found - 1] > kFarthest) return std::nullopt;
+    if (!(depth[u] > 0 && std::isfinite(depth[u]))) {
+      ++u;
+      continue;
+    }
+    sample.w[found] = 1 / double{depth[u]};
+    sample.u[found++] = u;
+    u += kNearest;
+  }
+  return found == 4 ? std::optional(sample) : std::nullopt;
+}
+
+/// In standard deviations. The noise of a difference of slopes over the distances d and e is that
+/// of neighbours, sqrt(6), times sqrt((1/d^2 + (1/d + 1/e)^2 + 1/e^2) / 6).
+double BendOf(const SparseSample& sample, const DepthNoiseModel& noise) {
+  std::array<double, 3> slope{}, inverse{};
+  for (size_t i = 0; i < 3; ++i) {
+    inverse[i] = 1.0 / (sample.u[i + 1] - sample.u[i]);
+    slope[i] = (sample.w[i + 1] - sample.w[i]) * inverse[i];
+  }
+  const auto second_difference = [&](size_t i) {
+    const double d = inverse[i], e = inverse[i + 1];
+    return std::abs(slope[i + 1] - slope[i]) / std::sqrt((d * d + (d + e) * (d + e) + e * e) / 6);
+  };
+  const double w = sample.w[1], axial = noise.AxialSigma(1 / w) * w * w;
+  const double step = noise.disparity_step_per_m;
+  return std::min(second_difference(0), second_difference(1)) /
+         std::sqrt(axial * axial + step * step / 12);
+}
+
 }  // namespace
+
+double BendAcrossHoles(const Image<float>& depth, const DepthNoiseModel& noise) {
+  constexpr int kRowDistance = 8, kColumnDistance = 11, kLength = 24;
+  constexpr size_t kFewest = 200;
+  std::vector<float> bends;
+  for (int i = 0; i * kRowDistance < depth.height(); ++i) {
+    const int v = i * kRowDistance + 3 * i % kRowDistance;
+    if (v >= depth.height()) break;
+    for (int u = 0; u < depth.width(); u += kColumnDistance) {
+      const auto sample = FindSample(depth.row(v), u, std::min(depth.width(), u + kLength));
+      if (sample) bends.push_back(static_cast<float>(BendOf(*sample, noise)));
+    }
+  }
+  return bends.size() < kFewest ? 0 : Quantile(&bends);
+}
 
 double JumpSigmas(const Image<float>& w, const Image<float>& sigma, double jump_sigmas) {
   std::vector<float> bends;
@@ -35,9 +100,7 @@ double JumpSigmas(const Image<float>& w, const Image<float>& sigma, double jump_
     }
   }
   if (bends.size() < kMinSamples) return jump_sigmas;
-  const auto rank = static_cast<std::ptrdiff_t>(kQuantile * static_cast<double>(bends.size()));
-  std::nth_element(bends.begin(), bends.begin() + rank, bends.end());
-  const double needed = kMargin * double{bends[static_cast<size_t>(rank)]};
+  const double needed = kMargin * Quantile(&bends);
   return std::clamp(needed, jump_sigmas, kMostTimes * jump_sigmas);
 }
 

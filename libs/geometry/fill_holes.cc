@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "geometry/depth_steps.h"
 #include "geometry/hole_kernels.h"
 
 namespace vismap {
@@ -32,11 +33,11 @@ class PaddedImage {
   Image<float> image_;
 };
 
-HoleConstants MakeConstants(const HoleOptions& options) {
+HoleConstants MakeConstants(const HoleOptions& options, double sigmas) {
   const DepthNoiseModel& noise = options.noise;
   const auto f = [](double x) { return static_cast<float>(x); };
   return {.max_length = f(std::min(options.max_px, kMaxHolePx) + 1),
-          .sigmas_squared = f(options.sigmas * options.sigmas),
+          .sigmas_squared = f(sigmas * sigmas),
           .axial_base = f(noise.axial_base_m),
           .axial_quadratic = f(noise.axial_quadratic_per_m),
           .axial_offset = f(noise.axial_offset_m),
@@ -52,12 +53,18 @@ void ForRows(int height, const Body& body) {
 }  // namespace
 
 HoleOptions HoleOptionsOf(const SurfaceOptions& options) {
-  return {.max_px = options.max_hole_px, .sigmas = options.jump_sigmas, .noise = options.noise};
+  return {
+      .max_px = options.max_hole_px, .sigmas = 0.6 * options.jump_sigmas, .noise = options.noise};
+}
+
+double HoleSigmas(const Image<float>& depth, const HoleOptions& options) {
+  return std::clamp(1.5 * BendAcrossHoles(depth, options.noise), options.sigmas,
+                    2.5 * options.sigmas);
 }
 
 void FillHoles(const HoleOptions& options, Image<float>* depth) {
   if (options.max_px <= 0 || depth->empty()) return;
-  const HoleConstants constants = MakeConstants(options);
+  const HoleConstants constants = MakeConstants(options, HoleSigmas(*depth, options));
   const int width = depth->width(), height = depth->height();
   PaddedImage measured(width, height), filled(width, height);
   ForRows(height, [&](int v) { InvertDepth(depth->row(v), width, measured.row(v)); });

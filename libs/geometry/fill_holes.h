@@ -10,14 +10,20 @@ namespace vismap {
 struct HoleOptions {
   /// Wider holes stay, measured along a row or a column [px], at most kMaxHolePx; 0 = all stay.
   int max_px = 4;
-  /// The pixels on both sides of a hole must agree within so many standard deviations.
-  double sigmas = 5.0;
+  /// The pixels on both sides of a hole must agree within so many standard deviations; up to 2.5
+  /// times as many in images that are noisier than the model, see HoleSigmas.
+  double sigmas = 3.0;
   DepthNoiseModel noise = KinectNoise();
 };
 
-/// The options of FillHoles that agree with those of the surface: a hole is filled where its two
-/// sides would be joined if they were neighbours.
+/// The options of FillHoles that belong to those of the surface. The two sides of a hole must agree
+/// better than neighbours that are joined, since what lies between them was not seen: within 0.6
+/// times the `jump_sigmas`.
 HoleOptions HoleOptionsOf(const SurfaceOptions& options);
+
+/// The standard deviations within which the sides of holes must agree in this image: 1.5 times
+/// BendAcrossHoles, within [1, 2.5] times `sigmas`.
+double HoleSigmas(const Image<float>& depth, const HoleOptions& options);
 
 /// Fills the small holes of a depth image (HxW [m] along z; NaN = no return), such as the rows and
 /// columns of zeros that registration to colour leaves. Measured depth is never changed.

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "support/analytic_depth.h"
+#include "support/hole_patterns.h"
+
 namespace vismap {
 namespace {
 
@@ -46,6 +49,43 @@ TEST(JumpSigmas, AreNotRaisedByTheDepthJumpsOfThings) {
   }
   EXPECT_EQ(JumpSigmas(w, sigma, 5), 5);
   EXPECT_EQ(JumpSigmas(Image<float>(320, 240), sigma, 5), 5) << "no depth";
+}
+
+DepthNoiseModel TimesNoisier(double factor) {
+  DepthNoiseModel noise = KinectNoise();
+  noise.axial_base_m *= factor;
+  noise.axial_quadratic_per_m *= factor;
+  noise.disparity_step_per_m *= factor;
+  return noise;
+}
+
+TEST(BendAcrossHoles, IsThatOfTheNoiseWhateverHolesThereAre) {
+  const Image<float> exact =
+      Render({{{Eigen::Vector3d(0.3, -1, 0.6).normalized(), 1.5}}, {}}, kVga).depth;
+  for (const double factor : {1.0, 3.0}) {
+    const Image<float> noisy = AddNoise(exact, TimesNoisier(factor), 3, 2);
+    const double whole = BendAcrossHoles(noisy, KinectNoise());
+    EXPECT_NEAR(whole, 1.8 * factor, 0.4 * factor);
+    for (const testing_support::HolePattern& pattern : testing_support::HolePatterns()) {
+      const double bend =
+          BendAcrossHoles(testing_support::WithHoles(noisy, pattern), KinectNoise());
+      // The noise of pixels that are 3 or more apart is not correlated, so that they differ more.
+      EXPECT_GT(bend, 0.8 * whole) << pattern.name << ", " << factor;
+      EXPECT_LT(bend, 2 * whole) << pattern.name << ", " << factor;
+    }
+  }
+}
+
+TEST(BendAcrossHoles, IsNotRaisedByTheDepthJumpsOfThings) {
+  Image<float> depth(320, 240, 2.0F);
+  for (int v = 0; v < depth.height(); ++v) {
+    for (int u = 0; u < depth.width(); ++u) depth(v, u) -= u / 32 % 2 == 0 ? 0.0F : 0.5F;
+  }
+  EXPECT_LT(BendAcrossHoles(depth, KinectNoise()), 0.01);
+}
+
+TEST(BendAcrossHoles, IsZeroWithoutDepth) {
+  EXPECT_EQ(BendAcrossHoles(Image<float>(320, 240), KinectNoise()), 0);
 }
 
 }  // namespace

@@ -111,6 +111,22 @@ TEST(FillHoles, NoiseDoesNotKeepHolesOpen) {
   }
 }
 
+TEST(FillHoles, NoiseAboveTheModelDoesNotKeepHolesOpen) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -1, 0.6).normalized();
+  const Image<float> exact = Render({{{normal, 1.5}}, {}}, kVga).depth;
+  DepthNoiseModel noise = KinectNoise();
+  for (double* part :
+       {&noise.axial_base_m, &noise.axial_quadratic_per_m, &noise.disparity_step_per_m})
+    *part *= 3;
+  const Image<float> noisy = AddNoise(exact, noise, 3, 5);
+  for (const HolePattern& pattern : HolePatterns()) {
+    SCOPED_TRACE(pattern.name);
+    const Image<float> punched = WithHoles(noisy, pattern);
+    const int before = CountHoles(punched) - CountHoles(noisy);
+    EXPECT_LT(CountHoles(Filled(punched)) - CountHoles(noisy), 0.06 * before);
+  }
+}
+
 // Two planes that face the camera, with a straight or a round border between them.
 Image<float> Step(float near, float far, int kind) {
   Image<float> depth(kSmall.width, kSmall.height);

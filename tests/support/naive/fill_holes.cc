@@ -24,7 +24,8 @@ struct Found {
 
 class HoleFiller {
  public:
-  HoleFiller(const Image<float>& w, const HoleOptions& options) : w_(w), options_(options) {}
+  HoleFiller(const Image<float>& w, const HoleOptions& options, double sigmas)
+      : w_(w), options_(options), sigmas_(sigmas) {}
 
   /// The inverse depth of pixel (v, u), which has none, filled along its row or its column; 0 when
   /// neither can be done.
@@ -66,7 +67,7 @@ class HoleFiller {
     const float axial =
         (f(noise.axial_base_m) + f(noise.axial_quadratic_per_m) * beyond * beyond) * w * w;
     const float disparity = f(noise.disparity_step_per_m * noise.disparity_step_per_m / 12);
-    return f(options_.sigmas * options_.sigmas) * (axial * axial + disparity);
+    return f(sigmas_ * sigmas_) * (axial * axial + disparity);
   }
 
   /// What fills pixel (v, u) from its two sides along a line; `distance` is that from side to side.
@@ -90,19 +91,21 @@ class HoleFiller {
 
   const Image<float>& w_;
   const HoleOptions& options_;
+  const double sigmas_;
 };
 
 }  // namespace
 
 Image<float> FillHoles(const Image<float>& depth, const HoleOptions& options) {
   if (options.max_px <= 0) return depth;
+  const double sigmas = HoleSigmas(depth, options);
   Image<float> w = depth;
   for (float& pixel : w.pixels()) pixel = Inverse(pixel);
   for (int pass = 0; pass < 2; ++pass) {
     const Image<float> before = w;
     for (int v = 0; v < w.height(); ++v) {
       for (int u = 0; u < w.width(); ++u) {
-        if (before(v, u) == 0) w(v, u) = HoleFiller(before, options).FillPixel(v, u);
+        if (before(v, u) == 0) w(v, u) = HoleFiller(before, options, sigmas).FillPixel(v, u);
       }
     }
   }
