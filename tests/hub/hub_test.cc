@@ -398,5 +398,48 @@ TEST(HubWithHostileClient, ClientsAboveTheLimitAreRejected) {
   Settle(bus.get());
 }
 
+TEST(Hub, UrgentMessagesDoNotWaitBehindOthers) {
+  RunningHub hub;
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  int others = 0, others_before_urgent = -1;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ++others;
+  });
+  reader->Subscribe<map_request_t>(
+      kMapRequestChannel, [&](const map_request_t&) { others_before_urgent = others; },
+      Delivery::kUrgent);
+  EXPECT_EQ(reader->connections(), 2);
+  EXPECT_EQ(sender->connections(), 1);
+  Introduce(reader.get());
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // the hub has both subscriptions
+  for (int i = 0; i < 200; ++i) sender->Publish(kMapDeltaChannel, Delta(i, 1000));
+  map_request_t request{};
+  sender->Publish(kMapRequestChannel, request);
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return others == 200; }));
+  EXPECT_GE(others_before_urgent, 0);
+  EXPECT_LT(others_before_urgent, 100);
+  sender->Publish(kMapRequestChannel, request);
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return others_before_urgent == 200; }));
+}
+
+TEST(Hub, UrgentChannelsAreReadAgainAfterARestart) {
+  auto hub = std::make_unique<RunningHub>();
+  const uint16_t port = hub->port();
+  auto reader = Join(*hub, "reader");
+  int urgent = 0;
+  reader->Subscribe<map_request_t>(
+      kMapRequestChannel, [&](const map_request_t&) { ++urgent; }, Delivery::kUrgent);
+  hub.reset();
+  SpinUntil(reader.get(), [&] { return !reader->connected(); });
+  hub = std::make_unique<RunningHub>(HubOptions{}, port);
+  ASSERT_TRUE(SpinUntil(reader.get(), [&] { return reader->connected(); }));
+  auto sender = Join(*hub, "sender");
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] {
+    sender->Publish(kMapRequestChannel, map_request_t{});
+    return urgent > 0;
+  }));
+}
+
 }  // namespace
 }  // namespace vismap
