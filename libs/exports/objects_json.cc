@@ -72,8 +72,8 @@ std::string Lines(const std::vector<Json>& list) {
 
 }  // namespace
 
-std::string ObjectsJson(const std::string& map_id, std::span<const ObjectSummary> objects,
-                        const ClassNamer& class_name) {
+std::string ObjectsJson(const std::string& map_id, const UpDirection& up,
+                        std::span<const ObjectSummary> objects, const ClassNamer& class_name) {
   std::vector<Json> named, discovered, structure, removed;
   for (const ObjectSummary& object : objects) {
     auto& list = object.removed()        ? removed
@@ -83,7 +83,8 @@ std::string ObjectsJson(const std::string& map_id, std::span<const ObjectSummary
     list.push_back(ToJson(object, class_name));
   }
   const std::string id = Json(map_id).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return "{\"map_id\":" + id + ",\n\"objects\":" + Lines(named) +
+  const Json direction = {{"direction", ToJson(up.up_W)}, {"reason", up.reason}};
+  return "{\"map_id\":" + id + ",\n\"up\":" + direction.dump() + ",\n\"objects\":" + Lines(named) +
          ",\n\"discovered\":" + Lines(discovered) + ",\n\"structure\":" + Lines(structure) +
          ",\n\"removed\":" + Lines(removed) + "}\n";
 }

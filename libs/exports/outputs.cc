@@ -78,7 +78,8 @@ std::string PointsText(const Mesh& mesh) {
 
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options) {
   ObjectOptions objects = options.objects;
-  objects.up_W = options.up_W.value_or(UpOfCameras(metadata.trajectory));
+  objects.cameras = UpOfCameras(metadata.trajectory);
+  objects.up_W = options.up_W.value_or(objects.cameras.up_W);
   objects.up_is_guess = !options.up_W;
   return objects;
 }
@@ -87,7 +88,8 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
                          const OutputOptions& options) {
   MapProducts products;
   products.mesh = ExtractMesh(map, options.meshing);
-  products.objects = SummarizeObjects(map, products.mesh, ObjectOptionsFor(metadata, options));
+  products.objects =
+      SummarizeObjects(map, products.mesh, ObjectOptionsFor(metadata, options), &products.up);
   return products;
 }
 
@@ -99,7 +101,7 @@ Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& opti
 }
 
 std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products) {
-  return ObjectsJson(metadata.map_id, products.objects, ClassName);
+  return ObjectsJson(metadata.map_id, products.up, products.objects, ClassName);
 }
 
 Result<int> WriteObjectMeshes(const MapMetadata& metadata, const MapProducts& products,

@@ -15,7 +15,7 @@ namespace vismap {
 /// How the outputs of a map are made.
 struct OutputOptions {
   MeshingOptions meshing;
-  ObjectOptions objects;  ///< its up_W and up_is_guess are replaced, see ObjectOptionsFor
+  ObjectOptions objects;  ///< its up_W, up_is_guess and cameras are replaced, see ObjectOptionsFor
   /// Upward direction in W, unit length; not set = estimated from the trajectory.
   std::optional<Eigen::Vector3d> up_W;
   OccupancyOptions free_space;
@@ -26,14 +26,15 @@ struct OutputOptions {
 struct MapProducts {
   Mesh mesh;
   std::vector<ObjectSummary> objects;
+  UpDirection up;  ///< of the boxes of the objects
 };
 
 /// Computes the mesh and the objects of a map.
 MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
                          const OutputOptions& options);
 
-/// options.objects with the upward direction: options.up_W, or an estimate from the trajectory
-/// (UpOfCameras) if that is not set.
+/// options.objects with the upward direction: options.up_W, or, if that is not set, a guess from
+/// the trajectory (UpOfCameras), which the map may correct.
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options);
 
 /// The octree of a map. `unknown`, instead of that of the options, says whether unknown space is

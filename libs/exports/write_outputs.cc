@@ -40,9 +40,9 @@ Result<void> WriteOneOctree(const SemanticMap& map, const OutputOptions& options
 }
 
 Result<void> WritePicture(const MapMetadata& metadata, const MapProducts& products,
-                          const OutputOptions& options, const fs::path& file) {
+                          const fs::path& file) {
   OverviewOptions overview;
-  overview.up_W = ObjectOptionsFor(metadata, options).up_W;
+  overview.up_W = products.up.up_W;
   return WritePng(file, RenderMapOverview(products.mesh, products.objects, ClassName,
                                           metadata.map_id, overview));
 }
@@ -77,7 +77,7 @@ Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadat
   for (const auto& [name, unknown] : {std::pair{"octree.bt", UnknownPolicy::kAbsent},
                                       std::pair{"octree.closed.bt", UnknownPolicy::kOccupied}})
     outputs.Check(folder / name, WriteOneOctree(map, options, unknown, folder / name));
-  outputs.Check(folder / "map.png", WritePicture(metadata, products, options, folder / "map.png"));
+  outputs.Check(folder / "map.png", WritePicture(metadata, products, folder / "map.png"));
   if (!outputs.problems().empty()) return Fail(outputs.problems());
   return saved;
 }

@@ -35,9 +35,6 @@ Eigen::Vector3d RefineUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfa
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
                                        const ObjectOptions& options);
 
-/// The same options, with up_W corrected by RefineUp if `up_is_guess` is set.
-ObjectOptions WithRefinedUp(ObjectOptions options, const LabelSurfaces& surfaces);
-
 /// Sets the box of an object, and plane and spread of a discovered segment, from the points of its
 /// surface [m] or an even sample of them. Does nothing for removed objects.
 void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOptions& options,
@@ -47,8 +44,9 @@ void MeasureObject(std::span<const Eigen::Vector3f> points_W, const ObjectOption
 void SetStructure(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 /// Erases the discovered segments that are not structure and too insignificant to be objects, see
-/// min_discovered_frames, min_discovered_area_m2 and min_discovered_fill. Structure must have been set
-/// (SetStructure). A removed object has no surface left, so only its number of frames is checked.
+/// min_discovered_frames, min_discovered_area_m2 and min_discovered_fill. Structure must have been
+/// set (SetStructure). A removed object has no surface left, so only its number of frames is
+/// checked.
 void EraseInsignificant(const ObjectOptions& options, std::vector<ObjectSummary>* objects);
 
 }  // namespace vismap

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "base/parallel.h"
 #include "meshing/block_set.h"
+#include "objects/find_up.h"
 #include "objects/keep_share.h"
 #include "objects/label_surfaces.h"
 
@@ -61,14 +63,16 @@ void ObjectTracker::UpdateUp(const SemanticMap& map, const BlockSurfaces& surfac
   for (const LabelSurface& amount : amounts) area += amount.area;
   if (std::abs(area - up_area_) < kGrowth * up_area_) return;  // the estimate is still valid
   up_area_ = area;
+  const double least =
+      MayBeRolled(options.cameras) ? kLeastPieceArea : options.structure.structure_area_m2;
   for (size_t i = 1; i < amounts.size(); ++i) {
     const auto label = static_cast<SegmentLabel>(i);
-    if (amounts[i].area >= options.structure.structure_area_m2)
+    if (amounts[i].area >= least)
       amounts[i].points_W = PointsOf(std::span(&label, 1), map, surfaces, places);
   }
-  const Eigen::Vector3d up_W = WithRefinedUp(options, amounts).up_W;
-  if (up_W != up_W_) measured_.clear();
-  up_W_ = up_W;
+  UpDirection up = FindUp(options, amounts);
+  if (up.up_W != up_.up_W) measured_.clear();
+  up_ = std::move(up);
 }
 
 std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
@@ -79,9 +83,11 @@ std::vector<ObjectSummary> ObjectTracker::Summarize(const SemanticMap& map,
   ObjectOptions options = given;
   if (given.up_is_guess) {
     UpdateUp(map, surfaces, places, given, amounts);
-    options.up_W = up_W_;
-    options.up_is_guess = false;
+  } else {
+    up_ = FindUp(given, amounts);
   }
+  options.up_W = up_.up_W;
+  options.up_is_guess = false;
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, amounts, options);
   std::map<Key, Measured> measured;
   std::vector<Measured*> records;

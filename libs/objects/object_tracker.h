@@ -30,6 +30,9 @@ class ObjectTracker {
   std::vector<ObjectSummary> Summarize(const SemanticMap& map, const BlockSurfaces& surfaces,
                                        const Places& places, const ObjectOptions& options);
 
+  /// The upward direction of the boxes of the last Summarize.
+  const UpDirection& up() const { return up_; }
+
  private:
   /// What an object was last measured from, and the result.
   struct Measured {
@@ -46,8 +49,8 @@ class ObjectTracker {
                 const ObjectOptions& options, LabelSurfaces amounts);
 
   std::map<Key, Measured> measured_;
-  Eigen::Vector3d up_W_ = Eigen::Vector3d::UnitZ();  // upward direction of all boxes
-  double up_area_ = 0;  // area of all surface when up_W_ was estimated [m^2]
+  UpDirection up_;      // of all boxes
+  double up_area_ = 0;  // area of all surface when it was estimated [m^2]
 };
 
 }  // namespace vismap

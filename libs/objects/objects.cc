@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "meshing/mesh_parts.h"
+#include "objects/find_up.h"
 #include "objects/label_surfaces.h"
 #include "objects/map_mesh.h"
 #include "objects/read_out.h"
@@ -250,16 +251,14 @@ void EraseInsignificant(const ObjectOptions& options, std::vector<ObjectSummary>
   });
 }
 
-ObjectOptions WithRefinedUp(ObjectOptions options, const LabelSurfaces& surfaces) {
-  if (options.up_is_guess) options.up_W = RefineUp(options.up_W, surfaces, options.structure);
-  options.up_is_guess = false;
-  return options;
-}
-
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
-                                            const ObjectOptions& given) {
+                                            const ObjectOptions& given, UpDirection* up) {
   const LabelSurfaces surfaces = CollectSurfaces(mesh, Raw(map.labels.next_label()));
-  const ObjectOptions options = WithRefinedUp(given, surfaces);
+  const UpDirection found = FindUp(given, surfaces);
+  if (up != nullptr) *up = found;
+  ObjectOptions options = given;
+  options.up_W = found.up_W;
+  options.up_is_guess = false;
   std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
   ParallelFor(objects.size(), 1, [&](size_t i) {
     MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);

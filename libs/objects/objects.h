@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "meshing/marching_cubes.h"
+#include "objects/camera_up.h"
 #include "objects/oriented_box.h"
 #include "objects/structure.h"
 
@@ -41,9 +42,16 @@ struct ObjectSummary {
   bool removed() const { return state == ObjectState::kRemoved; }
 };
 
+/// The upward direction of a map, and how it is known.
+struct UpDirection {
+  Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< unit length
+  std::string reason;                               ///< one phrase
+};
+
 struct ObjectOptions {
   Eigen::Vector3d up_W = Eigen::Vector3d::UnitZ();  ///< unit length; third axis of the boxes
-  bool up_is_guess = false;         ///< up_W is an estimate that RefineUp may correct
+  bool up_is_guess = false;         ///< up_W is that of `cameras`, which FindUp may correct
+  CameraUp cameras{};               ///< what the poses say about the upward direction
   int min_instance_points = 10;     ///< instances with fewer vertices are not listed
   int min_discovered_points = 100;  ///< discovered segments with fewer vertices are not listed
   /// A discovered segment that is not structure is listed only if at least so many frames observed
@@ -77,9 +85,10 @@ struct ObjectOptions {
 /// ties go to the lower class id. The score is the product of three numbers in [0, 1]: the evidence
 /// for the instance per frame with a detector (mean over its vertices); the share of the class in
 /// all class evidence; and n / (n + 1), where n is the largest Phi(l, instance) of its labels. See
-/// libs/METHOD.md, Objects.
+/// libs/METHOD.md, Objects. `up` gets the upward direction that was found.
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& mesh,
-                                            const ObjectOptions& options = {});
+                                            const ObjectOptions& options = {},
+                                            UpDirection* up = nullptr);
 
 /// The same for ExtractMesh(map) with default options.
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map,

@@ -29,11 +29,11 @@ Result<ObjectQuery> QueryOf(const map_request_t& request) {
 }
 
 Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query,
-                             const std::vector<ObjectSummary>& objects) {
+                             const UpDirection& up, const std::vector<ObjectSummary>& objects) {
   const Result<std::vector<ObjectSummary>> selected = SelectObjects(objects, query);
   if (!selected) return tl::unexpected(selected.error());
   return Answer{std::to_string(selected->size()) + " objects and segments", "json",
-                Bytes(ObjectsJson(session.metadata().map_id, *selected, ClassName))};
+                Bytes(ObjectsJson(session.metadata().map_id, up, *selected, ClassName))};
 }
 
 Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {

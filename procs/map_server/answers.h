@@ -17,7 +17,7 @@ namespace vismap {
 Result<ObjectQuery> QueryOf(const map_request_t& request);
 /// "objects": those of `objects` that the query selects, as objects.json.
 Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query,
-                             const std::vector<ObjectSummary>& objects);
+                             const UpDirection& up, const std::vector<ObjectSummary>& objects);
 /// "mesh" with the argument "ply": the mesh of the whole map as a PLY file.
 Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options);
 /// "octree": free and occupied space as an OctoMap file.

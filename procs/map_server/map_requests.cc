@@ -58,8 +58,9 @@ Result<Answer> MapRequests::Reset() {
 Result<Answer> MapRequests::PublishAndSelectObjects(const map_request_t& request) {
   const Result<ObjectQuery> query = QueryOf(request);
   if (!query) return tl::unexpected(query.error());
-  return AnswerObjects(map_.session(), *query,
-                       map_.publisher().objects().PublishAll(map_.session()));
+  ObjectsPublisher& publisher = map_.publisher().objects();
+  const std::vector<ObjectSummary> objects = publisher.PublishAll(map_.session());
+  return AnswerObjects(map_.session(), *query, publisher.up(), objects);
 }
 
 Result<Answer> MapRequests::ReturnOrPublishMesh(const map_request_t& request) {

@@ -14,7 +14,9 @@ void ObjectsPublisher::PublishChanges(const MapSession& session, const MeshTrack
 }
 
 std::vector<ObjectSummary> ObjectsPublisher::PublishAll(const MapSession& session) {
-  return Publish(session, MakeProducts(session.map(), session.metadata(), options_).objects);
+  MapProducts products = MakeProducts(session.map(), session.metadata(), options_);
+  up_ = std::move(products.up);
+  return Publish(session, std::move(products.objects));
 }
 
 std::vector<ObjectSummary> ObjectsPublisher::Publish(const MapSession& session,

@@ -28,6 +28,8 @@ class ObjectsPublisher {
   void PublishChanges(const MapSession& session, const MeshTracker& mesh);
   /// Measures all objects anew, publishes and returns them.
   std::vector<ObjectSummary> PublishAll(const MapSession& session);
+  /// The upward direction of the objects that PublishAll returned last.
+  const UpDirection& up() const { return up_; }
   /// Publishes the last list again when nothing was published for some seconds, for those who
   /// missed it.
   void Repeat();
@@ -38,6 +40,7 @@ class ObjectsPublisher {
   OutputOptions options_;
   Bus* bus_;
   ObjectTracker tracker_;
+  UpDirection up_;
   object_list_t last_{};  // the last message; without map_id = none yet
   int64_t revision_ = 0;  // of the last message
   Pacer repeat_pacer_{5.0};

@@ -43,7 +43,7 @@ Coloring ColoringOf(const std::string& name) {
 Image<Rgb8> Render(const MapToolArguments& arguments, const LoadedMap& loaded) {
   const OutputOptions options = arguments.config;
   const MapProducts products = MakeProducts(loaded.map, loaded.metadata, options);
-  const Eigen::Vector3d up_W = ObjectOptionsFor(loaded.metadata, options).up_W;
+  const Eigen::Vector3d up_W = products.up.up_W;
   const Coloring coloring = ColoringOf(arguments.coloring);
   OverviewOptions overview;
   overview.coloring = coloring;

@@ -22,7 +22,7 @@ namespace {
 
 using namespace vismap;
 
-constexpr uint64_t kLeastSpace = 8 << 20;  // that must be free for the results [bytes]
+constexpr uint64_t kLeastSpace = 1 << 20;  // that must be free for the results [bytes]
 
 struct Arguments {
   std::string dataset, format, detections, out;
@@ -170,10 +170,10 @@ std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run, 
   return findings;
 }
 
-void Summarise(const Arguments& arguments, const MapSession& session,
-               const std::vector<ObjectSummary>& objects, const StageTimes& times) {
+void Summarise(const Arguments& arguments, const MapSession& session, const MapProducts& products,
+               const StageTimes& times) {
   size_t discovered = 0, removed = 0;
-  for (const ObjectSummary& object : objects) {
+  for (const ObjectSummary& object : products.objects) {
     if (object.removed()) {
       ++removed;
       continue;
@@ -188,6 +188,8 @@ void Summarise(const Arguments& arguments, const MapSession& session,
   }
   std::printf("%zu discovered segments without a class; %zu objects and segments were removed\n",
               discovered, removed);
+  std::printf("up is %s: %s\n", DirectionText(products.up.up_W).c_str(),
+              products.up.reason.c_str());
   std::printf(
       "%zu frames, median %.1f ms per frame (segmentation %.1f, association %.1f, integration "
       "%.1f)\n",
@@ -237,7 +239,7 @@ Outcome WriteResults(const Arguments& arguments, Run* run) {
   std::vector<std::string> findings = FindingsOf(arguments, *run, products.mesh);
   if (!written) findings.push_back(written.error().message);
   const auto reported = WriteReport(arguments, *run, products.objects, findings);
-  Summarise(arguments, session, products.objects, run->times);
+  Summarise(arguments, session, products, run->times);
   std::printf("%s\n", LeftOutText(run->LeftOut(), run->frames()).c_str());
   if (!written) findings.pop_back();
   for (const std::string& finding : findings) LogWarning(finding);

@@ -16,7 +16,7 @@ TEST(ObjectsJson, SameForAnyNumberOfThreads) {
   const SemanticMap map = AnalyticRoom();
   const auto text = [&](int threads) {
     const ThreadLimit limit(threads);
-    return ObjectsJson("m", SummarizeObjects(map), [](ClassId) { return "x"; });
+    return ObjectsJson("m", {}, SummarizeObjects(map), [](ClassId) { return "x"; });
   };
   EXPECT_EQ(text(1), text(4));
 }
@@ -24,10 +24,12 @@ TEST(ObjectsJson, SameForAnyNumberOfThreads) {
 TEST(ObjectsJson, HasWhatScriptsRelyOn) {
   const SemanticMap map = AnalyticRoom();
   const auto objects = SummarizeObjects(map);
-  const std::string text =
-      ObjectsJson("k \"1\"", objects, [](ClassId id) { return id == kChair ? "chair" : "\xff"; });
+  const std::string text = ObjectsJson("k \"1\"", {{0, 0.6, 0.8}, "it is \"so\""}, objects,
+                                       [](ClassId id) { return id == kChair ? "chair" : "\xff"; });
   const auto json = nlohmann::json::parse(text);
   EXPECT_EQ(json.at("map_id"), "k \"1\"");
+  EXPECT_EQ(json.at("up").at("direction"), nlohmann::json({0, 0.6, 0.8}));
+  EXPECT_EQ(json.at("up").at("reason"), "it is \"so\"");
   ASSERT_EQ(json.at("objects").size(), 1u);
   ASSERT_EQ(json.at("discovered").size(), 1u);
   ASSERT_EQ(json.at("structure").size(), 1u);
@@ -49,8 +51,9 @@ TEST(ObjectsJson, HasWhatScriptsRelyOn) {
 }
 
 TEST(ObjectsJson, EmptyListsAreLists) {
-  EXPECT_EQ(ObjectsJson("m", {}, {}),
-            "{\"map_id\":\"m\",\n\"objects\":[],\n\"discovered\":[],\n\"structure\":[],"
+  EXPECT_EQ(ObjectsJson("m", {Eigen::Vector3d::UnitY(), "why"}, {}, {}),
+            "{\"map_id\":\"m\",\n\"up\":{\"direction\":[0.0,1.0,0.0],\"reason\":\"why\"},"
+            "\n\"objects\":[],\n\"discovered\":[],\n\"structure\":[],"
             "\n\"removed\":[]}\n");
 }
 
