@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/reason_counts.h"
 #include "codecs/frame_codec.h"
 #include "datasets/detections_file.h"
 #include "runtime/progress.h"
@@ -10,13 +11,12 @@
 namespace vismap {
 namespace {
 
-Result<DetectionSet> RunDetector(const Dataset& dataset, size_t i, DnnDetector* network) {
+Result<RgbdFrame> ReadFrame(const Dataset& dataset, size_t i) {
   const Result<SensorFrame> sensor = dataset.Read(i);
   if (!sensor) return tl::unexpected(sensor.error());
-  const Result<RgbdFrame> frame = DecodeFrame(*sensor);
-  if (!frame) return tl::unexpected(frame.error());
-  if (frame->color.empty()) return DetectionSet{};
-  return network->Detect(frame->color, frame->header);
+  Result<RgbdFrame> frame = DecodeFrame(*sensor);
+  if (frame && !frame->color_problem.empty()) return Fail(frame->color_problem);
+  return frame;
 }
 
 }  // namespace
@@ -25,14 +25,25 @@ Outcome WriteDetections(const Dataset& dataset, DnnDetector* network, const std:
                         const StopSignal& stop) {
   Progress progress("detecting objects in " + dataset.name(), static_cast<int64_t>(dataset.size()));
   std::vector<DetectionSet> frames;
+  ReasonCounts left_out;
   for (size_t i = 0; i < dataset.size(); ++i) {
     progress.Show(static_cast<int64_t>(i));
     if (stop.requested())
       return ExitWith(ExitCode::kFailed, "stopped before the last frame; no file was written");
-    Result<DetectionSet> detections = RunDetector(dataset, i, network);
+    const Result<RgbdFrame> frame = ReadFrame(dataset, i);
+    if (!frame) {
+      left_out.Add(frame.error().message);
+      continue;
+    }
+    if (frame->color.empty()) continue;
+    Result<DetectionSet> detections = network->Detect(frame->color, frame->header);
     if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
     frames.push_back(std::move(*detections));
   }
+  const auto all = static_cast<int64_t>(dataset.size());
+  if (left_out.total() == all)
+    return ExitWith(ExitCode::kUnreadable, dataset.name() + ": " + NoUsableFramesText(left_out, all));
+  if (left_out.total() > 0) LogWarning(LeftOutText(left_out, all));
   const Result<void> written = WriteCocoResults(out, frames);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
   return {};

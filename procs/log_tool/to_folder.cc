@@ -2,6 +2,7 @@
 #include <set>
 
 #include "base/format.h"
+#include "base/reason_counts.h"
 #include "datasets/scenenn_writer.h"
 #include "log_tool/convert.h"
 
@@ -113,14 +114,18 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
   Numbering numbering(dataset, frames, &result);
   SceneNnWriter writer(folder);
   Losses losses;
+  ReasonCounts left_out;
   std::optional<SensorFrame> first;
   for (const size_t i : frames) {
     Result<SensorFrame> frame = dataset.Read(i);
-    if (!frame) return tl::unexpected(frame.error());
+    if (frame && frame->color_jpeg.empty()) frame = Fail(NameOf(frame->header) + " has no colour");
+    if (!frame) {
+      left_out.Add(frame.error().message);
+      continue;
+    }
     if (!first) first = *frame;
     if (const Result<void> same = CheckSame(*frame, *first); !same)
       return tl::unexpected(same.error());
-    if (frame->color_jpeg.empty()) return Fail(NameOf(frame->header) + " has no colour");
     FrameHeader header = frame->header;
     header.frame_number = numbering.Next(frame->header);
     writer.AddFrame(header, frame->depth, {".jpg", std::move(frame->color_jpeg)});
@@ -131,6 +136,9 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
     }
     ++result.frames;
   }
+  const int64_t all = result.frames + left_out.total();
+  if (!first) return Fail(dataset.name() + ": " + NoUsableFramesText(left_out, all));
+  if (left_out.total() > 0) result.lost.push_back(LeftOutText(left_out, all));
   writer.Write("intrinsic/asus.ini",
                SceneNnIni(first->header.camera, RateOf(dataset, frames), first->depth_unit_m));
   if (const Result<void> finished = writer.Finish(); !finished)

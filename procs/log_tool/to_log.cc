@@ -1,3 +1,5 @@
+#include "base/format.h"
+#include "base/reason_counts.h"
 #include "log_tool/convert.h"
 #include "logs/log_writer.h"
 #include "wire/channels.h"
@@ -24,9 +26,15 @@ Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* de
   if (!writer) return tl::unexpected(writer.error());
   ConvertResult result;
   int64_t detection_messages = 0;
+  ReasonCounts left_out, without_color;
+  for (const SkippedFrame& skipped : dataset.skipped()) left_out.Add(skipped.reason);
   for (size_t i = 0; i < dataset.size(); ++i) {
     const Result<SensorFrame> frame = dataset.Read(i);
-    if (!frame) return tl::unexpected(frame.error());
+    if (!frame) {
+      left_out.Add(frame.error().message);
+      continue;
+    }
+    if (!frame->color_problem.empty()) without_color.Add(frame->color_problem);
     const FrameHeader& header = frame->header;
     Add(Encode(*frame), kRgbdFrameChannel, result.frames++, &*writer);
     if (detections == nullptr || !detections->DetectorRan(header)) continue;
@@ -35,8 +43,15 @@ Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* de
     Add(Encode(*set, header.camera.width, header.camera.height), kDetectionsChannel,
         detection_messages++, &*writer);
   }
+  const int64_t all = result.frames + left_out.total();
+  if (result.frames == 0) return Fail(dataset.name() + ": " + NoUsableFramesText(left_out, all));
   if (const Result<void> finished = writer->Finish(); !finished)
     return tl::unexpected(finished.error());
+  if (left_out.total() > 0) result.lost.push_back(LeftOutText(left_out, all));
+  if (without_color.total() > 0) {
+    result.lost.push_back("the colour of " + FormatCount(without_color.total(), "frame") + ": " +
+                          without_color.Text());
+  }
   return result;
 }
 

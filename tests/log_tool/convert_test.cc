@@ -87,6 +87,23 @@ TEST(Convert, LogToFolderToLogKeepsEverything) {
   ExpectSameFrames(folder, Open((out / "back.lcmlog").string()));
 }
 
+TEST(Convert, FramesThatCannotBeReadAreLeftOut) {
+  LogBuilder builder;
+  std::vector<uint8_t> damaged = Pack(Encode(SmallSensorFrame(1000)));
+  damaged[damaged.size() - 50] ^= 1;
+  builder.AddBytes("RGBD_FRAME", damaged).Frame(2000).Frame(3000);
+  const Sequence log = Open(builder.Finish());
+  const TempFolder out;
+  const auto folder = WriteFolder(*log.dataset, nullptr, {}, out / "folder");
+  ASSERT_TRUE(folder) << folder.error().message;
+  EXPECT_EQ(folder->frames, 2);
+  EXPECT_THAT(folder->lost, testing::Contains(HasSubstr("1 of 3 frames were left out")));
+  const auto copy = WriteLog(*log.dataset, nullptr, out / "copy.lcmlog");
+  ASSERT_TRUE(copy) << copy.error().message;
+  EXPECT_EQ(copy->frames, 2);
+  EXPECT_THAT(copy->lost, ElementsAre(HasSubstr("1 of 3 frames were left out")));
+}
+
 TEST(Convert, ReportsWhatAFolderCannotStore) {
   LogBuilder builder;
   DetectionSet unknown = SmallDetections(2000);
