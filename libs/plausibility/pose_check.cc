@@ -12,6 +12,7 @@ constexpr size_t kMaxSamples = 24;       // 276 pairs
 constexpr size_t kMinFrames = 4;         // fewer are no sequence
 constexpr double kMostFrames = 0.5;      // more contradicting frames than this are reported
 constexpr double kLeastInCommon = 0.1;   // of the points of successive frames
+constexpr int64_t kLeastInView = 2000;   // in view; fewer do not contradict by their closeness
 constexpr double kGoodCloseness = 0.75;  // from here on no mistake is looked for
 constexpr double kExplains = 0.55;       // closeness under a hypothesis that explains the data ...
 constexpr double kMuchCloser = 0.25;     // ... and by how much it must be better
@@ -86,10 +87,11 @@ std::optional<std::string> PoseCheck::Finding() const {
   if (samples_.size() < kMinFrames) return std::nullopt;
   const AgreementSummary found = Compare();
   const double contradicting = found.ContradictingShare();
-  const std::string causes = contradicting > kMostFrames || found.in_common < kLeastInCommon ||
-                                     found.all.Closeness() < kGoodCloseness
-                                 ? LikelyCauses(found)
-                                 : "";
+  const std::string causes =
+      contradicting > kMostFrames || found.in_common < kLeastInCommon ||
+              (found.all.in_view >= kLeastInView && found.all.Closeness() < kGoodCloseness)
+          ? LikelyCauses(found)
+          : "";
   const std::string explained = causes.empty() ? kNoCause : causes;
   if (contradicting > kMostFrames) {
     return "the frames contradict each other: in " + FormatPercent(contradicting) +
