@@ -73,6 +73,16 @@ TEST(LogReader, ReadsTheLogOfLogWriter) {
   EXPECT_EQ(log.events[1].offset, ThreeEvents::kSecond);
 }
 
+TEST(LogReader, ChannelsMayHaveAnyName) {
+  LogBuilder builder;
+  builder.AddBytes("My Channel", {1}).AddBytes("KAMERA_\xC3\x9C", {2}).AddBytes("x y", {3});
+  const Contents log = ReadAll(builder.Finish());
+  EXPECT_THAT(log.damage, IsEmpty());
+  ASSERT_EQ(log.events.size(), 3u);
+  EXPECT_EQ(log.events[0].channel, "My Channel");
+  EXPECT_EQ(log.events[1].channel, "KAMERA_\xC3\x9C");
+}
+
 TEST(LogReader, AgreesWithTheReaderOfLcm) {
   LogBuilder builder;
   builder.Frame(1000).AddBytes("EMPTY", {}).Detections(1000);

@@ -106,6 +106,43 @@ TEST(OpenRecording, SkipsADamagedCopyOfAFrame) {
       testing::AllOf(HasSubstr("run.lcmlog"), HasSubstr("checksum"), HasSubstr("utime 1000")));
 }
 
+rgbd_frame_t FrameAt(int64_t utime, double x) {
+  rgbd_frame_t message = Encode(SmallSensorFrame(utime));
+  message.T_W_C[3] = x;
+  return message;
+}
+
+TEST(OpenRecording, OtherFramesWithAUsedTimeAreToldAndRepeatedOnesAreNot) {
+  LogBuilder builder;
+  for (const double x : {0.0, 0.0, 0.1, 0.2}) builder.Add(kRgbdFrameChannel, FrameAt(0, x));
+  const Recording recording = Open(builder.Finish());
+  EXPECT_THAT(Utimes(*recording.dataset), ElementsAre(0));
+  EXPECT_THAT(SkippedReasons(*recording.dataset),
+              ElementsAre(HasSubstr("another frame of camera 3, utime 0"),
+                          HasSubstr("another frame of camera 3, utime 0")));
+  EXPECT_EQ(recording.dataset->Header(0).T_W_C.translation().x(), 0);
+}
+
+TEST(OpenRecording, ADamagedCopyDoesNotHideTheGoodOne) {
+  LogBuilder builder;
+  std::vector<uint8_t> damaged = Pack(FrameAt(1000, 0.5));
+  damaged[damaged.size() - 50] ^= 1;
+  builder.AddBytes("RGBD_FRAME", damaged).Add(kRgbdFrameChannel, FrameAt(1000, 0.25));
+  const Recording recording = Open(builder.Finish());
+  EXPECT_THAT(SkippedReasons(*recording.dataset), IsEmpty());
+  ASSERT_THAT(Utimes(*recording.dataset), ElementsAre(1000));
+  EXPECT_EQ(recording.dataset->Header(0).T_W_C.translation().x(), 0.25);
+  EXPECT_TRUE(recording.dataset->Read(0));
+}
+
+TEST(OpenRecording, TellsWhereTheIntrinsicsComeFrom) {
+  LogBuilder builder;
+  EXPECT_THAT(
+      Open(builder.Frame(1000, 3).Frame(2000, 5).Frame(3000, 5).Finish()).dataset->remarks(),
+      ElementsAre(HasSubstr("camera 3: fx 52 fy 52 cx 31.5 cy 23.5 (64x48): from the RGBD"),
+                  HasSubstr("camera 5: ")));
+}
+
 TEST(OpenRecording, RejectsInvalidRequests) {
   LogBuilder builder;
   const std::string path = builder.Frame(1000).Finish();
