@@ -35,8 +35,10 @@ Result<void> ProbeFolder(const fs::path& folder, uint64_t bytes) {
     std::error_code ignored;
     fs::remove(file, ignored);
   }
-  if (!usable) created.RemoveEmpty();
-  return usable;
+  if (usable) return {};
+  created.RemoveEmpty();
+  return Fail("nothing can be written to the folder " + folder.string() + ": " +
+              usable.error().message);
 }
 
 }  // namespace vismap

@@ -116,14 +116,14 @@ std::vector<std::string> LogReport::Problems() const {
                                       : " are damaged: they are not a complete event"));
   }
   for (const auto& [name, channel] : channels) {
-    const auto add = [&, &of = name](int64_t count, const std::string& kind,
-                                     const std::string& detail) {
-      if (count > 0) problems.push_back(of + ": " + FormatCount(count, kind) + detail);
+    const auto add = [&, &of = name](int64_t count, const std::string& one,
+                                     const std::string& several, const std::string& detail) {
+      if (count > 0) problems.push_back(of + ": " + FormatCount(count, one, several) + detail);
     };
     const std::string first = "; the first problem is " + channel.first_problem;
-    add(channel.lost, "lost message", "");
-    add(channel.other_type, "message of a wrong type", first);
-    add(channel.undecodable, "damaged message", first);
+    add(channel.lost, "lost message", "", "");
+    add(channel.other_type, "message of a wrong type", "messages of a wrong type", first);
+    add(channel.undecodable, "damaged message", "", first);
   }
   // Damaged messages were told above.
   const auto frames = channels.find(kRgbdFrameChannel.name);
@@ -132,6 +132,10 @@ std::vector<std::string> LogReport::Problems() const {
   if (const int64_t left_out = recording.left_out.total(); left_out > told) {
     problems.push_back(std::to_string(left_out) +
                        " RGBD_FRAMEs cannot be used: " + recording.left_out.Text());
+  }
+  if (const int64_t without = recording.without_color.total(); without > 0) {
+    problems.push_back("the colour of " + FormatCount(without, "RGBD_FRAME") +
+                       " cannot be decoded: " + recording.without_color.Text());
   }
   problems.insert(problems.end(), recording.findings.begin(), recording.findings.end());
   problems.insert(problems.end(), run_problems.begin(), run_problems.end());

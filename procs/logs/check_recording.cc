@@ -27,13 +27,14 @@ RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
       check.Add(header, {}, dataset.depth_unit_m());
       continue;
     }
-    const Result<SensorFrame> frame = dataset.Read(i);
-    if (frame) {
-      check.Add(frame->header, DepthInMetres(frame->depth, frame->depth_unit_m),
-                frame->depth_unit_m);
-    } else {
+    const Result<SensorFrame> sensor = dataset.Read(i);
+    const Result<RgbdFrame> frame = sensor ? DecodeFrame(*sensor) : Fail(sensor.error().message);
+    if (!frame) {
       result.left_out.Add(frame.error().message);
+      continue;
     }
+    check.Add(frame->header, frame->depth, sensor->depth_unit_m);
+    if (!frame->color_problem.empty()) result.without_color.Add(frame->color_problem);
   }
   result.findings = check.Findings();
   return result;

@@ -13,6 +13,7 @@ namespace vismap {
 struct RecordingCheck {
   std::vector<std::string> findings;  ///< see SequenceCheck
   ReasonCounts left_out;              ///< frames that cannot be used, as far as they were read
+  ReasonCounts without_color;         ///< frames whose colour cannot be decoded, likewise
 };
 
 /// How many images are read to judge a sequence.

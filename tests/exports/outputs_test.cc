@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "exports/ply.h"
+#include "support/analytic_room.h"
 #include "support/temp_folder.h"
 
 namespace vismap {
@@ -28,6 +29,59 @@ TEST(WriteObjectMeshes, RemovesMeshesOfAnEarlierRunAndNothingThatItDidNotWrite) 
   for (const std::string name : {"instance_3_chair.ply", "instance_7.ply", "segment_12.ply"})
     EXPECT_FALSE(fs::exists(folder / name)) << name;
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 8);
+}
+
+const char* const kFiles[] = {"map.vismap", "mesh.ply",         "objects.json",
+                              "octree.bt",  "octree.closed.bt", "map.png"};
+
+Result<SaveInfo> WriteRoom(const TempFolder& folder, const OutputOptions& options = {}) {
+  const SemanticMap map = testing_support::AnalyticRoom();
+  return WriteOutputs(map, {}, MakeProducts(map, {}, options), options, folder.path());
+}
+
+TEST(WriteOutputs, WritesAllFiles) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteRoom(folder));
+  for (const char* name : kFiles) EXPECT_GT(fs::file_size(folder / name), 50u) << name;
+}
+
+TEST(WriteOutputs, WhatCannotBeMadeCostsOnlyItselfAndLeavesNoOlderFile) {
+  const TempFolder folder;
+  for (const char* name : kFiles) folder.Write(name, "old");
+  OutputOptions options;
+  options.octree.free_fraction = 2;
+  const Result<SaveInfo> written = WriteRoom(folder, options);
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("free_fraction"), std::string::npos);
+  for (const std::string name : kFiles) {
+    const bool octree = name.starts_with("octree");
+    EXPECT_EQ(fs::exists(folder / name), !octree) << name;
+    if (!octree) EXPECT_GT(fs::file_size(folder / name), 50u) << name;
+  }
+}
+
+TEST(WriteOutputs, WhatCannotBeWrittenCostsOnlyItself) {
+  const TempFolder folder;
+  fs::create_directories(folder / "mesh.ply");
+  folder.Write("mesh.ply/mine", "mine");
+  const Result<SaveInfo> written = WriteRoom(folder);
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("mesh.ply"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder / "mesh.ply/mine"));
+  for (const char* name :
+       {"map.vismap", "objects.json", "octree.bt", "octree.closed.bt", "map.png"})
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+}
+
+TEST(WriteOutputs, AnOlderMapThatCannotBeReplacedStaysWithAllItsFiles) {
+  const TempFolder folder;
+  for (const char* name : kFiles) folder.Write(name, "old");
+  fs::remove(folder / "map.vismap");
+  folder.Write("map.vismap/old", "old");  // a folder, which no file replaces
+  ASSERT_FALSE(WriteRoom(folder));
+  for (const std::string name : kFiles) {
+    if (name != "map.vismap") EXPECT_EQ(fs::file_size(folder / name), 3u) << name;
+  }
 }
 
 }  // namespace

@@ -89,7 +89,8 @@ TEST(Convert, LogToFolderToLogKeepsEverything) {
 
 TEST(Convert, FramesThatCannotBeReadAreLeftOut) {
   LogBuilder builder;
-  std::vector<uint8_t> damaged = Pack(Encode(SmallSensorFrame(1000)));
+  rgbd_frame_t message = Encode(SmallSensorFrame(1000));
+  std::vector<uint8_t> damaged = Pack(message);
   damaged[damaged.size() - 50] ^= 1;
   builder.AddBytes("RGBD_FRAME", damaged).Frame(2000).Frame(3000);
   const Sequence log = Open(builder.Finish());

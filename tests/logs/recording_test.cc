@@ -125,7 +125,8 @@ TEST(OpenRecording, OtherFramesWithAUsedTimeAreToldAndRepeatedOnesAreNot) {
 
 TEST(OpenRecording, ADamagedCopyDoesNotHideTheGoodOne) {
   LogBuilder builder;
-  std::vector<uint8_t> damaged = Pack(FrameAt(1000, 0.5));
+  rgbd_frame_t message = FrameAt(1000, 0.5);
+  std::vector<uint8_t> damaged = Pack(message);
   damaged[damaged.size() - 50] ^= 1;
   builder.AddBytes("RGBD_FRAME", damaged).Add(kRgbdFrameChannel, FrameAt(1000, 0.25));
   const Recording recording = Open(builder.Finish());

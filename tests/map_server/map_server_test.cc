@@ -175,6 +175,15 @@ TEST_F(ServerOnABus, TellsThatDepthIsOutOfRange) {
   EXPECT_THAT(status_.findings(), testing::Contains(HasSubstr("0.1 m per step")));
 }
 
+// The same view from places that are metres apart.
+TEST_F(ServerOnABus, TellsThatPosesContradictEachOther) {
+  Start();
+  for (int i = 1; i <= 8; ++i) Send(MovedMessage(33333 * i, 2.0 * i));
+  EXPECT_THAT(status_.findings(),
+              testing::Contains(testing::AnyOf(HasSubstr("surface in common"),
+                                               HasSubstr("contradict each other"))));
+}
+
 TEST_F(ServerOnABus, TellsThatTimesAreUnusual) {
   Start();
   for (int i = 1; i <= 8; ++i) Send(SmallMessage(int64_t{33'333'333} * i));

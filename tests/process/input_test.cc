@@ -59,7 +59,8 @@ void WriteRoom(const std::string& name, const std::string& room, const TempFolde
 
 /// A log of which one frame is damaged, and another one has a pose that is no pose.
 std::string DamagedLog(LogBuilder* builder) {
-  std::vector<uint8_t> damaged = Pack(Encode(SmallSensorFrame(1000)));
+  rgbd_frame_t message = Encode(SmallSensorFrame(1000));
+  std::vector<uint8_t> damaged = Pack(message);
   damaged[damaged.size() - 50] ^= 1;
   rgbd_frame_t lost = Encode(SmallSensorFrame(2000));
   lost.T_W_C[3] = std::nan("");
@@ -111,6 +112,23 @@ TEST(Input, WithoutAUsableFrameAllProgramsSayTheSameAndTheFolderStays) {
   const Ended verified = RunProgram("log", {"verify", log}, folder);
   EXPECT_EQ(verified.exit_code, 1);
   EXPECT_THAT(verified.out, HasSubstr("last row"));
+}
+
+TEST(Input, ColourThatCannotBeDecodedIsToldByVerifyToo) {
+  LogBuilder builder;
+  for (int i = 1; i <= 4; ++i) {
+    rgbd_frame_t message = Encode(SmallSensorFrame(33'333 * i));
+    message.color = {0x89, 'P', 'N', 'G'};
+    message.color_size = 4;
+    builder.Add(kRgbdFrameChannel, message);
+  }
+  const std::string log = builder.Finish();
+  const TempFolder folder;
+  const Ended mapped = Map(log, folder);
+  EXPECT_EQ(mapped.exit_code, 0) << mapped.log;
+  EXPECT_THAT(mapped.log, HasSubstr("4 of 4 frames are mapped without their colour"));
+  EXPECT_THAT(RunProgram("log", {"verify", log}, folder).out,
+              HasSubstr("the colour of 4 RGBD_FRAMEs cannot be decoded"));
 }
 
 TEST(Input, ALogOfOtherThingsIsTold) {
