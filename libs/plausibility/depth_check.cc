@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 
@@ -11,7 +12,20 @@ namespace vismap {
 namespace {
 
 constexpr int kStride = 4;
-constexpr double kNearestBin = 1e-4, kFarthestBin = 1e3;  // [m]
+// The bits of a float are about its logarithm: bins with 4 bits of the mantissa are 6 % wide.
+constexpr int kBinShift = 19;
+constexpr uint32_t kFirstBin = std::bit_cast<uint32_t>(1e-4F) >> kBinShift;
+
+size_t BinOf(float depth, int bins) {
+  const uint32_t bin = std::bit_cast<uint32_t>(std::max(depth, 1e-4F)) >> kBinShift;
+  return std::min(bin - kFirstBin, static_cast<uint32_t>(bins - 1));
+}
+
+double MiddleOfBin(int bin) {
+  constexpr uint32_t kHalf = uint32_t{1} << (kBinShift - 1);
+  return static_cast<double>(
+      std::bit_cast<float>(((kFirstBin + static_cast<uint32_t>(bin)) << kBinShift) + kHalf));
+}
 
 double Share(int64_t part, int64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
@@ -49,8 +63,7 @@ void DepthCheck::Add(const Image<float>& depth, const SegmentImage* segments) {
       const double z = depth(v, u);
       if (!std::isfinite(z)) continue;
       ++with_depth_;
-      const double place = std::log(z / kNearestBin) / std::log(kFarthestBin / kNearestBin);
-      ++histogram_[static_cast<size_t>(std::clamp(place, 0.0, 0.999) * kBins)];
+      ++histogram_[BinOf(depth(v, u), kBins)];
       if (z < limits_.nearest || z > limits_.farthest) continue;
       ++in_limits_;
       if (segments == nullptr) continue;
@@ -69,8 +82,7 @@ double DepthCheck::median() const {
   int64_t below = 0;
   for (int i = 0; i < kBins; ++i) {
     below += histogram_[static_cast<size_t>(i)];
-    if (with_depth_ > 0 && 2 * below >= with_depth_)
-      return kNearestBin * std::pow(kFarthestBin / kNearestBin, (i + 0.5) / kBins);
+    if (with_depth_ > 0 && 2 * below >= with_depth_) return MiddleOfBin(i);
   }
   return 0;
 }

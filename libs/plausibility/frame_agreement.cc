@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "base/require.h"
@@ -16,38 +15,21 @@ constexpr double kCloseTolerance = 0.015;    // of the distance
 constexpr int64_t kJudgedPoints = 100;       // fewer say nothing about a frame
 constexpr double kLeastAgreement = 0.6;
 
-struct DepthSpan {
-  double nearest = std::numeric_limits<double>::infinity();
-  double farthest = -std::numeric_limits<double>::infinity();
-};
-
-// The depths around a sample; empty when one of them has no return.
-DepthSpan RangeAround(const Image<float>& depth, int v, int u) {
-  DepthSpan range;
-  for (int y = std::max(0, v - 1); y <= std::min(depth.height() - 1, v + 1); ++y) {
-    for (int x = std::max(0, u - 1); x <= std::min(depth.width() - 1, u + 1); ++x) {
-      if (!std::isfinite(depth(y, x))) continue;
-      range.nearest = std::min(range.nearest, static_cast<double>(depth(y, x)));
-      range.farthest = std::max(range.farthest, static_cast<double>(depth(y, x)));
-    }
-  }
-  return range;
-}
-
 void CountPoint(const Eigen::Vector3d& p_C, const FrameSample& to, PointCounts* counts) {
   if (!(p_C.z() > 0.05)) return;  // behind the camera, or in it
   const Eigen::Vector2d pixel = to.header.camera.Project(p_C) / to.step;
   const double u = std::round(pixel.x()), v = std::round(pixel.y());
   if (!(u >= 0 && v >= 0 && u < to.depth.width() && v < to.depth.height())) return;
-  const DepthSpan range = RangeAround(to.depth, static_cast<int>(v), static_cast<int>(u));
-  if (range.nearest > range.farthest) return;  // no return: the frame says nothing here
+  const double nearest = to.nearest(static_cast<int>(v), static_cast<int>(u));
+  const double farthest = to.farthest(static_cast<int>(v), static_cast<int>(u));
+  if (!std::isfinite(nearest)) return;  // no return: the frame says nothing here
   const double close = kTolerance + kCloseTolerance * p_C.z();
   ++counts->in_view;
-  if (p_C.z() >= range.nearest - close && p_C.z() <= range.farthest + close) ++counts->close;
+  if (p_C.z() >= nearest - close && p_C.z() <= farthest + close) ++counts->close;
   const double tolerance = kTolerance + kRelativeTolerance * p_C.z();
-  if (p_C.z() < range.nearest - tolerance) {
+  if (p_C.z() < nearest - tolerance) {
     ++counts->seen_through;
-  } else if (p_C.z() <= range.farthest + tolerance) {
+  } else if (p_C.z() <= farthest + tolerance) {
     ++counts->agree;
   }
 }

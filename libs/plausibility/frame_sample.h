@@ -10,6 +10,8 @@ struct FrameSample {
   FrameHeader header;
   int step = 1;        ///< pixels of the frame between two pixels of `depth`
   Image<float> depth;  ///< [m] along optical z; NaN = no return
+  /// The nearest and the farthest depth in the 3x3 samples around each one; NaN = no return there.
+  Image<float> nearest, farthest;
 };
 
 /// The sample of a frame whose larger side has at most `max_side` pixels.

@@ -29,7 +29,7 @@ class PoseCheck {
   AgreementSummary Compare() const;
   /// One sentence when most frames contradict each other, or when successive frames have no
   /// surface in common: what was found, and which likely mistakes would explain it; tried on these
-  /// frames. Nothing when all is well or too few frames came. Costs some 50 ms when something is
+  /// frames. Nothing when all is well or too few frames came. Costs some 200 ms when something is
   /// wrong.
   std::optional<std::string> Finding() const;
 
