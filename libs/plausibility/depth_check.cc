@@ -12,8 +12,8 @@ namespace vismap {
 namespace {
 
 constexpr int kStride = 4;
-// The bits of a float are about its logarithm: bins with 4 bits of the mantissa are 6 % wide.
-constexpr int kBinShift = 19;
+// The bits of a float are about its logarithm: bins with 5 bits of the mantissa are 3 % wide.
+constexpr int kBinShift = 18;
 constexpr uint32_t kFirstBin = std::bit_cast<uint32_t>(1e-4F) >> kBinShift;
 
 size_t BinOf(float depth, int bins) {

@@ -39,7 +39,7 @@ class DepthCheck {
   std::optional<std::string> SegmentFinding() const;
 
  private:
-  static constexpr int kBins = 512;  // of the depth, from 0.1 mm on, 16 to an octave
+  static constexpr int kBins = 768;  // of the depth, from 0.1 mm on, 32 to an octave
 
   DepthLimits limits_;
   int64_t frames_ = 0, pixels_ = 0, with_depth_ = 0, in_limits_ = 0;
