@@ -8,6 +8,7 @@
 #include "exports/ply.h"
 #include "exports/statistics.h"
 #include "freespace/octree.h"
+#include "mapfile/map_file.h"
 #include "wire/pose_digest.h"
 
 namespace vismap {
@@ -40,6 +41,10 @@ Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {
   const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
   return {std::to_string(products.mesh.triangles.size()) + " triangles", "ply",
           EncodePly(products.mesh, {session.metadata().map_id, {}})};
+}
+
+Answer AnswerMapFile(const MapSession& session) {
+  return {HashMap(session.map()), "vismap", EncodeMap(session.map(), session.metadata())};
 }
 
 Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,

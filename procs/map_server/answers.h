@@ -20,6 +20,8 @@ Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query
                              const UpDirection& up, const std::vector<ObjectSummary>& objects);
 /// "mesh" with the argument "ply": the mesh of the whole map as a PLY file.
 Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options);
+/// "map": the whole map as a saved one. Its message is the hash of the map.
+Answer AnswerMapFile(const MapSession& session);
 /// "octree": free and occupied space as an OctoMap file.
 Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,
                             const OutputOptions& options);

@@ -30,6 +30,7 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
   server_.Handle("statistics", [this](const Request&) {
     return AnswerStatistics(map_.session(), map_.publisher().occupancy().Digest());
   });
+  server_.Handle("map", [this](const Request&) { return AnswerMapFile(map_.session()); });
   server_.Handle("frames", [this](const Request& request) {
     return AnswerFrames(map_.session(), request.argument);
   });

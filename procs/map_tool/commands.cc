@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "base/class_names.h"
+#include "base/file.h"
 #include "base/format.h"
 #include "base/json_text.h"
 #include "base/printable.h"
@@ -158,8 +160,23 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
   return ExitWith(ExitCode::kFailed, "the runs differ");
 }
 
+// Gets the map from the server and writes it to a file of this computer, as this user.
+Outcome FetchMap(const MapToolArguments& arguments, ProcessContext& context) {
+  const auto map = RequestFromServer(arguments, context, "map");
+  if (!map) return tl::unexpected(map.error());
+  const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(map->payload.data()),
+                                       map->payload.size());
+  if (const Result<void> written = WriteFileAtomically(arguments.map, bytes); !written)
+    return ExitWith(ExitCode::kFailed, written.error().message);
+  std::printf("saved %zu bytes to %s, map hash %s\n", bytes.size(),
+              std::filesystem::absolute(arguments.map).c_str(),
+              PrintableText(map->message).c_str());
+  return {};
+}
+
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context) {
   if (arguments.map.empty()) return SendCommand(arguments, context, "save", "");
+  if (arguments.map.find('/') != std::string::npos) return FetchMap(arguments, context);
   if (const Outcome checked = CheckName("save", arguments.map); !checked) return checked;
   return SendCommand(arguments, context, "save", arguments.map);
 }

@@ -112,12 +112,14 @@ void AddServerCommands(CommandLine& line, Command* command) {
       RunDigests)
       .Flag("--json", &arguments.json, "Print JSON");
   Add(line, command, "save",
-      "Make the running server save its map in its folder for maps (map_server.map_folder)",
+      "Save the map of the running server: NAME in its folder for maps (map_server.map_folder), or "
+      "PATH on this computer",
       RunSave)
       .Option(
           "NAME", &arguments.map,
-          "Name of the map: letters, digits, '-', '_' and '.', no path; if not given, the server "
-          "saves to its own file (map_server.save_on_exit)");
+          "Name of the map: letters, digits, '-', '_' and '.'; with a '/' it is a path on this "
+          "computer, to which the map is fetched; if not given, the server saves to its own file "
+          "(map_server.save_on_exit)");
   Add(line, command, "load",
       "Make the running server continue a map that is in its folder for maps", RunLoad)
       .Option("NAME", &arguments.map, "Name that the map was saved under")
