@@ -76,11 +76,11 @@ double BendOf(const SparseSample& sample, const DepthNoiseModel& noise) {
 }  // namespace
 
 double BendAcrossHoles(const Image<float>& depth, const DepthNoiseModel& noise) {
-  constexpr int kRowDistance = 8, kColumnDistance = 11, kLength = 24;
-  constexpr size_t kFewest = 200;
+  constexpr int kRowDistance = 16, kColumnDistance = 17, kLength = 24;
+  constexpr size_t kFewest = 100;
   std::vector<float> bends;
   for (int i = 0; i * kRowDistance < depth.height(); ++i) {
-    const int v = i * kRowDistance + 3 * i % kRowDistance;
+    const int v = i * kRowDistance + 5 * i % kRowDistance;
     if (v >= depth.height()) break;
     for (int u = 0; u < depth.width(); u += kColumnDistance) {
       const auto sample = FindSample(depth.row(v), u, std::min(depth.width(), u + kLength));

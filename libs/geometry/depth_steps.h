@@ -20,9 +20,9 @@ double JumpSigmas(const Image<float>& w, const Image<float>& sigma, double jump_
 /// in standard deviations of the noise model. A sample is four pixels with depth in a row, each the
 /// first one that is at least 2 and at most 5 pixels after the one before; its bend is the smaller
 /// of the two second differences of its inverse depths, scaled as if all distances were 1 pixel.
-/// Rows are 8 pixels apart on average, at all distances from a multiple of 8, so that regular holes
-/// do not hide all of them. 0 with fewer than 200 samples. Sensors that are as good as their noise
-/// model have 1.6 to 1.9.
+/// Rows are 16 pixels apart on average, at all distances from a multiple of 16, so that regular
+/// holes do not hide all of them. 0 with fewer than 100 samples. Sensors that are as good as their
+/// noise model have 1.6 to 1.9.
 double BendAcrossHoles(const Image<float>& depth, const DepthNoiseModel& noise);
 
 }  // namespace vismap

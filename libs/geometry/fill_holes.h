@@ -31,10 +31,10 @@ double HoleSigmas(const Image<float>& depth, const HoleOptions& options);
 /// A hole is filled from the nearest pixels with depth on its two sides, along the row or along the
 /// column, whichever is shorter (the row when both are equal). The inverse depth, in which planes
 /// are linear, is interpolated between them. A hole is filled only where no depth jump can lie in
-/// it: the inverse depths of the two sides are equal within the noise, or the slope between them is
-/// that of the surface before the hole and that of the surface after it. A second pass fills what
-/// lies between filled pixels, such as the crossings of missing rows and columns. See
-/// libs/METHOD.md, Holes.
+/// it: the inverse depths of the two sides are equal within the noise or, where that holds along
+/// neither line, the slope between them is that of the surface before the hole and that of the
+/// surface after it. A second pass fills what lies between filled pixels, such as the crossings of
+/// missing rows and columns. See libs/METHOD.md, Holes.
 void FillHoles(const HoleOptions& options, Image<float>* depth);
 
 }  // namespace vismap

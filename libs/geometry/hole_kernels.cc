@@ -85,22 +85,34 @@ struct Fill {
 /// A fill, and what decides whether it is good.
 struct FillCandidate {
   Side before, after;
+  Strip closed;       // 1: in a hole that is small enough
   Strip rise, limit;  // b - a, and the square of the largest difference that is noise
-  Strip undecided;    // 1: between two sides that are not equal within the noise
 };
 
-/// Sets `fill`, as far as it is decided without slopes. Returns whether it is decided everywhere.
-VISMAP_INLINE bool FindLevelFill(const float* w, ptrdiff_t step, const HoleConstants& k,
-                                 FillCandidate* candidate, Fill* fill) {
-  Side& before = candidate->before;
-  Side& after = candidate->after;
-  FindSide(w, -step, &before);
-  FindSide(w, step, &after);
+/// Finds the two sides of the holes along one line. Returns whether any is small enough.
+VISMAP_INLINE bool FindSides(const float* w, ptrdiff_t step, const HoleConstants& k,
+                             FillCandidate* candidate) {
+  FindSide(w, -step, &candidate->before);
+  FindSide(w, step, &candidate->after);
+  int count = 0;
   for (int u = 0; u < kHoleStrip; ++u) {
-    const float a = before.w.at[u], b = after.w.at[u];
-    const float length = before.distance.at[u] + after.distance.at[u];
+    const float a = candidate->before.w.at[u], b = candidate->after.w.at[u];
+    const float length = candidate->before.distance.at[u] + candidate->after.distance.at[u];
     const float closed = (w[u] > 0 ? 0.0F : 1.0F) * (a > 0 ? 1.0F : 0.0F) * (b > 0 ? 1.0F : 0.0F) *
                          (length <= k.max_length ? 1.0F : 0.0F);
+    candidate->closed.at[u] = closed;
+    count += closed > 0 ? 1 : 0;
+  }
+  return count > 0;
+}
+
+/// Sets `fill` where the two sides are equal within the noise.
+VISMAP_INLINE void FindLevelFill(const HoleConstants& k, FillCandidate* candidate, Fill* fill) {
+  for (int u = 0; u < kHoleStrip; ++u) {
+    const float a = candidate->before.w.at[u], b = candidate->after.w.at[u];
+    const float from_a = candidate->before.distance.at[u];
+    const float length = from_a + candidate->after.distance.at[u];
+    const float closed = candidate->closed.at[u];
     const float rise = b - a, middle = closed > 0 ? (a + b) * 0.5F : 1.0F;
     const float past = 1 / middle - k.axial_offset, beyond = past > 0 ? past : 0.0F;
     const float axial = (k.axial_base + k.axial_quadratic * beyond * beyond) * middle * middle;
@@ -108,36 +120,65 @@ VISMAP_INLINE bool FindLevelFill(const float* w, ptrdiff_t step, const HoleConst
     const float level = rise * rise <= limit ? closed : 0.0F;
     candidate->rise.at[u] = rise;
     candidate->limit.at[u] = limit;
-    candidate->undecided.at[u] = closed - level;
-    fill->w.at[u] = a + rise * (before.distance.at[u] / (closed > 0 ? length : 1.0F));
+    fill->w.at[u] = a + rise * (from_a / (closed > 0 ? length : 1.0F));
     fill->length.at[u] = level > 0 ? length : kNoFill;
   }
-  int undecided = 0;
-  for (int u = 0; u < kHoleStrip; ++u) undecided += candidate->undecided.at[u] > 0 ? 1 : 0;
-  return undecided == 0;
 }
 
-/// Adds the fills on slopes.
+/// Adds the fills on slopes where `unfilled` is not 0.
 VISMAP_INLINE void AddSlopedFill(const float* w, ptrdiff_t step, const FillCandidate& candidate,
-                                 Fill* fill) {
+                                 const Strip& unfilled, Fill* fill) {
+  Strip wanted;
+  int count = 0;
+  for (int u = 0; u < kHoleStrip; ++u) {
+    wanted.at[u] = unfilled.at[u] * candidate.closed.at[u];
+    count += wanted.at[u] > 0 ? 1 : 0;
+  }
+  if (count == 0) return;
   Slope before, after;
-  FindSlope(w, -step, candidate.before, candidate.undecided, &before);
-  FindSlope(w, step, candidate.after, candidate.undecided, &after);
+  FindSlope(w, -step, candidate.before, wanted, &before);
+  FindSlope(w, step, candidate.after, wanted, &after);
   for (int u = 0; u < kHoleStrip; ++u) {
     const float length = candidate.before.distance.at[u] + candidate.after.distance.at[u];
     const float rise = candidate.rise.at[u], limit = candidate.limit.at[u];
     const float bend_before = rise + before.slope.at[u] * length;
     const float bend_after = rise - after.slope.at[u] * length;
-    const float good = candidate.undecided.at[u] * before.known.at[u] * after.known.at[u] *
+    const float good = wanted.at[u] * before.known.at[u] * after.known.at[u] *
                        (bend_before * bend_before <= limit ? 1.0F : 0.0F) *
                        (bend_after * bend_after <= limit ? 1.0F : 0.0F);
     fill->length.at[u] = good > 0 ? length : fill->length.at[u];
   }
 }
 
-VISMAP_INLINE void FindFill(const float* w, ptrdiff_t step, const HoleConstants& k, Fill* fill) {
+/// The fills along one line: along the row or down the column.
+struct FillLine {
+  ptrdiff_t step = 1;
+  bool any = false;
   FillCandidate candidate;
-  if (!FindLevelFill(w, step, k, &candidate, fill)) AddSlopedFill(w, step, candidate, fill);
+  Fill fill;
+};
+
+VISMAP_INLINE void FindFills(const float* w, const HoleConstants& k, FillLine* line) {
+  line->any = FindSides(w, line->step, k, &line->candidate);
+  if (line->any) {
+    FindLevelFill(k, &line->candidate, &line->fill);
+  } else {
+    for (int u = 0; u < kHoleStrip; ++u) line->fill.length.at[u] = kNoFill;
+  }
+}
+
+/// Marks the pixels in small holes that have a fill along neither line yet. Returns whether there
+/// are any.
+VISMAP_INLINE bool FindUnfilled(const FillLine& along, const FillLine& down, Strip* unfilled) {
+  int count = 0;
+  for (int u = 0; u < kHoleStrip; ++u) {
+    const float none = (along.fill.length.at[u] == kNoFill ? 1.0F : 0.0F) *
+                       (down.fill.length.at[u] == kNoFill ? 1.0F : 0.0F);
+    const float closed = along.candidate.closed.at[u] + down.candidate.closed.at[u];
+    unfilled->at[u] = none * (closed > 0 ? 1.0F : 0.0F);
+    count += none * closed > 0 ? 1 : 0;
+  }
+  return count > 0;
 }
 
 VISMAP_INLINE bool HasHole(const float* w) {
@@ -165,9 +206,15 @@ VISMAP_VECTOR_CLONES void FillRow(const HoleRow& row, const HoleConstants& const
       std::memcpy(out + first, w, kHoleStrip * sizeof(float));
       continue;
     }
-    Fill along, down;
-    FindFill(w, 1, constants, &along);
-    FindFill(w, row.stride, constants, &down);
+    FillLine lines[2];
+    lines[1].step = row.stride;
+    for (FillLine& line : lines) FindFills(w, constants, &line);
+    if (Strip unfilled; FindUnfilled(lines[0], lines[1], &unfilled)) {
+      for (FillLine& line : lines) {
+        if (line.any) AddSlopedFill(w, line.step, line.candidate, unfilled, &line.fill);
+      }
+    }
+    const Fill &along = lines[0].fill, &down = lines[1].fill;
     for (int u = 0; u < kHoleStrip; ++u) {
       const float length =
           along.length.at[u] <= down.length.at[u] ? along.length.at[u] : down.length.at[u];

@@ -41,10 +41,12 @@ struct HoleRow {
 /// Copies a row of w and fills its holes. For a hole between a, l pixels before it, and b, r pixels
 /// after it in the same row or column, with l + r <= max_length, step = b - a and σ_w of the noise
 /// model at (a + b) / 2:
-///   |step| <= sigmas σ_w,  or  |step - (l + r) slope| <= sigmas σ_w  for both slopes beside it;
+///   |step| <= sigmas σ_w;  or, where that holds along neither line,
+///   |step - (l + r) slope| <= sigmas σ_w  for both slopes beside it;
 ///   filled w = a + step l / (l + r).
 /// The slope beside a is that to the farthest pixel with depth within kMaxHolePx + 1 pixels behind
-/// it; without such a pixel the slopes do not count.
+/// it; without such a pixel the slopes do not count. The shorter line counts, the row when both are
+/// equal.
 /// Twin: FillPixel.
 void FillRow(const HoleRow& row, const HoleConstants& constants, float* out);
 

@@ -30,11 +30,14 @@ class HoleFiller {
   /// The inverse depth of pixel (v, u), which has none, filled along its row or its column; 0 when
   /// neither can be done.
   float FillPixel(int v, int u) const {
-    const std::optional<Found> along = Fill(v, u, {0, 1}), down = Fill(v, u, {1, 0});
-    if (!along && !down) return 0;
-    if (!along) return down->w;
-    if (!down) return along->w;
-    return along->distance <= down->distance ? along->w : down->w;
+    for (const bool sloped : {false, true}) {
+      const std::optional<Found> along = Fill(v, u, {0, 1}, sloped),
+                                 down = Fill(v, u, {1, 0}, sloped);
+      if (along && down) return along->distance <= down->distance ? along->w : down->w;
+      if (along) return along->w;
+      if (down) return down->w;
+    }
+    return 0;
   }
 
  private:
@@ -71,14 +74,16 @@ class HoleFiller {
   }
 
   /// What fills pixel (v, u) from its two sides along a line; `distance` is that from side to side.
-  std::optional<Found> Fill(int v, int u, Direction to) const {
+  /// `sloped`: they need not be equal within the noise, but have the slopes beside them.
+  std::optional<Found> Fill(int v, int u, Direction to, bool sloped) const {
     const Direction back{-to.dv, -to.du};
     const std::optional<Found> a = Nearest(v, u, back), b = Nearest(v, u, to);
     if (!a || !b || a->distance + b->distance > options_.max_px + 1) return std::nullopt;
     const int distance = a->distance + b->distance;
     const float length = static_cast<float>(distance), rise = b->w - a->w;
     const float limit = SquaredLimit((a->w + b->w) * 0.5F);
-    if (!(rise * rise <= limit)) {
+    if (!sloped && !(rise * rise <= limit)) return std::nullopt;
+    if (sloped) {
       const std::optional<float> before = SlopeBehind(v, u, back, *a);
       const std::optional<float> after = SlopeBehind(v, u, to, *b);
       if (!before || !after) return std::nullopt;
