@@ -1,5 +1,6 @@
 #include "exports/outputs.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include "base/file.h"
 #include "exports/objects_json.h"
 #include "exports/ply.h"
+#include "map/far_parts.h"
 #include "objects/camera_up.h"
 #include "objects/map_mesh.h"
 #include "objects/object_mesh.h"
@@ -56,6 +58,26 @@ PlyInfo InfoFor(const MapMetadata& metadata, const Mesh& mesh) {
   return info;
 }
 
+// Removes the triangles with a vertex in one of these parts of the map, and such vertices.
+void RemovePoints(const FarParts& far, Mesh* mesh) {
+  if (far.empty()) return;
+  constexpr uint32_t kRemoved = UINT32_MAX;
+  std::vector<uint32_t> new_index(mesh->vertices.size(), kRemoved);
+  std::vector<MeshVertex> kept;
+  for (size_t i = 0; i < mesh->vertices.size(); ++i) {
+    if (far.Contains(mesh->vertices[i].position_W.cast<double>())) continue;
+    new_index[i] = static_cast<uint32_t>(kept.size());
+    kept.push_back(mesh->vertices[i]);
+  }
+  mesh->vertices = std::move(kept);
+  for (auto& triangle : mesh->triangles) {
+    for (uint32_t& corner : triangle) corner = new_index[corner];
+  }
+  std::erase_if(mesh->triangles, [](const auto& triangle) {
+    return std::find(triangle.begin(), triangle.end(), kRemoved) != triangle.end();
+  });
+}
+
 std::string NameOf(const ObjectSummary& object) {
   return ObjectFileName(object,
                         object.class_id == ClassId::kUnknown ? "" : ClassName(object.class_id));
@@ -88,16 +110,31 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
                          const OutputOptions& options) {
   MapProducts products;
   products.mesh = ExtractMesh(map, options.meshing);
+  RemovePoints(FarParts(metadata.trajectory), &products.mesh);
   products.objects =
       SummarizeObjects(map, products.mesh, ObjectOptionsFor(metadata, options), &products.up);
   return products;
 }
 
-Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
-                               UnknownPolicy unknown) {
+OccupancyMap ClassifyNearParts(const SemanticMap& map, const MapMetadata& metadata,
+                               const OccupancyOptions& options) {
+  const FarParts far(metadata.trajectory);
+  if (far.empty()) return ClassifyMap(map, options);
+  std::vector<BlockIndex> near;
+  for (const BlockIndex& index : map.voxels.SortedIndices()) {
+    const Eigen::Vector3d corner(index.x, index.y, index.z);
+    if (!far.Contains(corner * map.voxels.block_size())) near.push_back(index);
+  }
+  OccupancyMap occupancy(map.voxels.voxel_size());
+  occupancy.Update(map, near, options);
+  return occupancy;
+}
+
+Result<OctreeBytes> MakeOctree(const SemanticMap& map, const MapMetadata& metadata,
+                               const OutputOptions& options, UnknownPolicy unknown) {
   OctreeOptions octree = options.octree;
   octree.unknown = unknown;
-  return BuildOctree(ClassifyMap(map, options.free_space), octree);
+  return BuildOctree(ClassifyNearParts(map, metadata, options.free_space), octree);
 }
 
 std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products) {

@@ -29,7 +29,7 @@ struct MapProducts {
   UpDirection up;  ///< of the boxes of the objects
 };
 
-/// Computes the mesh and the objects of a map.
+/// Computes the mesh and the objects of a map, without its FarParts.
 MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
                          const OutputOptions& options);
 
@@ -37,11 +37,15 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
 /// the trajectory (UpOfCameras), which the map may correct.
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options);
 
-/// The octree of a map. `unknown`, instead of that of the options, says whether unknown space is
-/// left out or, within the bounds of the map, written as occupied. Fails on what BuildOctree fails
-/// on.
-Result<OctreeBytes> MakeOctree(const SemanticMap& map, const OutputOptions& options,
-                               UnknownPolicy unknown);
+/// The free and occupied space of a map, without its FarParts.
+OccupancyMap ClassifyNearParts(const SemanticMap& map, const MapMetadata& metadata,
+                               const OccupancyOptions& options);
+
+/// The octree of a map, without its FarParts. `unknown`, instead of that of the options, says
+/// whether unknown space is left out or, within the bounds of the map, written as occupied. Fails
+/// on what BuildOctree fails on.
+Result<OctreeBytes> MakeOctree(const SemanticMap& map, const MapMetadata& metadata,
+                               const OutputOptions& options, UnknownPolicy unknown);
 
 /// The text of objects.json.
 std::string ObjectsText(const MapMetadata& metadata, const MapProducts& products);

@@ -34,7 +34,7 @@ class Outputs {
 
 Result<void> WriteOneOctree(const SemanticMap& map, const OutputOptions& options,
                             UnknownPolicy unknown, const fs::path& file) {
-  const Result<OctreeBytes> octree = MakeOctree(map, options, unknown);
+  const Result<OctreeBytes> octree = MakeOctree(map, metadata, options, unknown);
   if (!octree) return tl::unexpected(octree.error());
   return WriteOctree(file, *octree);
 }

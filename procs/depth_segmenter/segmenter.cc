@@ -19,6 +19,7 @@ namespace vismap {
 namespace {
 
 constexpr double kPatienceCheck = 0.05;  // time between two checks of the waiting frames [s]
+constexpr size_t kNewestKept = 2;        // ready frames that are kept with Overload::kNewest
 constexpr double kReportedWait = 0.5;    // a longer wait is shown in the status [s]
 constexpr size_t kMaxCameras = 100;      // whose intrinsics are logged
 // Results kept for frames that are sent again: so many, of so many bytes, for so long [s].
@@ -75,6 +76,7 @@ Segmenter::Segmenter(const DepthSegmenterOptions& options, const SegmentationSta
       status_(*context->status),
       peers_(context->bus),
       join_(LimitsOf(options)),
+      newest_times_(context->status),
       segment_check_(DepthLimits{stage.surface.min_depth_m, stage.surface.max_depth_m}) {
   bus_.Subscribe<rgbd_frame_t>(kRgbdFrameChannel,
                                [this](const rgbd_frame_t& message) { return OnFrame(message); });
@@ -82,14 +84,21 @@ Segmenter::Segmenter(const DepthSegmenterOptions& options, const SegmentationSta
     bus_.Subscribe<detections_t>(
         kDetectionsChannel, [this](const detections_t& message) { return OnDetections(message); });
   }
-  bus_.Every(kPatienceCheck, [this] { SegmentReadyFrames(); });
+  bus_.Every(kPatienceCheck, [this] { HandleReadyFrames(); });
 }
 
 void Segmenter::Run() {
   status_.Set(ProcessState::kReady);
-  bus_.Run();
+  while (!bus_.stop_requested()) {
+    bus_.Spin(ready_.empty() ? 0.1 : 0);
+    SegmentNext();  // Spin has received all frames that had arrived
+  }
+  const int64_t waiting = static_cast<int64_t>(join_.waiting() + ready_.size());
   LogInfo("segmented " + FormatCount(status_.counter("frames"), "frame") + ", " +
-          FormatCount(join_.counters().frames_without) + " of them without detections");
+          FormatCount(join_.counters().frames_without) + " of them without detections; dropped " +
+          FormatCount(status_.counter("frames_dropped")) + ", could not use " +
+          FormatCount(status_.counter("frames_unusable")) + ", and " + FormatCount(waiting) +
+          (waiting == 1 ? " still waits" : " still wait"));
 }
 
 Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
@@ -101,8 +110,9 @@ Result<void> Segmenter::OnFrame(const rgbd_frame_t& message) {
     return tl::unexpected(header.error());
   }
   TellCamera(*header, message.source);
+  newest_times_.Saw(KeyOf(message));
   join_.AddFrame(message, MonotonicSeconds());
-  SegmentReadyFrames();
+  HandleReadyFrames();
   return {};
 }
 
@@ -111,7 +121,7 @@ Result<void> Segmenter::OnDetections(const detections_t& message) {
     if (const Result<DetectionSet> set = Decode(message); !set) return tl::unexpected(set.error());
   }
   join_.AddDetections(message, MonotonicSeconds());
-  SegmentReadyFrames();
+  HandleReadyFrames();
   return {};
 }
 
@@ -144,23 +154,41 @@ double Segmenter::Patience() const {
   return 0;
 }
 
-void Segmenter::SegmentReadyFrames() {
-  while (const std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience())) {
-    Result<segmented_frame_t> answer = Segment(*joined);
-    if (!answer) {
-      status_.Count("frames_unusable");
-      LogWarningRateLimited("unusable", "an RGBD_FRAME was rejected: " + answer.error().message);
-      LeaveOut(answer.error().message);
-      continue;
-    }
-    status_.Count("frames");
-    status_.Count("segments", answer->n_segments);
-    bus_.Publish(kSegmentedFrameChannel, *answer);
-    Remember(joined->frame.depth, std::move(*answer));
+void Segmenter::HandleReadyFrames() {
+  CollectReadyFrames();
+  while (options_.overload == Overload::kLossless && SegmentNext()) {
   }
   join_.DropLate(MonotonicSeconds());
   ForgetAnswers();
   UpdateStatus();
+}
+
+void Segmenter::CollectReadyFrames() {
+  while (std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience()))
+    ready_.push_back(std::move(*joined));
+  while (options_.overload == Overload::kNewest && ready_.size() > kNewestKept) {
+    ready_.pop_front();
+    ++dropped_behind_;
+  }
+}
+
+// Returns false when no frame is ready.
+bool Segmenter::SegmentNext() {
+  if (ready_.empty()) return false;
+  const JoinedFrame joined = std::move(ready_.front());
+  ready_.pop_front();
+  Result<segmented_frame_t> answer = Segment(joined);
+  if (!answer) {
+    status_.Count("frames_unusable");
+    LogWarningRateLimited("unusable", "an RGBD_FRAME was rejected: " + answer.error().message);
+    LeaveOut(answer.error().message);
+    return true;
+  }
+  status_.Count("frames");
+  status_.Count("segments", answer->n_segments);
+  bus_.Publish(kSegmentedFrameChannel, *answer);
+  Remember(joined.frame.depth, std::move(*answer));
+  return true;
 }
 
 void Segmenter::LeaveOut(const std::string& reason) {
@@ -249,7 +277,7 @@ void Segmenter::UpdateStatus() {
   const JoinCounters& counters = join_.counters();
   status_.SetCounter("frames_waiting", static_cast<int64_t>(join_.waiting()));
   status_.SetCounter("waiting_bytes", static_cast<int64_t>(join_.bytes()));
-  status_.SetCounter("frames_dropped", counters.frames_dropped);
+  status_.SetCounter("frames_dropped", counters.frames_dropped + dropped_behind_);
   status_.SetCounter("frames_repeated", counters.frames_repeated);
   status_.SetCounter("frames_without_detections", counters.frames_without);
   status_.SetCounter("detections_dropped", counters.detections_dropped);

@@ -12,6 +12,7 @@
 #include "depth_segmenter/frame_detection_join.h"
 #include "geometry/frame.h"
 #include "plausibility/depth_check.h"
+#include "runtime/frame_lag.h"
 #include "runtime/main.h"
 #include "runtime/peers.h"
 #include "segmentation/segmentation_options.h"
@@ -20,8 +21,9 @@
 namespace vismap {
 
 /// Segments frames: computes one SEGMENTED_FRAME from every RGBD_FRAME and its DETECTIONS, in the
-/// order of the frames. For a frame that is sent again it publishes the same result again. STATUS
-/// tells when hardly any depth lies in segments.
+/// order of the frames. For a frame that is sent again it publishes the same result again. With
+/// Overload::kNewest it drops frames when newer ones are ready. STATUS tells when hardly any depth
+/// lies in segments.
 class Segmenter {
  public:
   /// Subscribes to RGBD_FRAME and DETECTIONS. `context` must outlive the object.
@@ -35,7 +37,9 @@ class Segmenter {
   Result<void> OnFrame(const rgbd_frame_t& message);
   Result<void> OnDetections(const detections_t& message);
   bool RepeatAnswer(const rgbd_frame_t& message);
-  void SegmentReadyFrames();
+  void HandleReadyFrames();
+  void CollectReadyFrames();
+  bool SegmentNext();
   void Remember(const std::vector<uint8_t>& depth, segmented_frame_t message);
   void ForgetAnswers();
   Result<segmented_frame_t> Segment(const JoinedFrame& joined);
@@ -60,6 +64,9 @@ class Segmenter {
     size_t bytes = 0;
     double time = 0;  ///< when it was made [s]
   };
+  std::deque<JoinedFrame> ready_;  // do not wait for detections any longer
+  int64_t dropped_behind_ = 0;     // since newer frames were ready, too
+  NewestTimes newest_times_;
   std::deque<Answer> answers_;  // the newest ones, within the limits of ForgetAnswers
   size_t answer_bytes_ = 0;
   std::set<CameraId> cameras_;  // whose intrinsics were logged

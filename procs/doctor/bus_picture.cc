@@ -1,10 +1,13 @@
 #include "doctor/bus_picture.h"
 
 #include <algorithm>
+#include <vismap/frame_commit_t.hpp>
 
 #include "wire/channel_types.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
+#include "wire/frame_key.h"
+#include "wire/rgbd_frame.h"
 
 namespace vismap {
 namespace {
@@ -50,6 +53,38 @@ void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t>
     entry->second = head->seq;
   }
   if (channel == kStatusChannel.name) AddStatus(data, now, utime);
+  AddFrame(channel, data, now);
+}
+
+double CameraPicture::Lag() const {
+  if (newest_frame < 0 || newest_commit < 0) return 0;
+  return std::max(0.0, static_cast<double>(newest_frame - newest_commit) * 1e-6);
+}
+
+void BusPicture::AddFrame(const std::string& channel, std::span<const uint8_t> data, double now) {
+  const bool is_commit = channel == kMapCommitChannel.name;
+  FrameKey key;
+  if (is_commit) {
+    const auto commit = Unpack<frame_commit_t>(data, kMapCommitChannel.max_bytes);
+    if (!commit || commit->utime < 0) return;
+    key = KeyOf(*commit);
+  } else {
+    if (channel != kRgbdFrameChannel.name) return;
+    const Result<FrameHeader> header = PeekFrameHeader(data);
+    if (!header) return;
+    key = {header->camera_id, header->utime};
+  }
+  constexpr size_t kMaxCameras = 100;
+  if (cameras_.size() >= kMaxCameras && !cameras_.contains(Raw(key.camera_id))) return;
+  CameraPicture& camera = cameras_[Raw(key.camera_id)];
+  const bool complete = camera.newest_frame >= 0 && camera.newest_commit >= 0;
+  (is_commit ? camera.newest_commit : camera.newest_frame) = key.utime;
+  if (!complete) camera.first_lag = camera.Lag();
+  if (camera.Lag() <= CameraPicture::kToldLag) {
+    camera.behind_since = -1;
+  } else if (camera.behind_since < 0) {
+    camera.behind_since = now;
+  }
 }
 
 // The picture of the process that has sent this STATUS; nullptr when there are too many.

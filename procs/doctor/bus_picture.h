@@ -29,6 +29,18 @@ struct ChannelPicture {
   std::map<std::string, int64_t> last_seq;  ///< latest sequence number of each source
 };
 
+/// What was observed of the frames of one camera.
+struct CameraPicture {
+  int64_t newest_frame = -1;   ///< utime of the last RGBD_FRAME [us]; -1 = none
+  int64_t newest_commit = -1;  ///< utime of the last MAP_COMMIT [us]; -1 = none
+  double first_lag = 0;        ///< of the map behind the camera when both were known first [s]
+  /// Since when the map has been more than kToldLag behind [s]; -1 = it is not.
+  double behind_since = -1;
+  static constexpr double kToldLag = 2;  // [s]
+  /// By how much the map is behind the camera [s]; 0 when that is not known.
+  double Lag() const;
+};
+
 /// Summary of all messages that were received on a bus. Decodes only the heads of messages, except
 /// for STATUS.
 class BusPicture {
@@ -42,17 +54,20 @@ class BusPicture {
   /// their place added: "map-server (computer, pid N)", so that none hides another.
   const std::map<std::string, ProcessPicture>& processes() const { return processes_; }
   const std::map<std::string, ChannelPicture>& channels() const { return channels_; }
+  const std::map<int32_t, CameraPicture>& cameras() const { return cameras_; }
   /// Number of messages of one channel.
   int64_t messages(const std::string& channel) const;
   /// Whether an instance of this program was observed that is not stopping.
   bool Has(const std::string& process) const;
 
  private:
+  void AddFrame(const std::string& channel, std::span<const uint8_t> data, double now);
   void AddStatus(std::span<const uint8_t> data, double now, int64_t utime);
   ProcessPicture* PictureOf(const process_status_t& status);
 
   std::map<std::string, ProcessPicture> processes_;
   std::map<std::string, ChannelPicture> channels_;
+  std::map<int32_t, CameraPicture> cameras_;  // by id
 };
 
 /// Value of a counter in a STATUS; 0 when there is no counter with this name.

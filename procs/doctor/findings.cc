@@ -38,6 +38,7 @@ class Diagnosis {
     FlowOfFrames();
     for (const auto& [name, process] : picture_.processes()) OneProcess(name, process);
     for (const auto& [name, channel] : picture_.channels()) OneChannel(name, channel);
+    for (const auto& [id, camera] : picture_.cameras()) Lag(id, camera);
     SeveralServers();
     return std::move(findings_);
   }
@@ -183,6 +184,19 @@ class Diagnosis {
       Add(name + ": " + FormatCount(channel.gaps, "message") + " of the sequence were not received",
           "find the process that dropped them");
     }
+  }
+
+  void Lag(int32_t id, const CameraPicture& camera) {
+    // A gap between two frames of a recording is no lag.
+    constexpr double kShortest = 1;  // [s]
+    const double lag = camera.Lag(), more = lag - camera.first_lag;
+    if (camera.behind_since < 0 || listening_.now - camera.behind_since < kShortest) return;
+    std::string text = "the map is " + FormatDuration(lag) + " behind camera " + std::to_string(id);
+    if (more > 0.1 * listening_.seconds)
+      text += ", and fell " + FormatDuration(more) + " further behind in " + Observed();
+    Add(text,
+        "the processes are slower than the camera: send fewer frames, or set overload: NEWEST "
+        "in depth_segmenter and map_server, so that they drop the oldest ones");
   }
 
   void SeveralServers() {

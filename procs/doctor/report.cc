@@ -134,6 +134,10 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
   if (!picture.channels().empty()) text += "\n" + ChannelTable(listening, picture);
   std::string rates;
   for (const DetectionRate& rate : DetectionRates(listening, picture)) rates += RateText(rate);
+  for (const auto& [id, camera] : picture.cameras()) {
+    if (camera.newest_frame >= 0 && camera.newest_commit >= 0)
+      rates += Format("The map is %.1f s behind camera %d.\n", camera.Lag(), id);
+  }
   if (!rates.empty()) text += "\n" + rates;
   std::string losses;
   for (const auto& [name, process] : picture.processes()) {
@@ -164,7 +168,7 @@ std::string JsonReport(const Listening& listening, const BusPicture& picture,
                {"healthy", findings.empty()},      {"checks", Json::array()},
                {"processes", Json::array()},       {"channels", Json::array()},
                {"detection_rates", Json::array()}, {"unknown_clients", UnknownClients(picture)},
-               {"findings", Json::array()}};
+               {"cameras", Json::array()},         {"findings", Json::array()}};
   for (const CheckResult& check : listening.checks) {
     json["checks"].push_back({{"what", check.what}, {"ok", check.ok}, {"found", check.found}});
   }
@@ -197,6 +201,10 @@ std::string JsonReport(const Listening& listening, const BusPicture& picture,
     json["detection_rates"].push_back({{"segmenter", rate.segmenter},
                                        {"frames_per_s", rate.frames},
                                        {"with_detector_per_s", rate.with_detector}});
+  }
+  for (const auto& [id, camera] : picture.cameras()) {
+    if (camera.newest_frame >= 0 && camera.newest_commit >= 0)
+      json["cameras"].push_back({{"camera_id", id}, {"lag_s", camera.Lag()}});
   }
   for (const Finding& finding : findings) {
     json["findings"].push_back({{"what", finding.what}, {"todo", finding.todo}});

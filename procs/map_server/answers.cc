@@ -54,7 +54,8 @@ Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& requ
   options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
                                                                        : UnknownPolicy::kAbsent;
   if (request.has_bbx) options.bounds_W = BoxOf(request);
-  Result<OctreeBytes> octree = BuildOctree(ClassifyMap(session.map(), outputs.free_space), options);
+  Result<OctreeBytes> octree = BuildOctree(
+      ClassifyNearParts(session.map(), session.metadata(), outputs.free_space), options);
   if (!octree) return tl::unexpected(octree.error());
   const std::string left_out = octree->left_out.empty() ? "" : "; " + octree->left_out;
   return Answer{std::to_string(octree->nodes) + " nodes" + left_out, "bt",

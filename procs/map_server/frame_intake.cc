@@ -6,12 +6,13 @@ namespace {
 constexpr size_t kMaxSkipped = 100000;
 }  // namespace
 
-void FrameIntake::SetMap(const std::string& map_id) {
-  if (map_id == map_id_) return;
+bool FrameIntake::SetMap(const std::string& map_id) {
+  if (map_id == map_id_) return false;
   map_id_ = map_id;
   order_.Clear();
   skipped_.clear();
   skipped_order_.clear();
+  return true;
 }
 
 void FrameIntake::Add(const segmented_frame_t& message, double now) {

@@ -19,8 +19,8 @@ class FrameIntake {
   explicit FrameIntake(const HoldLimits& limits = {}) : order_(limits) {}
 
   /// Frames go into this map from now on. If it is another map than before, the waiting frames are
-  /// dropped: they waited for frames of the other map.
-  void SetMap(const std::string& map_id);
+  /// dropped: they waited for frames of the other map. Returns whether it is another one.
+  bool SetMap(const std::string& map_id);
   /// Adds a frame at time `now` [s].
   void Add(const segmented_frame_t& message, double now);
   /// The next frame that may be integrated into the map of the session, or nullopt. Call it again

@@ -4,6 +4,7 @@
 
 #include "base/format.h"
 #include "geometry/fill_holes.h"
+#include "map/far_parts.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "wire/segmented_frame.h"
@@ -25,6 +26,9 @@ frame_commit_t CommitOf(const segmented_frame_t& message, const MapSession& sess
 }
 
 constexpr double kTrimPeriod = 0.5;  // [s]
+constexpr double kFarPeriod = 2;     // [s]
+constexpr size_t kNewestKept = 2;    // ready frames that are kept with Overload::kNewest
+constexpr double kToldLag = 2;       // a larger one is a finding [s]
 
 HoldLimits LimitsOf(const MapServerOptions& options) {
   HoldLimits limits;
@@ -39,13 +43,22 @@ FrameMapper::FrameMapper(LiveMap* map, const VismapConfig& config, Bus* bus, Sta
     : map_(*map),
       bus_(*bus),
       status_(*status),
+      overload_(config.map_server.overload),
       limits_(LimitsOf(config.map_server)),
       intake_(limits_),
       check_({config.integration.min_range_m, config.integration.max_range_m}, status) {
   bus_.Subscribe<segmented_frame_t>(
       kSegmentedFrameChannel,
       [this](const segmented_frame_t& message) { return OnFrame(message); });
-  bus_.Every(kTrimPeriod, [this] { DropBeyondLimits(); });
+  bus_.Subscribe<process_status_t>(
+      kStatusChannel,
+      [this](const process_status_t& status) { lag_.Seen(status, MonotonicSeconds()); },
+      Delivery::kUrgent);
+  bus_.Every(kTrimPeriod, [this] {
+    DropBeyondLimits();
+    TellLag();
+  });
+  bus_.Every(kFarPeriod, [this] { TellFarParts(); });
 }
 
 bool FrameMapper::Contains(const FrameKey& frame) const {
@@ -53,15 +66,73 @@ bool FrameMapper::Contains(const FrameKey& frame) const {
 }
 
 Result<void> FrameMapper::OnFrame(const segmented_frame_t& message) {
-  intake_.SetMap(map_.session().metadata().map_id);
+  if (intake_.SetMap(map_.session().metadata().map_id)) {
+    ready_.clear();
+    lag_.Clear();
+  }
   check_.SetMap(map_.session().metadata().map_id);
+  lag_.Seen(KeyOf(message.frame), MonotonicSeconds());
   intake_.Add(message, MonotonicSeconds());
+  CollectReady();
   Result<void> mapped;
-  while (const std::optional<segmented_frame_t> next = intake_.Next(map_.session())) {
-    if (const Result<void> one = MapMessage(*next); !one) mapped = one;
+  while (overload_ == Overload::kLossless && has_ready()) {
+    if (const Result<bool> one = MapNext(); !one) mapped = tl::unexpected(one.error());
   }
   DropBeyondLimits();
   return mapped;
+}
+
+void FrameMapper::CollectReady() {
+  while (std::optional<segmented_frame_t> next = intake_.Next(map_.session()))
+    ready_.push_back(std::move(*next));
+  while (overload_ == Overload::kNewest && ready_.size() > kNewestKept) {
+    status_.Count("frames_dropped");
+    Skip(ready_.front(), "newer frames were ready (map_server.overload is NEWEST)");
+    ready_.pop_front();
+  }
+}
+
+Result<bool> FrameMapper::MapNext() {
+  if (ready_.empty()) return false;
+  const segmented_frame_t message = std::move(ready_.front());
+  ready_.pop_front();
+  const Result<void> mapped = MapMessage(message);
+  lag_.Done(KeyOf(message.frame));
+  CollectReady();  // other frames may have waited for this one
+  if (!mapped) return tl::unexpected(mapped.error());
+  return true;
+}
+
+void FrameMapper::TellLag() {
+  const double data = lag_.DataSeconds(), waited = lag_.WaitSeconds(MonotonicSeconds());
+  status_.SetCounter("lag_ms", static_cast<int64_t>(data * 1e3));
+  status_.SetCounter("lag_wait_ms", static_cast<int64_t>(waited * 1e3));
+  std::optional<std::string> finding;
+  if (data > kToldLag && waited > kToldLag) {
+    finding = "the map is " + FormatDuration(data) +
+              " behind the camera; the oldest frame that is not in it has waited for " +
+              FormatDuration(waited);
+  }
+  status_.SetFinding("lag", finding);
+}
+
+// What is far from the rest is left out of what is made of the whole map.
+void FrameMapper::TellFarParts() {
+  if (map_.session().map().revision == far_parts_revision_) return;
+  far_parts_revision_ = map_.session().map().revision;
+  const FarParts far(map_.session().metadata().trajectory);
+  status_.SetCounter("frames_far_away", far.frames());
+  status_.SetFinding("far", far.Sentence());
+}
+
+std::string FrameMapper::Summary() const {
+  const auto count = [&](const char* counter) { return FormatCount(status_.counter(counter)); };
+  return "integrated " + FormatCount(status_.counter("frames_integrated"), "frame") +
+         "; not integrated: " + count("frames_skipped") +
+         " that could not be used or were dropped, " + count("frames_refused") +
+         " beyond a limit, " + count("held_frames_dropped") + " whose predecessor did not come, " +
+         count("frames_duplicate") + " twice, " +
+         FormatCount(static_cast<int64_t>(intake_.waiting() + ready_.size())) + " still waiting";
 }
 
 void FrameMapper::DropBeyondLimits() {
@@ -107,17 +178,17 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
   }
   const auto [association, delta] = map_.Integrate(frame);
   status_.SetCounter("map_bytes", static_cast<int64_t>(BytesOf(map_.session().map())));
+  if (delta.blocks_left_out > 0) {
+    status_.Count("blocks_left_out", delta.blocks_left_out);
+    status_.SetFinding(
+        "map limit", "the map has reached its limit of " +
+                         std::to_string(map_.session().options().integration.max_map_mb) +
+                         " MB (integration.max_map_mb): new space is left out, what the map has is "
+                         "still updated");
+  }
   if (!delta.refused.empty()) {
     Refuse(message, delta.refused, &commit);
     return commit;
-  }
-  if (delta.blocks_left_out > 0) {
-    status_.Count("blocks_left_out", delta.blocks_left_out);
-    LogWarningRateLimited("map limit",
-                          "the map has reached its limit of " +
-                              std::to_string(map_.session().options().integration.max_map_mb) +
-                              " MB (integration.max_map_mb): new space is left out, what the map "
-                              "has is still updated");
   }
   status_.Count("frames_integrated");
   status_.Count("votes_evicted", delta.votes_evicted);

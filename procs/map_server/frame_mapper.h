@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <string>
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
@@ -9,13 +10,15 @@
 #include "map_server/live_map.h"
 #include "map_server/map_check.h"
 #include "runtime/bus.h"
+#include "runtime/frame_lag.h"
 #include "runtime/status.h"
 
 namespace vismap {
 
 /// Integrates SEGMENTED_FRAMEs into a map, in the order that their source asks for, and answers
-/// each with a MAP_COMMIT. No frame is integrated twice. STATUS has what is suspect about the
-/// frames and which of them were left out (MapCheck).
+/// each with a MAP_COMMIT. No frame is integrated twice. With Overload::kNewest it drops frames
+/// when newer ones are ready. STATUS has how far the map is behind the cameras. STATUS has what is
+/// suspect about the frames and which of them were left out (MapCheck).
 class FrameMapper {
  public:
   /// Subscribes to SEGMENTED_FRAME. All but the config must outlive it.
@@ -23,9 +26,19 @@ class FrameMapper {
   FrameMapper(const FrameMapper&) = delete;
   FrameMapper& operator=(const FrameMapper&) = delete;
 
+  /// Integrates one frame that is ready. Only needed with Overload::kNewest: else frames are
+  /// integrated when they arrive. Returns false when there is none.
+  Result<bool> MapNext();
+  bool has_ready() const { return !ready_.empty(); }
+  /// What became of the frames of this process: one sentence.
+  std::string Summary() const;
+
  private:
   Result<void> OnFrame(const segmented_frame_t& message);
+  void CollectReady();
   void DropBeyondLimits();
+  void TellLag();
+  void TellFarParts();
   Result<void> MapMessage(const segmented_frame_t& message);
   Result<SegmentedFrame> DecodeAndFill(const segmented_frame_t& message) const;
   frame_commit_t MapOrRefuse(const segmented_frame_t& message, const SegmentedFrame& frame);
@@ -39,7 +52,11 @@ class FrameMapper {
   LiveMap& map_;
   Bus& bus_;
   Status& status_;
-  HoldLimits limits_;  // of the frames that wait
+  Overload overload_;
+  std::deque<segmented_frame_t> ready_;  // wait for no other frame
+  FrameLag lag_;
+  int64_t far_parts_revision_ = 0;  // of the map, when they were told last
+  HoldLimits limits_;               // of the frames that wait
   FrameIntake intake_;
   CameraClocks clocks_;
   MapCheck check_;

@@ -31,8 +31,9 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
     LogInfo(*loaded);
   }
   context.status->Set(ProcessState::kReady, map.StatusMessage());
-  context.bus->Run();
+  server.Run();
   context.status->Set(ProcessState::kStopping);
+  LogInfo(server.Summary());
   if (config.map_server.save_on_exit.empty()) return {};
   const Result<std::string> saved = map.SaveAtEnd();
   if (!saved) return ExitWith(ExitCode::kFailed, saved.error().message);

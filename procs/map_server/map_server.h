@@ -19,8 +19,13 @@ class MapServer {
   MapServer(const VismapConfig& config, Bus* bus, Status* status);
 
   LiveMap& map() { return map_; }
+  /// Serves until stop is requested.
+  void Run();
+  /// What became of the frames, see FrameMapper.
+  std::string Summary() const { return frames_.Summary(); }
 
  private:
+  Bus& bus_;
   LiveMap map_;
   FrameMapper frames_;
   MapRequests requests_;

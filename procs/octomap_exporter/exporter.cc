@@ -125,9 +125,8 @@ Result<std::string> Exporter::Export() {
 }
 
 void Exporter::TellLeftOut(const std::string& sentence) {
-  if (!sentence.empty()) LogWarningRateLimited("left out", sentence);
   status_->SetCounter("octree_incomplete", sentence.empty() ? 0 : 1);
-  status_->Set(ProcessState::kRunning, sentence);
+  status_->SetFinding("octree", sentence.empty() ? std::nullopt : std::optional(sentence));
 }
 
 Result<std::string> Exporter::WriteFiles() {

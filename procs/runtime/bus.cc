@@ -244,6 +244,21 @@ bool Bus::HandleWaiting() {
   return any;
 }
 
+std::map<std::string, int64_t> Bus::CountUnhandled(double timeout) {
+  constexpr int kSilenceMs = 20;  // after which nothing more is expected
+  std::map<std::string, int64_t> unhandled;
+  const Transport::Sink sink = [&](const std::string& channel, std::span<const uint8_t>) {
+    if (counters_.contains(channel)) ++unhandled[channel];
+  };
+  const double end = MonotonicSeconds() + timeout;
+  while (transport_ != nullptr && MonotonicSeconds() < end) {
+    if (transport_->Receive(sink)) continue;
+    pollfd waiting{connected() ? transport_->fd() : -1, POLLIN, 0};
+    if (poll(&waiting, 1, kSilenceMs) != 1) break;
+  }
+  return unhandled;
+}
+
 void Bus::DeliverNewest() {
   for (size_t i = 0; i < routes_.size(); ++i) {
     if (!routes_[i]->has_newest) continue;

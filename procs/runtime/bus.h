@@ -91,6 +91,10 @@ class Bus {
   /// every 0.1 s. Returns false when stop was requested.
   bool Run(const std::function<bool()>& finished = [] { return false; });
 
+  /// Receives what is still on its way, for at most `timeout` [s], and handles none of it. Returns
+  /// how many messages of each channel there were. For the end of a process.
+  std::map<std::string, int64_t> CountUnhandled(double timeout);
+
   bool stop_requested() const { return options_.stop != nullptr && options_.stop->requested(); }
   bool connected() const;
   /// Number of connections to the hub: 2 with channels that are urgent, else 1.

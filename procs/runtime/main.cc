@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/format.h"
 #include "runtime/version.h"
 
 namespace vismap {
@@ -76,6 +77,18 @@ int Report(const Outcome& outcome) {
   return static_cast<int>(outcome.error().code);
 }
 
+// A frame that had arrived and was not handled would otherwise be lost without a word.
+void TellUnhandled(Bus* bus) {
+  constexpr double kTimeout = 0.5;  // [s]
+  for (const auto& [channel, count] : bus->CountUnhandled(kTimeout)) {
+    if (channel != kRgbdFrameChannel.name && channel != kSegmentedFrameChannel.name &&
+        channel != kDetectionsChannel.name)
+      continue;
+    LogWarning("stopped before " + FormatCount(count, "message") + " of " + channel +
+               " that had arrived " + (count == 1 ? "was" : "were") + " handled");
+  }
+}
+
 Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSignal* stop,
                  ServiceManager* service) {
   service->SetStatus("starting: connecting to the bus at " + options.lcm_url);
@@ -87,6 +100,7 @@ Outcome RunOnBus(const ProcessSpec& spec, const CommonOptions& options, StopSign
   Status status(bus->get(), spec.name, service);
   ProcessContext context{options, *stop, *service, bus->get(), &status};
   const Outcome outcome = spec.run(context);
+  TellUnhandled(bus->get());
   status.Set(ProcessState::kStopping, outcome ? "" : outcome.error().message);
   return outcome;
 }

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <fstream>
+
 #include "base/printable.h"
 #include "runtime/clock.h"
 #include "runtime/version.h"
@@ -18,7 +20,15 @@ process_status_t MakeStatus(const std::string& process, int64_t start_utime) {
   message.start_utime = start_utime;
   message.version = Version();
   message.types_fingerprint = TypesFingerprint();
+  AddCounter(&message, "memory_bytes", ResidentBytes());
   return message;
+}
+
+int64_t ResidentBytes() {
+  int64_t all = 0, resident = 0;
+  std::ifstream file("/proc/self/statm");  // in pages
+  file >> all >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
 }
 
 void AddCounter(process_status_t* message, const std::string& name, int64_t value) {

@@ -11,6 +11,7 @@
 #include "base/reason_counts.h"
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
+#include "runtime/frame_lag.h"
 #include "runtime/peers.h"
 #include "runtime/progress.h"
 #include "sensor_replay/later_times.h"
@@ -28,6 +29,7 @@ std::string Join(const std::vector<std::string>& words) {
   return text;
 }
 
+constexpr size_t kMaxSent = 100'000;
 constexpr int64_t kLongestRound = int64_t{1}
                                   << 60;  // bounds the shift of utimes, against overflow [us]
 
@@ -114,6 +116,7 @@ class Player {
         status_(*context->status),
         peers_(context->bus),
         contents_(context->bus, &peers_),
+        newest_times_(context->status),
         progress_("frames of " + dataset.name(),
                   bounds.loop ? 0 : static_cast<int64_t>(dataset.size())) {
     status_.SetCounter("frames_in_sequence", static_cast<int64_t>(dataset.size()));
@@ -206,12 +209,18 @@ class Player {
       return false;
     }
     message->after_utime = after_utime;
+    newest_times_.Saw(KeyOf(*message));
     const bool sent = bus_.Publish(kRgbdFrameChannel, std::move(*message));
     status_.Count(sent ? "frames_sent" : "frames_unsent");
     return true;
   }
 
   Outcome PlayInRealTime() {
+    bus_.Subscribe<frame_commit_t>(kMapCommitChannel, [this](const frame_commit_t& commit) {
+      if (sent_.erase(KeyOf(commit)) == 0) return;
+      status_.Count("frames_committed");
+      if (commit.status == frame_commit_t::STATUS_SKIPPED) status_.Count("frames_not_integrated");
+    });
     for (size_t i = 0; frames_.Has(i); ++i) {
       const double due = options_.speed > 0
                              ? started_ + static_cast<double>(frames_.utime(i) - frames_.utime(0)) *
@@ -222,7 +231,8 @@ class Player {
       }
       if (bus_.stop_requested()) return {};
       if (due > 0) worst_delay_ = std::max(worst_delay_, MonotonicSeconds() - due);
-      if (!frames_.IsLeftOut(i)) Send(i, -1);
+      if (!frames_.IsLeftOut(i) && Send(i, -1) && sent_.size() < kMaxSent)
+        sent_.insert(frames_.key(i));
       progress_.Show(static_cast<int64_t>(i) + 1);
     }
     return {};
@@ -342,7 +352,10 @@ class Player {
                        FormatCount(status_.counter("frames_committed") - skipped - before) +
                        ", skipped " + FormatCount(skipped) + " and had " + FormatCount(before) +
                        " before"
-                 : ", at most " + FormatDuration(worst_delay_) + " late"));
+                 : ", at most " + FormatDuration(worst_delay_) +
+                       " late; so far the map server integrated " +
+                       FormatCount(status_.counter("frames_committed") - skipped) +
+                       " and skipped " + FormatCount(skipped)));
   }
 
   Frames frames_;
@@ -352,6 +365,8 @@ class Player {
   Status& status_;
   Peers peers_;
   MapContents contents_;
+  NewestTimes newest_times_;
+  std::set<FrameKey> sent_;  // in real time: frames without a commit, at most kMaxSent
   Progress progress_;
   std::set<FrameKey> resent_;
   double started_ = 0;

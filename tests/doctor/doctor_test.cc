@@ -6,15 +6,18 @@
 #include <utility>
 #include <vector>
 #include <vismap/detections_t.hpp>
+#include <vismap/frame_commit_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 
 #include "doctor/findings.h"
 #include "doctor/report.h"
 #include "runtime/version.h"
+#include "support/messages.h"
 #include "wire/channel_types.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
 #include "wire/fingerprint.h"
+#include "wire/rgbd_frame.h"
 
 namespace vismap {
 namespace {
@@ -24,6 +27,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr int64_t kUtime = 1'700'000'000'000'000;
 
@@ -271,6 +275,39 @@ TEST(Doctor, ReportContainsNoControlCharactersFromTheBus) {
       nlohmann::json::parse(JsonReport(scene.listening, scene.picture, findings), nullptr, false);
   EXPECT_TRUE(json.is_object());
   EXPECT_FALSE(json["healthy"].get<bool>());
+}
+
+TEST(Doctor, TellsHowFarTheMapIsBehindTheCamera) {
+  Scene scene;
+  scene.FullPipeline();
+  rgbd_frame_t frame = Encode(SmallSensorFrame(0, 3));
+  frame_commit_t commit{};
+  commit.camera_id = 3;
+  for (int second = 0; second < 5; ++second) {
+    frame.utime = kUtime + second * 1'000'000;
+    scene.Receives(kRgbdFrameChannel.name, Pack(frame), second);
+    commit.utime = kUtime - 60'000'000 + second * 200'000;
+    scene.Receives(kMapCommitChannel.name, Pack(commit), second);
+  }
+  EXPECT_THAT(scene.Findings(),
+              Contains(AllOf(HasSubstr("the map is 63 s behind camera 3"),
+                             HasSubstr("further behind in 5 s"), HasSubstr("overload: NEWEST"))));
+  EXPECT_THAT(TextReport(scene.listening, scene.picture, {}),
+              HasSubstr("The map is 63.2 s behind camera 3"));
+}
+
+TEST(Doctor, AGapBetweenTwoFramesIsNoLag) {
+  Scene scene;
+  scene.FullPipeline();
+  rgbd_frame_t frame = Encode(SmallSensorFrame(0, 3));
+  frame_commit_t commit{};
+  commit.camera_id = 3;
+  for (int second = 0; second < 5; ++second) {
+    frame.utime = commit.utime = kUtime + second * 10'000'000;
+    scene.Receives(kRgbdFrameChannel.name, Pack(frame), second);
+    scene.Receives(kMapCommitChannel.name, Pack(commit), second);
+  }
+  EXPECT_THAT(scene.Findings(), Not(Contains(HasSubstr("behind camera"))));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "map_server/frame_lag.h"
+#include "runtime/frame_lag.h"
 
 #include <gtest/gtest.h>
 

@@ -4,10 +4,12 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vismap/process_status_t.hpp>
 
+#include "runtime/status.h"
 #include "wire/frame_key.h"
 
 namespace vismap {
@@ -50,6 +52,19 @@ class FrameLag {
 
   std::map<CameraId, Camera> cameras_;
   std::map<std::pair<std::string, CameraId>, int64_t> told_;  // by process: its newest frame [us]
+};
+
+/// Tells in STATUS the time of the newest frame of each camera that a process has seen, for
+/// FrameLag.
+class NewestTimes {
+ public:
+  /// `status` must outlive it.
+  explicit NewestTimes(Status* status) : status_(status) {}
+  void Saw(const FrameKey& frame);
+
+ private:
+  Status* status_;
+  std::set<CameraId> cameras_;  // at most 32
 };
 
 }  // namespace vismap

@@ -1,4 +1,4 @@
-#include "map_server/frame_lag.h"
+#include "runtime/frame_lag.h"
 
 #include <algorithm>
 #include <charconv>
@@ -79,6 +79,12 @@ double FrameLag::WaitSeconds(double now) const {
     if (!camera.open.empty()) most = std::max(most, now - camera.open.front().second);
   }
   return most;
+}
+
+void NewestTimes::Saw(const FrameKey& frame) {
+  if (cameras_.size() >= kMaxCameras && !cameras_.contains(frame.camera_id)) return;
+  cameras_.insert(frame.camera_id);
+  status_->SetCounter(kNewestUtimeCounter + std::to_string(Raw(frame.camera_id)), frame.utime);
 }
 
 }  // namespace vismap
