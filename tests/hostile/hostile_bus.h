@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -27,6 +28,14 @@ inline int64_t ProcessMegabytes(pid_t pid, const std::string& field = "VmHWM:") 
     if (word == field && file >> kilobytes) return kilobytes / 1024;
   }
   return -1;
+}
+
+/// Expects that a process has never had more memory, and prints how much it had.
+inline void ExpectPeakBelow(int64_t megabytes, const std::string& name, pid_t pid) {
+  const int64_t peak = ProcessMegabytes(pid);
+  std::printf("peak memory of %s: %lld MB, at most %lld MB allowed\n", name.c_str(),
+              static_cast<long long>(peak), static_cast<long long>(megabytes));
+  EXPECT_LT(peak, megabytes);
 }
 
 /// Processes on a bus of their own, and what a test needs to attack them.

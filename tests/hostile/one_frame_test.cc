@@ -59,8 +59,8 @@ TEST_F(OneFrame, OfAnImpossibleCameraOrPoseIsRejectedAtOnce) {
            Counter("map-server", "SEGMENTED_FRAME.rejected") == count;
   }));
   EXPECT_LT(MonotonicSeconds() - start, 20);
-  EXPECT_LT(ProcessMegabytes(server->pid()), 200);
-  EXPECT_LT(ProcessMegabytes(segmenter->pid()), 200);
+  ExpectPeakBelow(200, "map-server", server->pid());
+  ExpectPeakBelow(200, "depth-segmenter", segmenter->pid());
   EXPECT_EQ(Commits(frame_commit_t::STATUS_SKIPPED), count);
   EXPECT_THAT(commits_.front().reason, HasSubstr("75 degrees from its optical axis"));
   EXPECT_THAT(segmenter->StandardError(), HasSubstr("75 degrees from its optical axis"));
@@ -79,7 +79,7 @@ TEST_F(OneFrame, OfNoiseIsBoundedInTimeAndMemory) {
   EXPECT_LT(MonotonicSeconds() - start, 20);
   EXPECT_EQ(commits_[0].status, frame_commit_t::STATUS_SKIPPED);
   EXPECT_THAT(commits_[0].reason, HasSubstr("more than 20000 blocks"));
-  EXPECT_LT(ProcessMegabytes(server->pid()), 400);
+  ExpectPeakBelow(400, "map-server", server->pid());
 }
 
 TEST_F(OneFrame, ThatRunsAwayAgainAndAgainDoesNotFillTheMemory) {
@@ -94,7 +94,7 @@ TEST_F(OneFrame, ThatRunsAwayAgainAndAgainDoesNotFillTheMemory) {
   SpinFor(1.2);
   EXPECT_GT(Counter("map-server", "frames_refused"), 50);
   EXPECT_LE(Counter("map-server", "map_bytes"), 100 << 20);
-  EXPECT_LT(ProcessMegabytes(server->pid()), 500);
+  ExpectPeakBelow(500, "map-server", server->pid());
   bus().Publish(kSegmentedFrameChannel, Segmented(Wall(500)));
   EXPECT_TRUE(SpinUntil([&] { return commits_.size() == kFrames + 1; }));
   EXPECT_EQ(commits_.back().status, frame_commit_t::STATUS_INTEGRATED) << "the map knows this wall";

@@ -31,7 +31,7 @@ TEST_F(Waiting, FramesWhosePredecessorsNeverComeTakeNoRoomFromOthers) {
   ASSERT_TRUE(SpinUntil([&] { return Commits(frame_commit_t::STATUS_INTEGRATED) == 10; }));
   ASSERT_TRUE(SpinUntil([&] { return Counter("map-server", "held_frames_dropped") == 2000; }));
   EXPECT_EQ(Counter("map-server", "frames_held"), 0);
-  EXPECT_LT(ProcessMegabytes(server->pid()), 200);
+  ExpectPeakBelow(200, "map-server", server->pid());
   EXPECT_THAT(server->StandardError(), HasSubstr("the frame before did not come within 2 s"));
 }
 
@@ -60,7 +60,7 @@ TEST_F(Waiting, LargeFramesAndDetectionsThatFindNoPartnerAreBoundedInBytes) {
   ASSERT_TRUE(SpinUntil([&] { return Counter("depth-segmenter", "frames_dropped") > 80; }));
   ASSERT_TRUE(SpinUntil([&] { return Counter("depth-segmenter", "detections_dropped") > 80; }));
   EXPECT_LE(Counter("depth-segmenter", "waiting_bytes"), 16 << 20);
-  EXPECT_LT(ProcessMegabytes(segmenter->pid()), 300);
+  ExpectPeakBelow(300, "depth-segmenter", segmenter->pid());
 }
 
 /// A snapshot of 65536 blocks of which every one needs a place of its own; it takes few bytes.
@@ -99,11 +99,11 @@ TEST_F(Waiting, HalfUpdatesDoNotFillTheMemoryOfTheExporter) {
   ASSERT_TRUE(
       SpinUntil([&] { return Counter("octomap-exporter", "MAP_DELTA.received") == 10'300; }));
   EXPECT_GT(Counter("octomap-exporter", "updates_too_large"), 5);
-  EXPECT_LT(ProcessMegabytes(exporter->pid()), 400);
+  ExpectPeakBelow(400, "octomap-exporter", exporter->pid());
   bus().Publish(kMapDeltaChannel, ScatteredBlocks(0, 1, 20'000));  // complete, but too large
   ASSERT_TRUE(SpinUntil(
       [&] { return status_["octomap-exporter"].message.find("max_map_mb") != std::string::npos; }));
-  EXPECT_LT(ProcessMegabytes(exporter->pid()), 400);
+  ExpectPeakBelow(400, "octomap-exporter", exporter->pid());
 }
 
 }  // namespace
