@@ -73,8 +73,8 @@ void RemovePoints(const FarParts& far, Mesh* mesh) {
   for (auto& triangle : mesh->triangles) {
     for (uint32_t& corner : triangle) corner = new_index[corner];
   }
-  std::erase_if(mesh->triangles, [](const auto& triangle) {
-    return std::find(triangle.begin(), triangle.end(), kRemoved) != triangle.end();
+  std::erase_if(mesh->triangles, [](const std::array<uint32_t, 3>& triangle) {
+    return std::count(triangle.begin(), triangle.end(), uint32_t{UINT32_MAX}) > 0;
   });
 }
 

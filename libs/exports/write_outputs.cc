@@ -32,8 +32,9 @@ class Outputs {
   std::string problems_;
 };
 
-Result<void> WriteOneOctree(const SemanticMap& map, const OutputOptions& options,
-                            UnknownPolicy unknown, const fs::path& file) {
+Result<void> WriteOneOctree(const SemanticMap& map, const MapMetadata& metadata,
+                            const OutputOptions& options, UnknownPolicy unknown,
+                            const fs::path& file) {
   const Result<OctreeBytes> octree = MakeOctree(map, metadata, options, unknown);
   if (!octree) return tl::unexpected(octree.error());
   return WriteOctree(file, *octree);
@@ -76,7 +77,7 @@ Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadat
   if (!objects) outputs.Check(folder / "objects", tl::unexpected(objects.error()));
   for (const auto& [name, unknown] : {std::pair{"octree.bt", UnknownPolicy::kAbsent},
                                       std::pair{"octree.closed.bt", UnknownPolicy::kOccupied}})
-    outputs.Check(folder / name, WriteOneOctree(map, options, unknown, folder / name));
+    outputs.Check(folder / name, WriteOneOctree(map, metadata, options, unknown, folder / name));
   outputs.Check(folder / "map.png", WritePicture(metadata, products, folder / "map.png"));
   if (!outputs.problems().empty()) return Fail(outputs.problems());
   return saved;

@@ -151,8 +151,7 @@ std::optional<std::string> UnusedDetections(const Arguments& arguments, const Ru
 }
 
 // What is suspect about a sequence and its map, with the likely causes.
-std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run,
-                                    const MapSession& session, const Mesh& mesh) {
+std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run, const Mesh& mesh) {
   std::vector<std::string> findings = run.check.Findings();
   if (mesh.triangles.empty()) findings.emplace_back("the map has no surface");
   const MappedSequence& mapped = run.mapped;
@@ -160,11 +159,12 @@ std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run,
     findings.push_back(LeftOutText(left_out, run.frames()));
   if (mapped.blocks_left_out > 0) {
     findings.push_back("the map has reached its limit of " +
-                       std::to_string(session.options().integration.max_map_mb) +
+                       std::to_string(arguments.config.integration.max_map_mb) +
                        " MB (integration.max_map_mb): " + std::to_string(mapped.blocks_left_out) +
                        " new blocks were left out");
   }
-  if (const auto far = FarParts(session.metadata().trajectory).Sentence()) findings.push_back(*far);
+  if (const auto far = FarParts(run.session.metadata().trajectory).Sentence())
+    findings.push_back(*far);
   const std::string of_frames =
       " of " + std::to_string(mapped.frames) + " frames are mapped without ";
   if (mapped.without_color.total() > 0) {
@@ -245,7 +245,7 @@ Outcome WriteResults(const Arguments& arguments, Run* run) {
   run->times.Add("products", (MonotonicSeconds() - start) * 1e3);
   const auto written =
       WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
-  std::vector<std::string> findings = FindingsOf(arguments, *run, session, products.mesh);
+  std::vector<std::string> findings = FindingsOf(arguments, *run, products.mesh);
   if (!written) findings.push_back(written.error().message);
   const auto reported = WriteReport(arguments, *run, products.objects, findings);
   Summarise(arguments, session, products, run->times);
