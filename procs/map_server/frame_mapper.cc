@@ -52,7 +52,7 @@ FrameMapper::FrameMapper(LiveMap* map, const VismapConfig& config, Bus* bus, Sta
       [this](const segmented_frame_t& message) { return OnFrame(message); });
   bus_.Subscribe<process_status_t>(
       kStatusChannel,
-      [this](const process_status_t& status) { lag_.Seen(status, MonotonicSeconds()); },
+      [this](const process_status_t& told) { lag_.Seen(told, MonotonicSeconds()); },
       Delivery::kUrgent);
   bus_.Every(kTrimPeriod, [this] {
     DropBeyondLimits();
