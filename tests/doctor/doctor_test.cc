@@ -290,7 +290,7 @@ TEST(Doctor, TellsHowFarTheMapIsBehindTheCamera) {
     scene.Receives(kMapCommitChannel.name, Pack(commit), second);
   }
   EXPECT_THAT(scene.Findings(),
-              Contains(AllOf(HasSubstr("the map is 63 s behind camera 3"),
+              Contains(AllOf(HasSubstr("the map is 63.2 s behind camera 3"),
                              HasSubstr("further behind in 5 s"), HasSubstr("overload: NEWEST"))));
   EXPECT_THAT(TextReport(scene.listening, scene.picture, {}),
               HasSubstr("The map is 63.2 s behind camera 3"));
