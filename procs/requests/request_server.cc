@@ -90,6 +90,7 @@ Result<void> RequestServer::OnRequest(const map_request_t& request) {
 void RequestServer::ServeNextIfDue() {
   const double start = MonotonicSeconds();
   if (waiting_.size() > 0 && (start >= next_due_ || bus_->SecondsWithoutWork() > kIdle)) {
+    const StageTimer timer(status_, "requests");
     Serve(*waiting_.Next());
     const double end = MonotonicSeconds();
     next_due_ = end + kPausePerSecond * (end - start);
