@@ -229,9 +229,10 @@ TEST_F(ServerOnABus, CarriesOutTheVerbsThatReadTheMap) {
 
 TEST_F(ServerOnABus, RefusesWhatItCannotDo) {
   Start();
-  EXPECT_THAT(Ask("fly").message,
-              HasSubstr("known are frames, load, mesh, objects, octree, reset, save, snapshot, "
-                        "statistics"));
+  EXPECT_THAT(
+      Ask("fly").message,
+      HasSubstr("known are frames, load, map, mesh, objects, octree, reset, save, snapshot, "
+                "statistics"));
   EXPECT_THAT(Ask("save").message, HasSubstr("no name given to save the map as"));
   EXPECT_THAT(Ask("load").message, HasSubstr("expected the name of a map"));
   EXPECT_THAT(Ask("mesh", "x").message, HasSubstr("argument of mesh"));
