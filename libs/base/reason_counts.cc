@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-constexpr size_t kMaxReasons = 50, kMaxShown = 5;
+constexpr size_t kMaxReasons = 50, kMaxShownReasons = 5;
 constexpr size_t kMaxLength = 400;  // characters of a reason
 
 std::string WithoutNumbers(const std::string& reason) {
@@ -44,7 +44,7 @@ ReasonCounts::Reason ReasonCounts::MostFrequent() const {
 std::string ReasonCounts::Text() const {
   std::vector<const Reason*> sorted = Sorted();
   int64_t shown = 0;
-  if (sorted.size() > kMaxShown) sorted.resize(kMaxShown);
+  if (sorted.size() > kMaxShownReasons) sorted.resize(kMaxShownReasons);
   std::string text;
   for (const Reason* reason : sorted) {
     text += (text.empty() ? "" : "; ") + std::to_string(reason->count) + " x " + reason->example;
