@@ -5,7 +5,8 @@ option(VISMAP_FAST_BUILD "Precompiled headers, and the sources of a room compile
 # vismap_cold(TARGET): little time is spent in this code: reading options and files, waiting for messages. With -O1, GCC
 # needs two thirds of the time for it. Results do not depend on the level of optimisation.
 function(vismap_cold TARGET)
-  target_compile_options(${TARGET} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # GCC 12 with -O1 takes temporary objects for uninitialized.
+  target_compile_options(${TARGET} PRIVATE $<$<CONFIG:Release>:-O1> -Wno-uninitialized -Wno-maybe-uninitialized)
 endfunction()
 
 # vismap_pch(NAME [COLD] LINK libraries...): the target vismap_pch_NAME, which compiles scripts/cmake/pch/NAME.h. GCC
