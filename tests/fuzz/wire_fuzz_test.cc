@@ -144,6 +144,9 @@ rgbd_frame_t BlackFrame(int width, int height) {
   SensorFrame frame = SmallSensorFrame();
   frame.header.camera.width = width;
   frame.header.camera.height = height;
+  frame.header.camera.fx = frame.header.camera.fy = width;
+  frame.header.camera.cx = width / 2.0;
+  frame.header.camera.cy = height / 2.0;
   frame.color_jpeg.clear();
   frame.depth = Image<uint16_t>(width, height);
   rgbd_frame_t message = Encode(frame);
