@@ -43,7 +43,7 @@ struct RayScore {
   CellShares free;     ///< at the samples before the surface
   CellShares surface;  ///< at the measured surface
 };
-/// Samples the depth images of a sequence. Fails if a frame cannot be read.
+/// Samples the depth images of a sequence. Frames that cannot be read are left out.
 Result<RayScore> ScoreRays(const OccupancyMap& map, const Dataset& dataset,
                            const RayOptions& options);
 
