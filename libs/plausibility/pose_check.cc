@@ -8,6 +8,8 @@
 namespace vismap {
 namespace {
 
+// Fewer frames may be far from each other for a good reason.
+constexpr size_t kManyFrames = 20;
 constexpr size_t kMaxSamples = 24;       // 276 pairs
 constexpr size_t kMinFrames = 4;         // fewer are no sequence
 constexpr double kMostFrames = 0.5;      // more contradicting frames than this are reported
@@ -99,7 +101,7 @@ std::optional<std::string> PoseCheck::Finding() const {
            "space; " +
            explained;
   }
-  if (found.in_common < kLeastInCommon) {
+  if (found.in_common < kLeastInCommon && (!causes.empty() || frames_ >= kManyFrames)) {
     return "successive frames have only " + FormatPercent(found.in_common) +
            " of their surface in common; " + explained;
   }

@@ -55,6 +55,13 @@ Result<ChannelPatterns> CriticalOf(const HubOptions& options) {
   return names;
 }
 
+// Requests, answers and commits are for those who are there: who subscribes later would take them
+// for answers to what it has sent itself.
+bool IsForLateReaders(const std::string& channel) {
+  return channel != kMapRequestChannel.name && channel != kMapReplyChannel.name &&
+         channel != kMapCommitChannel.name;
+}
+
 }  // namespace
 
 void NamedCounts::Add(const std::string& name) {
@@ -269,7 +276,8 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
   RoutedMessage message = RouteMessage(record, &policies_);
   // A program that uses the name of another one does not replace the waiting messages of that one.
   if (sender != nullptr) message.source += "\n" + std::to_string(sender->number);
-  if (sender != nullptr) backlog_.Keep(message, sender->shared_from_this(), MonotonicSeconds());
+  if (sender != nullptr && IsForLateReaders(record.name))
+    backlog_.Keep(message, sender->shared_from_this(), MonotonicSeconds());
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
     // A client does not wait for itself, the hub (no sender) never waits, and no client waits

@@ -31,13 +31,13 @@ struct Mapped {
 /// Maps `frames` frames of a computed sequence, and computes mesh and objects. `detections` =
 /// nullptr: those of the sequence.
 inline void Continue(const std::string& name, const DetectionSource* detections, size_t frames,
-                     Mapped* mapped) {
+                     Mapped* mapped, const SegmentationStageOptions& stage = {}) {
   const auto dataset = OpenSequence(name, "", {});
   const auto own = OpenDetections(name);
   if (!dataset || !own) throw std::runtime_error("the sequence can be opened");
   StageTimes times;
   const auto proceed = [&](size_t done) { return done < frames; };
-  const auto done = MapSequence({**dataset, detections != nullptr ? detections : own->get()}, {},
+  const auto done = MapSequence({**dataset, detections != nullptr ? detections : own->get()}, stage,
                                 proceed, &mapped->session, &times);
   if (!done) throw std::runtime_error(done.error().message);
   mapped->products = MakeProducts(mapped->session.map(), mapped->session.metadata(), {});
