@@ -9,7 +9,7 @@ namespace vismap {
 namespace {
 
 // Fewer frames may be far from each other for a good reason.
-constexpr size_t kManyFrames = 20;
+constexpr size_t kManyFrames = 6;
 constexpr size_t kMaxSamples = 24;       // 276 pairs
 constexpr size_t kMinFrames = 4;         // fewer are no sequence
 constexpr double kMostFrames = 0.5;      // more contradicting frames than this are reported
