@@ -382,6 +382,7 @@ void Hub::PublishStatus() {
   AddCounter(&message, "received_bytes", counters_.received_bytes);
   AddCounter(&message, "delivered", counters_.delivered);
   AddCounter(&message, "delivered_late", counters_.delivered_late);
+  AddCounter(&message, "backlog_left_out", backlog_.dropped());
   AddCounter(&message, "dropped", counters_.dropped);
   AddCounter(&message, "held_back", counters_.held_back);
   AddCounter(&message, "held_back_ms", counters_.held_back_ms);
