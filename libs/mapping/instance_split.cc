@@ -84,10 +84,14 @@ InstanceId InstanceFor(const std::vector<SegmentLabel>& side, InstanceId from, L
   return best;
 }
 
-InstanceSplit Split(InstanceId instance, SegmentLabel a, SegmentLabel b, LabelTable* labels) {
-  std::vector<SegmentLabel> others = LabelsOf(instance, *labels);
+Sides DivideLabelsOf(InstanceId instance, SegmentLabel a, SegmentLabel b,
+                     const LabelTable& labels) {
+  std::vector<SegmentLabel> others = LabelsOf(instance, labels);
   std::erase_if(others, [&](SegmentLabel label) { return label == a || label == b; });
-  const Sides sides = Divide(a, b, std::move(others), labels->bonds());
+  return Divide(a, b, std::move(others), labels.bonds());
+}
+
+InstanceSplit Split(InstanceId instance, const Sides& sides, LabelTable* labels) {
   const bool first_leaves =
       Amount(sides.first, instance, *labels) < Amount(sides.second, instance, *labels);
   const std::vector<SegmentLabel>& leaving = first_leaves ? sides.first : sides.second;
@@ -100,6 +104,32 @@ InstanceSplit Split(InstanceId instance, SegmentLabel a, SegmentLabel b, LabelTa
   return {instance, to};
 }
 
+// The two labels of the instance with the lowest bond, ties to the lower labels.
+MaskBonds::Pair LeastBound(InstanceId instance, const LabelTable& labels) {
+  MaskBonds::Pair least;
+  float lowest = MaskBonds::kMost;
+  for (const auto& [pair, bond] : labels.bonds().pairs()) {
+    if (bond >= lowest || labels.Read(pair.first).instance != instance ||
+        labels.Read(pair.second).instance != instance)
+      continue;
+    lowest = bond;
+    least = pair;
+  }
+  return least;
+}
+
+// The sides of an instance, all of whose labels together show two objects, though no two of them
+// have been under different masks in enough frames. Each side has labels then, else none has.
+Sides DivideByAllBonds(InstanceId instance, double split_frames, const LabelTable& labels) {
+  const auto [a, b] = LeastBound(instance, labels);
+  if (labels.bonds().Between(a, b) > -split_frames / 2) return {};
+  Sides sides = DivideLabelsOf(instance, a, b, labels);
+  float between = 0;
+  for (const SegmentLabel label : sides.first)
+    between += BondTo(sides.second, label, labels.bonds());
+  return between <= -split_frames ? sides : Sides{};
+}
+
 }  // namespace
 
 std::vector<InstanceSplit> SplitInstances(std::span<const MaskedLabel> seen, double split_frames,
@@ -107,14 +137,20 @@ std::vector<InstanceSplit> SplitInstances(std::span<const MaskedLabel> seen, dou
   labels->MutableBonds().AddFrame(seen);
   std::vector<InstanceSplit> splits;
   if (split_frames <= 0) return splits;
+  std::set<InstanceId> examined;
   for (size_t i = 0; i < seen.size(); ++i) {
     for (size_t j = i + 1; j < seen.size(); ++j) {
       if (seen[i].detection == seen[j].detection) continue;
       const auto [a, b] = std::minmax(seen[i].label, seen[j].label);
-      if (labels->bonds().Between(a, b) > -split_frames) continue;
       const InstanceId instance = labels->Read(a).instance;
       if (instance == InstanceId::kNone || labels->Read(b).instance != instance) continue;
-      splits.push_back(Split(instance, a, b, labels));
+      Sides sides;
+      if (labels->bonds().Between(a, b) <= -split_frames) {
+        sides = DivideLabelsOf(instance, a, b, *labels);
+      } else if (examined.insert(instance).second) {
+        sides = DivideByAllBonds(instance, split_frames, *labels);
+      }
+      if (!sides.first.empty()) splits.push_back(Split(instance, sides, labels));
     }
   }
   return splits;

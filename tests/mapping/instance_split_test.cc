@@ -76,7 +76,7 @@ TEST(SplitInstances, GivesWhatMasksKeepApartAnIdOfItsOwnWithItsEvidence) {
     splits = SplitInstances(kTwoMasks, 2, &table);
     ++frames;
   }
-  EXPECT_EQ(frames, 7);
+  EXPECT_EQ(frames, 6);
   EXPECT_THAT(splits, ElementsAre(InstanceSplit{kGlued, InstanceId{2}}));
   EXPECT_EQ(table.Read(kSeat).instance, kGlued) << "more of it is here";
   EXPECT_EQ(table.Read(kBack).instance, kGlued);
@@ -86,6 +86,35 @@ TEST(SplitInstances, GivesWhatMasksKeepApartAnIdOfItsOwnWithItsEvidence) {
   EXPECT_EQ(table.Record(kOtherSeat).instance_evidence.at(InstanceId{2}), 20);
   EXPECT_EQ(table.next_instance(), InstanceId{3});
   EXPECT_THAT(SplitInstances(kTwoMasks, 2, &table), IsEmpty());
+}
+
+/// One label of each object, under masks of their own.
+std::vector<MaskedLabel> Pair(SegmentLabel one, SegmentLabel other) {
+  return {{one, kMaskA, 1.F}, {other, kMaskB, 1.F}};
+}
+
+TEST(SplitInstances, BondsOfAllLabelsCountTogetherWhenNoneIsLowEnough) {
+  LabelTable table = GluedChairs();
+  SplitInstances(kOneMask, 2, &table);
+  const std::vector<std::vector<MaskedLabel>> frames{
+      Pair(kSeat, kOtherBack), Pair(kSeat, kOtherBack), Pair(kBack, kOtherSeat),
+      Pair(kBack, kOtherSeat), Pair(kSeat, kOtherSeat)};
+  for (const auto& frame : frames) EXPECT_THAT(SplitInstances(frame, 2, &table), IsEmpty());
+  EXPECT_THAT(SplitInstances(Pair(kBack, kOtherBack), 2, &table),
+              ElementsAre(InstanceSplit{kGlued, InstanceId{2}}));
+  EXPECT_EQ(table.bonds().Between(kSeat, kOtherBack), -1) << "the lowest bond";
+  EXPECT_EQ(table.Read(kBack).instance, kGlued);
+  EXPECT_EQ(table.Read(kOtherSeat).instance, InstanceId{2});
+  EXPECT_EQ(table.Read(kOtherBack).instance, InstanceId{2});
+}
+
+TEST(SplitInstances, ManySlightlyLooseBondsDoNotSplit) {
+  LabelTable table = GluedChairs();
+  SplitInstances(kOneMask, 2, &table);
+  std::vector<MaskedLabel> loosening = kTwoMasks;
+  for (MaskedLabel& label : loosening) label.evidence = 0.6F;
+  for (int i = 0; i < 3; ++i) EXPECT_THAT(SplitInstances(loosening, 2, &table), IsEmpty());
+  EXPECT_LT(4 * table.bonds().Between(kSeat, kOtherSeat), -2) << "though together they are low";
 }
 
 TEST(SplitInstances, TakesTheIdThatMasksHaveGivenAlreadyUnlessItIsAnothers) {
