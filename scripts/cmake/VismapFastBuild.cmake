@@ -36,7 +36,8 @@ function(vismap_use_pch TARGET PCH)
   endif()
 endfunction()
 
-# vismap_compile_together(TARGET): the sources of the target are compiled sixteen at a time.
+# vismap_compile_together(TARGET): the sources of the target are compiled sixteen at a time. What they keep to themselves
+# in an unnamed namespace must not have one name in two of them.
 function(vismap_compile_together TARGET)
   set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ${VISMAP_FAST_BUILD} UNITY_BUILD_BATCH_SIZE 16)
 endfunction()

@@ -8,8 +8,8 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 struct Part {
   double share = 0.5;

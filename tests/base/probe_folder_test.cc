@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 TEST(ProbeFolder, CreatesAUsableFolderAndLeavesNothingInIt) {

@@ -6,8 +6,8 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
-using testing::SizeIs;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 TEST(ReasonCounts, CountsReasonsThatDifferInNumbersTogether) {
   ReasonCounts counts;

@@ -13,7 +13,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Image<Rgb8> Gradient(int width, int height) {
   Image<Rgb8> image(width, height);

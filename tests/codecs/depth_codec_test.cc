@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 Image<uint16_t> Noise(int width, int height, uint64_t seed, uint64_t range) {
   TestRandom random(seed);

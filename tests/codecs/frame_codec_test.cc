@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 SensorFrame SmallFrame() {
   SensorFrame frame;

@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 SegmentImage Patches(int width, int height, int count, uint64_t seed) {
   TestRandom random(seed);

@@ -8,8 +8,8 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 Image<uint8_t> RandomImage(int width, int height, uint64_t seed, uint64_t one_in) {
   TestRandom random(seed);

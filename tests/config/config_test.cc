@@ -20,9 +20,9 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 using testing_support::PublishedOptions;
 
 /// The text of a file of the repository.
@@ -63,7 +63,7 @@ TEST(Fields, EveryKeyOfTheProtoIsThereOnce) {
       expected.push_back(section->name() + "." + section->message_type()->field(j)->name());
     }
   }
-  EXPECT_THAT(AllKeys(), testing::UnorderedElementsAreArray(expected));
+  EXPECT_THAT(AllKeys(), ::testing::UnorderedElementsAreArray(expected));
 }
 
 /// The names in options.proto of the enum that a key takes.
@@ -81,21 +81,21 @@ std::vector<std::string> NamesInProto(const std::string& section, const std::str
 TEST(Fields, EnumsHaveTheNamesOfTheProto) {
   int enums = 0;
   const VismapConfig config;
-  config::ForEachKey(
-      config, [&](const std::string& section, const std::string& key, const auto& member) {
-        using Member = std::decay_t<decltype(member)>;
-        if constexpr (std::is_enum_v<Member>) {
-          std::vector<std::string> names;
-          std::set<Member> values;
-          for (const auto& [name, value] : NamesOf(member)) {
-            names.push_back(name);
-            values.insert(value);
-          }
-          EXPECT_THAT(names, testing::UnorderedElementsAreArray(NamesInProto(section, key))) << key;
-          EXPECT_EQ(values.size(), names.size()) << key << ": a value has two names";
-          ++enums;
-        }
-      });
+  config::ForEachKey(config, [&](const std::string& section, const std::string& key,
+                                 const auto& member) {
+    using Member = std::decay_t<decltype(member)>;
+    if constexpr (std::is_enum_v<Member>) {
+      std::vector<std::string> names;
+      std::set<Member> values;
+      for (const auto& [name, value] : NamesOf(member)) {
+        names.push_back(name);
+        values.insert(value);
+      }
+      EXPECT_THAT(names, ::testing::UnorderedElementsAreArray(NamesInProto(section, key))) << key;
+      EXPECT_EQ(values.size(), names.size()) << key << ": a value has two names";
+      ++enums;
+    }
+  });
   EXPECT_GE(enums, 6);
 }
 
@@ -278,8 +278,8 @@ TEST(ParseConfig, NamesOfDetectorsMeanWhatTheySay) {
 
 TEST(ParseConfig, ListsOfChannels) {
   const HubOptions hub = Parsed("hub { lossless: [\"A\", \"B.*\"] latest: \"C\" }").hub;
-  EXPECT_THAT(hub.lossless, testing::ElementsAre("A", "B.*"));
-  EXPECT_THAT(hub.latest, testing::ElementsAre("C"));
+  EXPECT_THAT(hub.lossless, ::testing::ElementsAre("A", "B.*"));
+  EXPECT_THAT(hub.latest, ::testing::ElementsAre("C"));
   EXPECT_THAT(hub.drop_newest, IsEmpty());
 }
 
@@ -294,7 +294,7 @@ TEST(DeriveOptions, ConfigsMadeByAProgramGetThemToo) {
   VismapConfig config;
   config.integration.max_range_m = 3.5;
   config.surface.noise = RealSenseNoise();
-  EXPECT_THAT(Validate(config), testing::Contains(HasSubstr("must have one range")));
+  EXPECT_THAT(Validate(config), ::testing::Contains(HasSubstr("must have one range")));
   DeriveOptions(&config);
   EXPECT_EQ(config.association.max_range_m, 3.5);
   EXPECT_EQ(config.integration.noise, RealSenseNoise());
@@ -310,7 +310,7 @@ TEST(DeriveOptions, DefaultsAgreeWithoutIt) {
 
 TEST(ParseConfig, ErrorsNameFileLineAndColumn) {
   EXPECT_THAT(ErrorOf("grid {\n  voxel_sise_m: 0.02\n}\n"),
-              testing::AllOf(HasSubstr("test.txtpb:2:"), HasSubstr("voxel_sise_m")));
+              ::testing::AllOf(HasSubstr("test.txtpb:2:"), HasSubstr("voxel_sise_m")));
   EXPECT_THAT(ErrorOf("grid {\n  voxel_size_m: \"small\"\n}\n"), HasSubstr("test.txtpb:2:"));
   EXPECT_THAT(ErrorOf("refine { split: 3.5 }"), HasSubstr("test.txtpb:1:"));
   EXPECT_THAT(ErrorOf("surface { method: FAST }"), HasSubstr("FAST"));
@@ -330,9 +330,9 @@ TEST(Validate, ReturnsAllProblemsAtOnce) {
       "grid { voxel_size_m: 0 truncation_voxels: 2 } integration { max_range_m: -1 } "
       "free_space { min_observations: 0 } objects { up_W: [0, 0, 2] } "
       "octree { free_fraction: 0 } map_server { save_period_s: 5 }");
-  EXPECT_THAT(Validate(config), SizeIs(testing::Ge(7u)));
+  EXPECT_THAT(Validate(config), SizeIs(::testing::Ge(7u)));
   EXPECT_THAT(ErrorOf("grid { voxel_size_m: 0 truncation_voxels: 2 }"),
-              testing::AllOf(HasSubstr("voxel_size_m"), HasSubstr("; grid.truncation_voxels")));
+              ::testing::AllOf(HasSubstr("voxel_size_m"), HasSubstr("; grid.truncation_voxels")));
 }
 
 TEST(Validate, NotANumberIsAProblemWhereverItStands) {
@@ -387,7 +387,7 @@ TEST(Presets, PublishedHasThePublishedSegmentation) {
 TEST(Config, ClassesToLeaveOutAreNamesOrIds) {
   const VismapConfig config = Parsed("refine { leave_out_classes: [\"person\", \"18\", \"300\"] }");
   EXPECT_THAT(config.refine.leave_out_classes,
-              testing::ElementsAre(ClassId{1}, ClassId{18}, ClassId{300}));
+              ::testing::ElementsAre(ClassId{1}, ClassId{18}, ClassId{300}));
   EXPECT_TRUE(VismapConfig().refine.leave_out_classes.empty());
 }
 
@@ -396,7 +396,7 @@ TEST(Config, AnUnknownClassToLeaveOutIsAnError) {
     const auto config = ParseConfig("refine { leave_out_classes: \"" + name + "\" }", "x");
     ASSERT_FALSE(config) << name;
     EXPECT_THAT(config.error().message,
-                testing::HasSubstr("refine.leave_out_classes: '" + name + "' is neither"));
+                ::testing::HasSubstr("refine.leave_out_classes: '" + name + "' is neither"));
   }
 }
 

@@ -14,8 +14,8 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 FrameHeader Header(int64_t number, int width = 3, int height = 2) {
   return {.utime = 77,

@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(ImageInfo, TellsKindSizeAndDepth) {
   const Result<ImageFileInfo> grey = ReadImageInfo(std::span<const uint8_t>(GreyPng(7, 5, 1)));

@@ -26,7 +26,7 @@ struct Expected {
 /// Names the case by its folder.
 void PrintTo(const Expected& expected, std::ostream* out) { *out << expected.folder; }
 
-class RealData : public testing::TestWithParam<Expected> {
+class RealData : public ::testing::TestWithParam<Expected> {
  protected:
   void SetUp() override {
     const char* root = std::getenv("VISMAP_DATA");
@@ -87,7 +87,7 @@ constexpr PinholeCamera kAsus{640, 480, 544.47, 544.47, 320, 240};
 
 INSTANTIATE_TEST_SUITE_P(
     All, RealData,
-    testing::Values(
+    ::testing::Values(
         Expected{"scenes/101", "scenenn", 120, 1, 120, kAsus, 301},
         Expected{"scenes/102", "scenenn", 80, 1, 80, kAsus, 170},
         Expected{"replica/r1", "scenenn", 120, 1, 120, {512, 512, 256, 256, 255.5, 255.5}, 244},

@@ -14,10 +14,10 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 /// A wall with every third row and column missing.
 SensorFrame WallWithHoles(int64_t utime) {
@@ -29,7 +29,7 @@ SensorFrame WallWithHoles(int64_t utime) {
   return frame;
 }
 
-class SegmenterOnABus : public testing::Test {
+class SegmenterOnABus : public ::testing::Test {
  protected:
   SegmenterOnABus() {
     bus_->Subscribe<segmented_frame_t>(

@@ -9,9 +9,9 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 TEST(ClassTable, CocoHasItsEightyClasses) {
   const ClassTable table = Coco80();

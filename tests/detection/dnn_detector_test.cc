@@ -9,8 +9,8 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 /// The tiny model and its class names in a folder.
 class TinyModel {

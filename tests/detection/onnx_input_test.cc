@@ -10,8 +10,8 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 std::vector<int> ShapeIn(const std::string& model) {
   return OnnxImageShape({reinterpret_cast<const uint8_t*>(model.data()), model.size()});

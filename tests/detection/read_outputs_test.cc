@@ -11,10 +11,10 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::SizeIs;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 const ClassTable kClasses = {ClassId{62}, ClassId::kUnknown, ClassId{47}};
 constexpr int kCoefficients = 2;

@@ -25,7 +25,7 @@ double Overlap(const Mask& a, const Mask& b) {
   return any > 0 ? static_cast<double>(both) / any : 0;
 }
 
-class RealModel : public testing::Test {
+class RealModel : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* root = std::getenv("VISMAP_DATA");

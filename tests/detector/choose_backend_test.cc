@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 DetectorOptions With(DetectorBackend backend, const std::string& model) {
   DetectorOptions config;

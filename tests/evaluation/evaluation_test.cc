@@ -153,11 +153,11 @@ TEST(EvaluationReport, HasTheFiguresInJsonAndInTheTable) {
   const Row row = MakeRow();
   const Evaluation evaluation = Evaluate(row.truth, row.map, PaperClasses());
   const std::string json = EvaluationJson(evaluation);
-  EXPECT_THAT(json, testing::HasSubstr("\"discovery50_unknown\": 100.0"));
-  EXPECT_THAT(json, testing::HasSubstr("\"real_confidence\": null"));
+  EXPECT_THAT(json, ::testing::HasSubstr("\"discovery50_unknown\": 100.0"));
+  EXPECT_THAT(json, ::testing::HasSubstr("\"real_confidence\": null"));
   const std::string table = EvaluationTable(evaluation);
-  EXPECT_THAT(table, testing::HasSubstr("AP50, no ranking"));
-  EXPECT_THAT(table, testing::HasSubstr("100.0"));
+  EXPECT_THAT(table, ::testing::HasSubstr("AP50, no ranking"));
+  EXPECT_THAT(table, ::testing::HasSubstr("100.0"));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 // A row of points; the segment of each, which ScanNet's meshes do not have.
 std::vector<uint8_t> PlyOf(const std::vector<uint32_t>& labels) {

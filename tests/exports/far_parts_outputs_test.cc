@@ -7,7 +7,7 @@
 namespace vismap {
 namespace {
 
-using testing::LookAtWall;
+using testing_support::LookAtWall;
 
 struct Mapped {
   SemanticMap map{VoxelGridOptions{0.02, 4}};

@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing_support::Random;
 using testing_support::RandomOccupancy;
 using testing_support::SnapshotOf;

@@ -13,7 +13,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing_support::OctomapBytes;
 using testing_support::Random;
 using testing_support::RandomBlock;

@@ -16,7 +16,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing_support::CellAt;
 using testing_support::EncodeOctree;
 using testing_support::OctomapBytes;
@@ -171,9 +171,9 @@ TEST(BuildOctree, NoFreeLeafOfARoomContainsSolidDeeperThanAVoxel) {
   }
 }
 
-class OctreeFile : public testing::Test {
+class OctreeFile : public ::testing::Test {
  protected:
-  OctreeFile() : folder_(testing::TempDir() + "vismap_octree_" + std::to_string(getpid())) {
+  OctreeFile() : folder_(::testing::TempDir() + "vismap_octree_" + std::to_string(getpid())) {
     std::filesystem::create_directories(folder_);
     const OccupancyMap leaves = RandomOccupancy(5, 60);
     octree_ = *EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt);

@@ -31,8 +31,8 @@ struct Tally {
 };
 
 /// Decodes one message; fails when it throws or exceeds the memory limits.
-testing::AssertionResult Decodes(const FuzzTarget& target, std::span<const uint8_t> bytes,
-                                 Tally* tally) {
+::testing::AssertionResult Decodes(const FuzzTarget& target, std::span<const uint8_t> bytes,
+                                   Tally* tally) {
   AllocationMeter::Begin();
   std::string thrown;
   try {
@@ -44,16 +44,16 @@ testing::AssertionResult Decodes(const FuzzTarget& target, std::span<const uint8
   ++tally->messages;
   tally->worst.largest = std::max(tally->worst.largest, figures.largest);
   tally->worst.peak = std::max(tally->worst.peak, figures.peak);
-  if (!thrown.empty()) return testing::AssertionFailure() << target.type << " threw: " << thrown;
+  if (!thrown.empty()) return ::testing::AssertionFailure() << target.type << " threw: " << thrown;
   if (figures.largest > target.AllowedAllocation(bytes.size()) ||
       figures.peak > target.AllowedPeak(bytes.size())) {
-    return testing::AssertionFailure()
+    return ::testing::AssertionFailure()
            << target.type << " of " << bytes.size() << " bytes: one allocation of "
            << figures.largest << ", at most " << target.AllowedAllocation(bytes.size())
            << " are allowed; together " << figures.peak << ", at most "
            << target.AllowedPeak(bytes.size()) << " are allowed";
   }
-  return testing::AssertionSuccess();
+  return ::testing::AssertionSuccess();
 }
 
 TEST(AllocationMeter, MeasuresLargestAndTotalAllocations) {

@@ -20,10 +20,10 @@ using testing_support::HolePatterns;
 using testing_support::RandomNumbers;
 using testing_support::WithHoles;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoDepth = std::numeric_limits<float>::quiet_NaN();
 constexpr PinholeCamera kSmall{200, 150, 164, 164, 99.5, 74.5};
 
-HoleOptions With(const DepthNoiseModel& noise, int max_px = 4) {
+HoleOptions HolesOf(const DepthNoiseModel& noise, int max_px = 4) {
   HoleOptions options;
   options.noise = noise;
   options.max_px = max_px;
@@ -56,7 +56,7 @@ void CompareWithTheNaiveOne(int width, int height, uint64_t seed) {
   const Image<float> depth =
       WithHoles(testing_support::RandomDepth(camera, &random), patterns[pattern]);
   const HoleOptions options =
-      With(random.Chance(0.5) ? KinectNoise() : CleanNoise(), random.Whole(0, kMaxHolePx));
+      HolesOf(random.Chance(0.5) ? KinectNoise() : CleanNoise(), random.Whole(0, kMaxHolePx));
   EXPECT_TRUE(SameBits(Filled(depth, options), naive::FillHoles(depth, options)));
 }
 
@@ -76,7 +76,7 @@ TEST(FillHoles, HolesOfEveryPatternInAPlaneGetThePlane) {
     const Image<float> exact = Render({{{normal, 1.2 / std::sqrt(1 + slope)}}, {}}, kSmall).depth;
     for (const HolePattern& pattern : HolePatterns()) {
       SCOPED_TRACE(pattern.name + ", slope " + std::to_string(slope));
-      const Image<float> filled = Filled(WithHoles(exact, pattern), With(CleanNoise()));
+      const Image<float> filled = Filled(WithHoles(exact, pattern), HolesOf(CleanNoise()));
       int holes = 0, pixels = 0;
       for (int v = 10; v < kSmall.height - 10; ++v) {
         for (int u = 10; u < kSmall.width - 10; ++u) {
@@ -163,7 +163,7 @@ TEST(FillHoles, NothingIsFilledBetweenABallAndTheWallBehindIt) {
   const Image<float> exact = Render(ball, kSmall).depth;
   for (const HolePattern& pattern : HolePatterns()) {
     SCOPED_TRACE(pattern.name);
-    const Image<float> filled = Filled(WithHoles(exact, pattern), With(CleanNoise()));
+    const Image<float> filled = Filled(WithHoles(exact, pattern), HolesOf(CleanNoise()));
     for (int v = 0; v < kSmall.height; ++v) {
       for (int u = 0; u < kSmall.width; ++u) {
         // The ball ends at a depth of 1.09 m; its border is curved within the noise.
@@ -194,9 +194,9 @@ TEST(FillHoles, HolesWiderThanTheLimitStay) {
     for (int side = 1; side <= 7; ++side) {
       Image<float> depth = wall;
       for (int v = 20; v < 20 + side; ++v) {
-        for (int u = 30; u < 30 + side; ++u) depth(v, u) = kNaN;
+        for (int u = 30; u < 30 + side; ++u) depth(v, u) = kNoDepth;
       }
-      EXPECT_EQ(CountHoles(Filled(depth, With(KinectNoise(), max_px))),
+      EXPECT_EQ(CountHoles(Filled(depth, HolesOf(KinectNoise(), max_px))),
                 side <= max_px ? 0 : side * side)
           << max_px << " " << side;
     }
@@ -205,20 +205,20 @@ TEST(FillHoles, HolesWiderThanTheLimitStay) {
 
 TEST(FillHoles, AWideHoleIsFilledWhereItIsNarrowTheOtherWay) {
   Image<float> depth(64, 48, 1.5F);
-  for (int v = 20; v < 23; ++v) std::fill_n(depth.row(v), 64, kNaN);
+  for (int v = 20; v < 23; ++v) std::fill_n(depth.row(v), 64, kNoDepth);
   EXPECT_EQ(CountHoles(Filled(depth)), 0);
 }
 
 TEST(FillHoles, HolesAtTheBorderOfTheImageStay) {
   Image<float> depth(64, 48, 1.5F);
-  for (int v = 0; v < 48; ++v) depth(v, 0) = depth(v, 63) = kNaN;
+  for (int v = 0; v < 48; ++v) depth(v, 0) = depth(v, 63) = kNoDepth;
   EXPECT_EQ(CountHoles(Filled(depth)), 2 * 48);
 }
 
 TEST(FillHoles, TheShorterWayIsTaken) {
   Image<float> depth(64, 48, 1.5F);
   for (int u = 0; u < 64; ++u) depth(23, u) = depth(25, u) = 1.503F;
-  for (int u = 30; u < 33; ++u) depth(24, u) = kNaN;  // 3 wide, 1 high
+  for (int u = 30; u < 33; ++u) depth(24, u) = kNoDepth;  // 3 wide, 1 high
   const Image<float> filled = Filled(depth);
   for (int u = 30; u < 33; ++u) EXPECT_NEAR(filled(24, u), 1.503F, 1e-5F);
 }

@@ -12,7 +12,7 @@
 namespace vismap::hostile {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// Runs a program to its end: exit code, what it wrote to stderr, and its peak memory [MB].
 struct Ended {

@@ -39,7 +39,7 @@ inline void ExpectPeakBelow(int64_t megabytes, const std::string& name, pid_t pi
 }
 
 /// Processes on a bus of their own, and what a test needs to attack them.
-class HostileBus : public testing::Test {
+class HostileBus : public ::testing::Test {
  protected:
   HostileBus() {
     bus().Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& status) {

@@ -12,7 +12,7 @@
 namespace vismap::hostile {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 using OneFrame = HostileBus;
 

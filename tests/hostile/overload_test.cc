@@ -12,11 +12,11 @@
 namespace vismap::hostile {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 using Overload = HostileBus;
 
-constexpr int kFrames = 150;
+constexpr int kFloodFrames = 150;
 
 /// Frames of a camera with 30 Hz, each of which takes some 50 ms to map.
 std::vector<segmented_frame_t> ManyFrames() {
@@ -24,7 +24,7 @@ std::vector<segmented_frame_t> ManyFrames() {
   for (uint16_t& depth : noise.depth.pixels()) depth = static_cast<uint16_t>(depth / 2);
   segmented_frame_t message = Segmented(noise);
   std::vector<segmented_frame_t> messages;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kFloodFrames; ++i) {
     message.utime = message.frame.utime = 1'000'000 + i * 33'333;
     messages.push_back(message);
   }
@@ -43,8 +43,8 @@ TEST_F(Overload, TheNewestFramesAreMappedWhenTheConfigSaysSo) {
       "map-server", "map_server { overload: NEWEST mesh_period_s: 100 objects_period_s: 100 }");
   for (const segmented_frame_t& message : ManyFrames())
     bus().Publish(kSegmentedFrameChannel, message);
-  ASSERT_TRUE(SpinUntil([&] { return commits_.size() == kFrames; }));
-  EXPECT_EQ(commits_.back().utime, 1'000'000 + (kFrames - 1) * 33'333);
+  ASSERT_TRUE(SpinUntil([&] { return commits_.size() == kFloodFrames; }));
+  EXPECT_EQ(commits_.back().utime, 1'000'000 + (kFloodFrames - 1) * 33'333);
   EXPECT_EQ(commits_.back().status, frame_commit_t::STATUS_INTEGRATED);
   const int64_t skipped = Commits(frame_commit_t::STATUS_SKIPPED);
   EXPECT_GT(skipped, 10);
@@ -52,7 +52,7 @@ TEST_F(Overload, TheNewestFramesAreMappedWhenTheConfigSaysSo) {
   server->Signal(SIGTERM);
   EXPECT_EQ(server->WaitForExit(), 0);
   EXPECT_THAT(server->StandardError(),
-              HasSubstr("integrated " + std::to_string(kFrames - skipped) + " frames"));
+              HasSubstr("integrated " + std::to_string(kFloodFrames - skipped) + " frames"));
 }
 
 TEST_F(Overload, TheLagIsToldAndTheEndSaysWhatWasNotMapped) {
@@ -82,7 +82,7 @@ TEST_F(Overload, TheLagIsToldAndTheEndSaysWhatWasNotMapped) {
   const int64_t mapped = NumberBefore("frames?; not integrated", log);
   const int64_t unhandled = NumberBefore("messages? of SEGMENTED_FRAME", log);
   EXPECT_GT(unhandled, 0);
-  EXPECT_EQ(mapped + unhandled, kFrames) << log;
+  EXPECT_EQ(mapped + unhandled, kFloodFrames) << log;
 }
 
 TEST_F(Overload, TheSegmenterKeepsTheNewestFramesToo) {
@@ -93,17 +93,17 @@ TEST_F(Overload, TheSegmenterKeepsTheNewestFramesToo) {
     segmented.push_back(message.utime);
   });
   rgbd_frame_t frame = Encode(Noise(0, 1, 640, 480));
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kFloodFrames; ++i) {
     frame.utime = 1000 + i;
     bus().Publish(kRgbdFrameChannel, frame);
   }
   ASSERT_TRUE(
-      SpinUntil([&] { return !segmented.empty() && segmented.back() == 1000 + kFrames - 1; }));
+      SpinUntil([&] { return !segmented.empty() && segmented.back() == 1000 + kFloodFrames - 1; }));
   const auto count = static_cast<int64_t>(segmented.size());
-  EXPECT_LT(count, kFrames - 10);
+  EXPECT_LT(count, kFloodFrames - 10);
   EXPECT_TRUE(std::is_sorted(segmented.begin(), segmented.end()));
-  EXPECT_TRUE(
-      SpinUntil([&] { return Counter("depth-segmenter", "frames_dropped") == kFrames - count; }));
+  EXPECT_TRUE(SpinUntil(
+      [&] { return Counter("depth-segmenter", "frames_dropped") == kFloodFrames - count; }));
 }
 
 }  // namespace

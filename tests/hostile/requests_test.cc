@@ -22,8 +22,8 @@
 namespace vismap::hostile {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 class Requests : public HostileBus {

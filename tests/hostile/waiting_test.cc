@@ -13,7 +13,7 @@
 namespace vismap::hostile {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 using Waiting = HostileBus;
 

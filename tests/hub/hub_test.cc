@@ -88,8 +88,8 @@ TEST(Hub, LateSubscriberReceivesWhatItHasMissedAfterTheStart) {
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() == 20; }));
   ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(20, 1000)));
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() == 21; }));
-  EXPECT_THAT(got, testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
-                                        17, 18, 19, 20));
+  EXPECT_THAT(got, ::testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+                                          17, 18, 19, 20));
   EXPECT_EQ(reader->counters().at("MAP_DELTA").lost, 0);
 }
 
@@ -106,7 +106,7 @@ TEST(Hub, LateSubscriberReceivesNothingOldWhenTheTimeIsOver) {
   Settle(reader.get());
   ASSERT_TRUE(sender->Publish(kMapDeltaChannel, Delta(1, 1000)));
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return !got.empty(); }));
-  EXPECT_THAT(got, testing::ElementsAre(1));
+  EXPECT_THAT(got, ::testing::ElementsAre(1));
 }
 
 TEST(RejoinBacklog, IsBoundedInBytesAndKeepsTheNewestOfLatestChannels) {
@@ -124,15 +124,15 @@ TEST(RejoinBacklog, IsBoundedInBytesAndKeepsTheNewestOfLatestChannels) {
   const auto sender = std::make_shared<HubClient>(Socket(), "sender", 1000, QueueLimits{1000});
   backlog.Keep(message("OBJECTS", QueuePolicy::kLatest, 1), sender, 1);
   backlog.Keep(message("OBJECTS", QueuePolicy::kLatest, 2), sender, 1);
-  EXPECT_THAT(values(), testing::ElementsAre(2));
+  EXPECT_THAT(values(), ::testing::ElementsAre(2));
   for (uint8_t i = 3; i < 7; ++i)
     backlog.Keep(message("RGBD_FRAME", QueuePolicy::kLossless, i), sender, 2);
-  EXPECT_THAT(values(), testing::ElementsAre(4, 5, 6));
+  EXPECT_THAT(values(), ::testing::ElementsAre(4, 5, 6));
   EXPECT_EQ(backlog.dropped(), 2);
   backlog.Keep(message("RGBD_FRAME", QueuePolicy::kLossless, 7), sender, 10);
-  EXPECT_THAT(values(), testing::ElementsAre(4, 5, 6)) << "the time is over";
+  EXPECT_THAT(values(), ::testing::ElementsAre(4, 5, 6)) << "the time is over";
   backlog.Expire(10);
-  EXPECT_THAT(values(), testing::IsEmpty());
+  EXPECT_THAT(values(), ::testing::IsEmpty());
   EXPECT_EQ(backlog.bytes(), 0U);
 }
 
@@ -235,7 +235,7 @@ TEST(Hub, AddressInUseIsAnError) {
   options.listen = "127.0.0.1:" + std::to_string(hub.port());
   const auto second = Hub::Open(options);
   ASSERT_FALSE(second);
-  EXPECT_THAT(second.error().message, testing::HasSubstr(std::to_string(hub.port())));
+  EXPECT_THAT(second.error().message, ::testing::HasSubstr(std::to_string(hub.port())));
 }
 
 // ---- LCM's own client

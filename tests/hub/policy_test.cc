@@ -198,7 +198,7 @@ TEST(ChannelPolicies, ConfiguredListsOverrideTheDefaults) {
   EXPECT_EQ(policies->Of("MAP_DELTA"), QueuePolicy::kDropNewest);
   const auto broken = ChannelPolicies::Make({{"("}, {}, {}});
   ASSERT_FALSE(broken);
-  EXPECT_THAT(broken.error().message, testing::HasSubstr("("));
+  EXPECT_THAT(broken.error().message, ::testing::HasSubstr("("));
 }
 
 }  // namespace

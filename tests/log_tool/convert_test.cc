@@ -9,9 +9,9 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 struct Sequence {
   std::unique_ptr<Dataset> dataset;
@@ -98,7 +98,7 @@ TEST(Convert, FramesThatCannotBeReadAreLeftOut) {
   const auto folder = WriteFolder(*log.dataset, nullptr, {}, out / "folder");
   ASSERT_TRUE(folder) << folder.error().message;
   EXPECT_EQ(folder->frames, 2);
-  EXPECT_THAT(folder->lost, testing::Contains(HasSubstr("1 of 3 frames were left out")));
+  EXPECT_THAT(folder->lost, ::testing::Contains(HasSubstr("1 of 3 frames were left out")));
   const auto copy = WriteLog(*log.dataset, nullptr, out / "copy.lcmlog");
   ASSERT_TRUE(copy) << copy.error().message;
   EXPECT_EQ(copy->frames, 2);

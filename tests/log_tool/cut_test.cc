@@ -9,8 +9,8 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 /// Ten frames 10 ms apart, each followed by its detections 10 ms later.
 std::string TenFrames(LogBuilder* builder) {

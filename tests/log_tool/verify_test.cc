@@ -15,10 +15,10 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 LogReport Verify(const std::filesystem::path& path) {
   Result<LogReader> reader = LogReader::Open(path);
@@ -62,7 +62,7 @@ TEST(VerifyLog, LostMessagesAreCountedPerSource) {
   const LogReport report = Verify(builder.Finish());
   EXPECT_EQ(report.channels.at("MAP_COMMIT").lost, 3);
   EXPECT_EQ(report.channels.at("MAP_COMMIT").repeated, 1);
-  EXPECT_THAT(report.Problems(), testing::Contains(HasSubstr("MAP_COMMIT: 3 lost messages")));
+  EXPECT_THAT(report.Problems(), ::testing::Contains(HasSubstr("MAP_COMMIT: 3 lost messages")));
 }
 
 TEST(VerifyLog, ReportsMessagesThatCannotBeDecoded) {

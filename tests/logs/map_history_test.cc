@@ -6,9 +6,9 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 frame_commit_t Commit(const std::string& map, int64_t revision, int64_t utime,
                       int8_t status = frame_commit_t::STATUS_INTEGRATED) {

@@ -11,9 +11,9 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 Recording Open(const std::string& path, const DatasetOptions& options = {}) {
   Result<Recording> recording = OpenRecording(path, "", options);
@@ -103,7 +103,7 @@ TEST(OpenRecording, SkipsADamagedCopyOfAFrame) {
   const Recording broken = Open(alone.AddBytes("RGBD_FRAME", damaged).Finish());
   EXPECT_THAT(
       broken.dataset->Read(0).error().message,
-      testing::AllOf(HasSubstr("run.lcmlog"), HasSubstr("checksum"), HasSubstr("utime 1000")));
+      ::testing::AllOf(HasSubstr("run.lcmlog"), HasSubstr("checksum"), HasSubstr("utime 1000")));
 }
 
 rgbd_frame_t FrameAt(int64_t utime, double x) {

@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 void AddFrames(int count, const Eigen::Vector3d& at, std::vector<CameraPose>* trajectory) {
   for (int i = 0; i < count; ++i) {

@@ -4,10 +4,12 @@
 
 #include <limits>
 
+#include "map_server/small_frames.h"
+
 namespace vismap {
 namespace {
 
-FrameKey Key(int32_t camera, int64_t utime) { return {CameraId{camera}, utime}; }
+using testing_support::Key;
 
 TEST(CameraClocks, ReportFramesOutOfOrderAndJumpsPerCamera) {
   CameraClocks clocks;

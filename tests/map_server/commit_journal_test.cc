@@ -4,12 +4,13 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "map_server/small_frames.h"
 #include "support/temp_folder.h"
 
 namespace vismap {
 namespace {
 
-FrameKey Key(int32_t camera, int64_t utime) { return {CameraId{camera}, utime}; }
+using testing_support::Key;
 
 TEST(CommitJournal, TellsWhatWasAddedSinceTheLastSaveButOneAlsoToTheNextProcess) {
   const TempFolder folder;
@@ -39,7 +40,7 @@ TEST(CommitJournal, LeavesOutALastLineThatWasCutShortAndRefusesWhatIsNone) {
   folder.Write("other", "0 100\nhello\n");
   const Result<std::vector<FrameKey>> other = CommitJournal::Read(folder / "other");
   ASSERT_FALSE(other);
-  EXPECT_THAT(other.error().message, testing::HasSubstr("other, line 2"));
+  EXPECT_THAT(other.error().message, ::testing::HasSubstr("other, line 2"));
   EXPECT_FALSE(CommitJournal::Open(folder / "no" / "folder"));
 }
 

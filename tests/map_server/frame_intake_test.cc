@@ -12,7 +12,7 @@ using testing_support::CoarseMap;
 using testing_support::SmallKey;
 using testing_support::SmallMessage;
 
-class Frames : public testing::Test {
+class Frames : public ::testing::Test {
  protected:
   Frames() { intake_.SetMap("map"); }
   /// The time of the next frame, which is integrated; -1 = none may be.

@@ -21,15 +21,15 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::SizeIs;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
 using testing_support::CoarseMap;
 using testing_support::MemoryBus;
 using testing_support::SmallMessage;
 
-class ServerOnABus : public testing::Test {
+class ServerOnABus : public ::testing::Test {
  protected:
   ServerOnABus() {
     bus_->Subscribe<frame_commit_t>(kMapCommitChannel, [this](const frame_commit_t& commit) {
@@ -172,7 +172,7 @@ TEST_F(ServerOnABus, TellsThatDepthIsOutOfRange) {
     message.frame.depth_unit_m = 0.1;
     Send(message);
   }
-  EXPECT_THAT(status_.findings(), testing::Contains(HasSubstr("0.1 m per step")));
+  EXPECT_THAT(status_.findings(), ::testing::Contains(HasSubstr("0.1 m per step")));
 }
 
 // The same view from places that are metres apart.
@@ -180,8 +180,8 @@ TEST_F(ServerOnABus, TellsThatPosesContradictEachOther) {
   Start();
   for (int i = 1; i <= 8; ++i) Send(MovedMessage(33333 * i, 2.0 * i));
   EXPECT_THAT(status_.findings(),
-              testing::Contains(testing::AnyOf(HasSubstr("surface in common"),
-                                               HasSubstr("contradict each other"))));
+              ::testing::Contains(::testing::AnyOf(HasSubstr("surface in common"),
+                                                   HasSubstr("contradict each other"))));
 }
 
 TEST_F(ServerOnABus, TellsThatTimesAreUnusual) {

@@ -14,15 +14,15 @@
 namespace vismap {
 namespace {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using testing_support::CoarseMap;
 using testing_support::MemoryBus;
 using testing_support::SmallKey;
 using testing_support::SmallMessage;
 
-class StoredMap : public testing::Test {
+class StoredMap : public ::testing::Test {
  protected:
   /// A store that goes on with the map of the session.
   MapStore Store(double save_period_s = 0) {

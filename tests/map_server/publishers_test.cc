@@ -7,6 +7,7 @@
 
 #include "map_server/mesh_publisher.h"
 #include "map_server/occupancy_publisher.h"
+#include "map_server/small_frames.h"
 #include "support/analytic_map.h"
 #include "wire/map_follower.h"
 #include "wire/mesh_follower.h"
@@ -18,11 +19,7 @@ namespace vismap {
 namespace {
 
 using testing_support::AnalyticScene;
-
-std::unique_ptr<Bus> MemoryBus() {
-  Result<std::unique_ptr<Bus>> bus = Bus::Open({"memq://", "test"});
-  return std::move(*bus);
-}
+using testing_support::MemoryBus;
 
 /// A map that grows along x by one more sphere per revision, each with a label of its own.
 class GrowingMap {
@@ -132,7 +129,7 @@ TEST(OccupancyPublisher, AHeartbeatTellsThatTheLastUpdateWasLost) {
   EXPECT_EQ(follower.gaps(), 1);
 }
 
-class MeshStream : public testing::Test {
+class MeshStream : public ::testing::Test {
  protected:
   MeshStream() {
     publisher_.Start(growing_.map(), "map");

@@ -17,6 +17,8 @@ namespace vismap::testing_support {
 
 inline std::unique_ptr<Bus> MemoryBus() { return std::move(*Bus::Open({"memq://", "test"})); }
 
+inline FrameKey Key(int32_t camera, int64_t utime) { return {CameraId{camera}, utime}; }
+
 inline FrameKey SmallKey(int64_t utime) { return {CameraId{3}, utime}; }
 
 /// A small frame of camera 3, as SEGMENTED_FRAME brings it; to be integrated after `after_utime`.

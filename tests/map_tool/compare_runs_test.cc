@@ -10,9 +10,9 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::Contains;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
 
 /// A run of three frames; `change` may modify its commits.
 RunRecord RecordRun(const std::string& name,

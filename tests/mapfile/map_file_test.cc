@@ -17,7 +17,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 uint64_t Next(uint64_t* state) {
   uint64_t z = *state += 0x9E3779B97F4A7C15ull;
@@ -347,7 +347,7 @@ TEST(MapFile, ForeignAndNewerFilesAreNamed) {
 
 TEST(MapFile, FileRoundTripAndErrorsOfTheSystem) {
   const std::filesystem::path folder =
-      testing::TempDir() + "vismap_mapfile_" + std::to_string(getpid());
+      ::testing::TempDir() + "vismap_mapfile_" + std::to_string(getpid());
   std::filesystem::create_directories(folder);
   const SemanticMap map = RandomMap(2, 50);
   const Result<SaveInfo> saved = SaveMap(map, SomeMetadata(), folder / "map.vismap");

@@ -11,7 +11,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
 void SaveEmptyMap(const fs::path& path) {

@@ -12,7 +12,7 @@
 namespace vismap {
 namespace {
 
-using testing::LookAtWall;
+using testing_support::LookAtWall;
 using testing_support::ReadVoxel;
 using testing_support::VoxelAt;
 using testing_support::VoxelReading;
@@ -49,7 +49,7 @@ struct World {
   }
   /// The voxel just behind the front of the plate.
   VoxelReading AtPlate(double u = 80, double v = 60) const {
-    const Eigen::Vector3d p = testing::SmallCamera().BackProject(u, v, kPlate + 0.01);
+    const Eigen::Vector3d p = testing_support::SmallCamera().BackProject(u, v, kPlate + 0.01);
     return ReadVoxel(map.voxels, VoxelAt(map.voxels, p)).value();
   }
   /// Number of frames without the plate until no voxel inside it is left; -1 = more than 100.

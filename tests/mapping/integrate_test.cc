@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-using testing::LookAtWall;
+using testing_support::LookAtWall;
 using testing_support::ReadVoxel;
 using testing_support::VoxelAt;
 using testing_support::VoxelCenter;
@@ -139,7 +139,7 @@ TEST(IntegrateFrame, GivesTheSameMapForAnyNumberOfThreads) {
     SemanticMap map({0.02, 4});
     for (int i = 0; i < 4; ++i) {
       SegmentedFrame frame = LookAtWall(1.5 + 0.01 * i, {0.05 * i, 0, 0});
-      testing::SplitAtColumn(60 + 10 * i, frame);
+      testing_support::SplitAtColumn(60 + 10 * i, frame);
       Fuse(frame, map);
     }
     hashes[run] = HashMap(map);
@@ -179,10 +179,10 @@ TEST(IntegrateFrame, ReportsExactlyTheBlocksThatChanged) {
 TEST(Associate, KeepsLabelsWhenTheCameraMoves) {
   SemanticMap map({0.02, 4});
   SegmentedFrame first = LookAtWall(1.5);
-  testing::SplitAtColumn(80, first);
+  testing_support::SplitAtColumn(80, first);
   Fuse(first, map);
   SegmentedFrame moved = LookAtWall(1.5, {0.1, 0, 0});  // the edge moves by 0.1 m * 130 px / 1.5 m
-  testing::SplitAtColumn(71, moved);
+  testing_support::SplitAtColumn(71, moved);
   const FrameAssociation association = Associate(moved, {map.voxels, map.labels}, {});
   EXPECT_EQ(association.segments[0].label, SegmentLabel{1});
   EXPECT_EQ(association.segments[1].label, SegmentLabel{2});
@@ -193,7 +193,7 @@ TEST(Associate, ALabelGoesToAtMostOneSegment) {
   SemanticMap map({0.02, 4});
   Fuse(LookAtWall(1.5), map);
   SegmentedFrame split = LookAtWall(1.5);
-  testing::SplitAtColumn(50, split);
+  testing_support::SplitAtColumn(50, split);
   const FrameAssociation association = Associate(split, {map.voxels, map.labels}, {});
   EXPECT_EQ(association.segments[0].label, SegmentLabel{2});  // the smaller part gets a new label
   EXPECT_EQ(association.segments[1].label, SegmentLabel{1});
@@ -202,7 +202,7 @@ TEST(Associate, ALabelGoesToAtMostOneSegment) {
 TEST(Associate, OrderOfSegmentsDoesNotMatter) {
   SemanticMap map({0.02, 4});
   SegmentedFrame frame = LookAtWall(1.5);
-  testing::SplitAtColumn(70, frame);
+  testing_support::SplitAtColumn(70, frame);
   Fuse(frame, map);
   SegmentedFrame swapped = frame;
   for (SegmentIndex& index : swapped.image.index.pixels()) index = SegmentIndex{1 - Raw(index)};
@@ -217,9 +217,9 @@ TEST(Associate, SegmentsOfOneDetectionShareOneInstanceAndKeepIt) {
   SemanticMap map({0.02, 4});
   for (int i = 0; i < 3; ++i) {
     SegmentedFrame frame = LookAtWall(1.5);
-    testing::SplitAtColumn(70, frame);
-    testing::Detect(0, 5, ClassId{62}, frame);
-    testing::Detect(1, 5, ClassId{62}, frame);
+    testing_support::SplitAtColumn(70, frame);
+    testing_support::Detect(0, 5, ClassId{62}, frame);
+    testing_support::Detect(1, 5, ClassId{62}, frame);
     Fuse(frame, map);
   }
   EXPECT_EQ(map.labels.Read(SegmentLabel{1}).instance, InstanceId{1});
@@ -230,11 +230,11 @@ TEST(Associate, SegmentsOfOneDetectionShareOneInstanceAndKeepIt) {
 TEST(Associate, TwoDetectionsNeverMapToOneInstance) {
   SemanticMap map({0.02, 4});
   SegmentedFrame frame = LookAtWall(1.5);
-  testing::SplitAtColumn(70, frame);
-  testing::Detect(0, 0, ClassId{62}, frame);
-  testing::Detect(1, 0, ClassId{62}, frame);
+  testing_support::SplitAtColumn(70, frame);
+  testing_support::Detect(0, 0, ClassId{62}, frame);
+  testing_support::Detect(1, 0, ClassId{62}, frame);
   Fuse(frame, map);
-  testing::Detect(1, 1, ClassId{62}, frame);
+  testing_support::Detect(1, 1, ClassId{62}, frame);
   const FrameAssociation association = Associate(frame, {map.voxels, map.labels}, {});
   EXPECT_NE(association.segments[0].instance, association.segments[1].instance);
 }
@@ -242,9 +242,9 @@ TEST(Associate, TwoDetectionsNeverMapToOneInstance) {
 TEST(Associate, AnUnmaskedSegmentBlocksNoInstance) {
   SemanticMap map({0.02, 4});
   SegmentedFrame frame = LookAtWall(1.5);
-  testing::SplitAtColumn(70, frame);
-  testing::Detect(0, 0, ClassId{62}, frame);
-  testing::Detect(1, 0, ClassId{62}, frame);
+  testing_support::SplitAtColumn(70, frame);
+  testing_support::Detect(0, 0, ClassId{62}, frame);
+  testing_support::Detect(1, 0, ClassId{62}, frame);
   Fuse(frame, map);
   frame.segments[0].detection = DetectionIndex::kNone;
   const FrameAssociation association = Associate(frame, {map.voxels, map.labels}, {});
@@ -255,8 +255,8 @@ TEST(Associate, AnUnmaskedSegmentBlocksNoInstance) {
 TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
   SemanticMap map({0.02, 4});
   SegmentedFrame split = LookAtWall(1.5);
-  testing::SplitAtColumn(70, split);
-  testing::Detect(0, 0, ClassId{62}, split);
+  testing_support::SplitAtColumn(70, split);
+  testing_support::Detect(0, 0, ClassId{62}, split);
   split.segments[0].score = 0.5F;  // with more, the masks would keep both labels
   for (int i = 0; i < 4; ++i)
     Fuse(split, map);  // seen once only, it would be outvoted before it could merge
@@ -270,8 +270,8 @@ TEST(MergeLabels, PiecesThatKeepLyingOnOneSegmentBecomeOneAndKeepTheirClass) {
 TEST(MergeLabels, WhatMasksTellApartStaysApartInFramesWithoutMasks) {
   SemanticMap map({0.02, 4});
   SegmentedFrame split = LookAtWall(1.5);
-  testing::SplitAtColumn(70, split);
-  testing::Detect(0, 0, ClassId{62}, split);
+  testing_support::SplitAtColumn(70, split);
+  testing_support::Detect(0, 0, ClassId{62}, split);
   for (int i = 0; i < 4; ++i) Fuse(split, map);
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(Fuse(LookAtWall(1.5), map).merged.empty());
 }
@@ -279,7 +279,7 @@ TEST(MergeLabels, WhatMasksTellApartStaysApartInFramesWithoutMasks) {
 TEST(MergeLabels, PiecesThatWereMergedEarlySeparateAgainWhenLaterFramesShowThemApart) {
   SemanticMap map({0.02, 4});
   SegmentedFrame split = LookAtWall(1.5);
-  testing::SplitAtColumn(70, split);
+  testing_support::SplitAtColumn(70, split);
   for (int i = 0; i < 4; ++i) Fuse(split, map);
   for (int i = 0; i < 6; ++i) Fuse(LookAtWall(1.5), map);
   ASSERT_EQ(map.labels.Canonical(SegmentLabel{2}), SegmentLabel{1});
@@ -305,7 +305,7 @@ TEST(MergeLabels, PiecesThatWereMergedEarlySeparateAgainWhenLaterFramesShowThemA
 TEST(MergeLabels, SeenApartAsOftenAsTogetherTheyStayApart) {
   SemanticMap map({0.02, 4});
   SegmentedFrame split = LookAtWall(1.5);
-  testing::SplitAtColumn(70, split);
+  testing_support::SplitAtColumn(70, split);
   Fuse(split, map);
   for (int i = 0; i < 10; ++i) {
     Fuse(LookAtWall(1.5), map);

@@ -15,7 +15,7 @@ namespace vismap {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::LookAtWall;
+using testing_support::LookAtWall;
 
 constexpr size_t kMegabyte = size_t{1} << 20;
 

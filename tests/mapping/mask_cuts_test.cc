@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-using testing::LookAtWall;
+using testing_support::LookAtWall;
 using testing_support::VoxelAt;
 
 constexpr ClassId kBook{84};
@@ -19,8 +19,8 @@ SemanticMap NewMap() { return SemanticMap({0.02, 4}); }
 // A frame in which only a mask separates the left part of the wall from the rest.
 SegmentedFrame WithMask() {
   SegmentedFrame frame = LookAtWall(1.5);
-  testing::SplitAtColumn(60, frame);
-  testing::Detect(0, 0, kBook, frame);
+  testing_support::SplitAtColumn(60, frame);
+  testing_support::Detect(0, 0, kBook, frame);
   return frame;
 }
 
@@ -113,7 +113,7 @@ TEST(Associate, ToldFromWhichLabelAMaskCutASegment) {
   cut = Associate(unmasked, {map.voxels, map.labels}, {});
   EXPECT_EQ(cut.segments[0].cut_from, SegmentLabel::kNone);
   SegmentedFrame one = WithMask();  // two pieces of one object
-  testing::Detect(1, 0, kBook, one);
+  testing_support::Detect(1, 0, kBook, one);
   cut = Associate(one, {map.voxels, map.labels}, {});
   EXPECT_EQ(cut.segments[0].cut_from, SegmentLabel::kNone);
 }

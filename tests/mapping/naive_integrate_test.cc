@@ -160,7 +160,7 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
 
 TEST(FindVisibleBlocks, FewOfThemSayNothing) {
   // Of the many blocks at the sides of the view, those outside of it must not be listed.
-  SegmentedFrame frame = testing::LookAtWall(2.5);
+  SegmentedFrame frame = testing_support::LookAtWall(2.5);
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, -1).normalized();
   frame.frame.header.T_W_C.linear() = Eigen::AngleAxisd(0.7, axis).toRotationMatrix();
   const VoxelMap map({0.02, 4});

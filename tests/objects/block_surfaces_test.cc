@@ -22,8 +22,8 @@ using testing_support::MeshBlocks;
 SemanticMap MapOfWall(int frames) {
   SemanticMap map({0.02, 4});
   for (int i = 0; i < frames; ++i) {
-    SegmentedFrame frame = testing::LookAtWall(1.5, {0.1 * i, 0.05 * i, 0.013 * i});
-    testing::SplitAtColumn(70 - 9 * i, frame);
+    SegmentedFrame frame = testing_support::LookAtWall(1.5, {0.1 * i, 0.05 * i, 0.013 * i});
+    testing_support::SplitAtColumn(70 - 9 * i, frame);
     const FrameAssociation association = Associate(frame, {map.voxels, map.labels}, {});
     IntegrateFrame(frame, association, {}, &map);
   }

@@ -9,14 +9,14 @@
 namespace vismap {
 namespace {
 
-constexpr SegmentLabel kFloor{1}, kLeg{2}, kRug{3};
+constexpr SegmentLabel kFloorBelow{1}, kLeg{2}, kRug{3};
 constexpr InstanceId kTable{7};
 constexpr int kSide = 130;  // vertices, 1 cm apart: 1.7 m^2
 constexpr double kDistance = 0.0075;
 
 struct Point {
   float height = 0;
-  SegmentLabel segment = kFloor;
+  SegmentLabel segment = kFloorBelow;
 };
 
 /// A sheet of floor. All segments except the floor and the rug belong to the table.
@@ -63,7 +63,7 @@ TEST(AbsorbContacts, GivesTheRimOfALegToTheFloor) {
   ASSERT_EQ(Count(mesh, kLeg), 81);
   AbsorbContacts(kDistance, &mesh);
   EXPECT_EQ(Count(mesh, kLeg), 49) << "the outermost ring of 32 is floor, and nothing else";
-  EXPECT_EQ(Count(mesh, kFloor), kSide * kSide - 49);
+  EXPECT_EQ(Count(mesh, kFloorBelow), kSide * kSide - 49);
 }
 
 TEST(AbsorbContacts, LeavesWhatIsHigher) {
@@ -108,7 +108,8 @@ TEST(AbsorbContacts, SmallOrRoughSurfacesAreNoStructure) {
 
   Mesh rough = Sheet([&](int u, int v) {
     Point point = leg(u, v);
-    if (point.segment == kFloor) point.height = 0.1F * static_cast<float>((u / 10 + v / 10) % 3);
+    if (point.segment == kFloorBelow)
+      point.height = 0.1F * static_cast<float>((u / 10 + v / 10) % 3);
     return point;
   });
   AbsorbContacts(kDistance, &rough);
@@ -118,7 +119,7 @@ TEST(AbsorbContacts, SmallOrRoughSurfacesAreNoStructure) {
 TEST(AbsorbContacts, InstancesAreNoStructure) {
   Mesh mesh = Sheet([](int u, int v) { return WithLeg(u, v, 0.005F); });
   for (MeshVertex& vertex : mesh.vertices) {
-    if (vertex.segment == kFloor) vertex.instance = InstanceId{8};  // such as a bed
+    if (vertex.segment == kFloorBelow) vertex.instance = InstanceId{8};  // such as a bed
   }
   AbsorbContacts(kDistance, &mesh);
   EXPECT_EQ(Count(mesh, kLeg), 81);

@@ -11,8 +11,8 @@ namespace vismap {
 namespace {
 
 using Eigen::Vector3d;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 // Points on the rectangle at `corner` with the edges `a` and `b` [m], 4 cm apart.
 LabelSurface Rectangle(const Vector3d& corner, const Vector3d& a, const Vector3d& b) {

@@ -11,8 +11,8 @@ namespace vismap {
 namespace {
 
 constexpr SegmentLabel kWall{1};
-constexpr SegmentLabel kFloor{2};
-constexpr SegmentLabel kChair{3};
+constexpr SegmentLabel kGround{2};
+constexpr SegmentLabel kSeatLabel{3};
 constexpr InstanceId kChairInstance{7};
 
 struct Label {
@@ -20,8 +20,8 @@ struct Label {
   InstanceId instance = InstanceId::kNone;
 };
 constexpr Label kOnWall{kWall, InstanceId::kNone};
-constexpr Label kOnFloor{kFloor, InstanceId::kNone};
-constexpr Label kOnChair{kChair, kChairInstance};
+constexpr Label kOnGround{kGround, InstanceId::kNone};
+constexpr Label kOnChair{kSeatLabel, kChairInstance};
 
 /// A flat square of side x side vertices, 1 cm apart, that faces +z.
 void AddSquare(int side, double x, const std::function<Label(int, int)>& label, Mesh* mesh) {
@@ -55,7 +55,7 @@ Mesh WallWith(const std::function<Label(int, int)>& label, bool chair = true) {
   return mesh;
 }
 
-int64_t Count(const Mesh& mesh, SegmentLabel segment) {
+int64_t CountOf(const Mesh& mesh, SegmentLabel segment) {
   return std::count_if(mesh.vertices.begin(), mesh.vertices.end(),
                        [&](const MeshVertex& vertex) { return vertex.segment == segment; });
 }
@@ -66,14 +66,14 @@ bool InDisc(int u, int v, int radius) {
 
 /// Vertices of the chair that became wall.
 int64_t Absorbed(Mesh mesh, const MeshingOptions& options = {}) {
-  const int64_t before = Count(mesh, kChair);
+  const int64_t before = CountOf(mesh, kSeatLabel);
   AbsorbIslands(options, &mesh);
-  return before - Count(mesh, kChair);
+  return before - CountOf(mesh, kSeatLabel);
 }
 
 TEST(AbsorbIslands, GivesShredsOfAMaskToTheWallTheyLieOn) {
   Mesh mesh = WallWith([](int u, int v) { return InDisc(u, v, 4) ? kOnChair : kOnWall; });
-  const int64_t shred = Count(mesh, kChair) - 40 * 40;
+  const int64_t shred = CountOf(mesh, kSeatLabel) - 40 * 40;
   ASSERT_GT(shred, 40);
   EXPECT_EQ(Absorbed(mesh), shred);
   MeshingOptions off;
@@ -95,7 +95,7 @@ TEST(AbsorbIslands, LeavesWhatStandsOnASurface) {
   // The end of a leg is as wide as the island, but its surface faces sideways.
   Mesh mesh = WallWith([](int u, int v) { return InDisc(u, v, 4) ? kOnChair : kOnWall; });
   for (size_t i = 0; i < 60 * 60; ++i) {
-    if (mesh.vertices[i].segment != kChair) continue;
+    if (mesh.vertices[i].segment != kSeatLabel) continue;
     const Eigen::Vector3f out = mesh.vertices[i].position_W - Eigen::Vector3f(0.3F, 0.3F, 0);
     mesh.vertices[i].normal_W = (out + Eigen::Vector3f(1e-4F, 0, 0)).normalized();
   }
@@ -116,7 +116,7 @@ TEST(AbsorbIslands, LeavesWhatEndsWhereNothingWasSeen) {
 TEST(AbsorbIslands, LeavesWhatLiesBetweenOthers) {
   const auto between = [](int u, int v) {
     if (u >= 28 && u < 32 && v > 10 && v < 30) return kOnChair;
-    return u < 30 ? kOnWall : kOnFloor;
+    return u < 30 ? kOnWall : kOnGround;
   };
   EXPECT_EQ(Absorbed(WallWith(between)), 0);
 }
@@ -131,15 +131,15 @@ TEST(AbsorbIslands, LeavesNothingOfWhatIsAllShreds) {
     vertex.normal_W = Eigen::Vector3f(noise(random), noise(random), noise(random)).normalized();
   }
   AbsorbIslands({}, &mesh);
-  EXPECT_EQ(Count(mesh, kChair), 0);
+  EXPECT_EQ(CountOf(mesh, kSeatLabel), 0);
 }
 
 TEST(AbsorbIslands, LeavesUnlabelledSurfaceAlone) {
   const auto hole = [](int u, int v) { return InDisc(u, v, 4) ? Label{} : kOnWall; };
   Mesh mesh = WallWith(hole);
-  const int64_t without = Count(mesh, SegmentLabel::kNone);
+  const int64_t without = CountOf(mesh, SegmentLabel::kNone);
   AbsorbIslands({}, &mesh);
-  EXPECT_EQ(Count(mesh, SegmentLabel::kNone), without);
+  EXPECT_EQ(CountOf(mesh, SegmentLabel::kNone), without);
   const auto in_nothing = [](int u, int v) { return InDisc(u, v, 4) ? kOnChair : Label{}; };
   EXPECT_EQ(Absorbed(WallWith(in_nothing)), 0);
 }
@@ -157,10 +157,10 @@ TEST(AbsorbIslands, TakesTheMainSegmentOfAnInstance) {
       &mesh);
   AddSquare(
       60, 5, [](int, int) { return kOnWall; }, &mesh);
-  const int64_t seats = Count(mesh, seat);
+  const int64_t seats = CountOf(mesh, seat);
   AbsorbIslands({}, &mesh);
-  EXPECT_EQ(Count(mesh, kWall), 60 * 60);
-  EXPECT_EQ(Count(mesh, seat), seats) << "most of its border is with the other";
+  EXPECT_EQ(CountOf(mesh, kWall), 60 * 60);
+  EXPECT_EQ(CountOf(mesh, seat), seats) << "most of its border is with the other";
 }
 
 TEST(AbsorbIslands, DoesNotDependOnTheOrderOfTheMesh) {
@@ -168,12 +168,12 @@ TEST(AbsorbIslands, DoesNotDependOnTheOrderOfTheMesh) {
   std::uniform_int_distribution<int> dice(0, 99);
   std::vector<Label> labels(60 * 60, kOnWall);
   for (Label& label : labels) {
-    if (const int roll = dice(random); roll < 20) label = roll < 5 ? kOnFloor : kOnChair;
+    if (const int roll = dice(random); roll < 20) label = roll < 5 ? kOnGround : kOnChair;
   }
   const Mesh mesh = WallWith([&](int u, int v) { return labels[static_cast<size_t>(60 * v + u)]; });
   Mesh expected = mesh;
   AbsorbIslands({}, &expected);
-  EXPECT_LT(Count(expected, kChair), Count(mesh, kChair));
+  EXPECT_LT(CountOf(expected, kSeatLabel), CountOf(mesh, kSeatLabel));
 
   std::vector<uint32_t> place(mesh.vertices.size());
   std::iota(place.begin(), place.end(), 0u);

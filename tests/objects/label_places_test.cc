@@ -10,8 +10,8 @@
 namespace vismap {
 namespace {
 
-using testing::IsSupersetOf;
-using testing::UnorderedElementsAreArray;
+using ::testing::IsSupersetOf;
+using ::testing::UnorderedElementsAreArray;
 using testing_support::AnalyticRoom;
 using testing_support::kBall;
 using testing_support::kBoxLeft;
@@ -52,7 +52,7 @@ TEST(LabelPlaces, ABlockIsAddedForItsNewLabels) {
   const SegmentLabel fresh{9};
   map.voxels.FindMutable(block)->surface->palette.push_back(fresh);
   places.AddBlocks(map.voxels, std::span(&block, 1));
-  EXPECT_THAT(places.BlocksOf(fresh), testing::ElementsAre(block));
+  EXPECT_THAT(places.BlocksOf(fresh), ::testing::ElementsAre(block));
 }
 
 TEST(LabelPlaces, ASurvivorHasTheBlocksOfBothLabels) {

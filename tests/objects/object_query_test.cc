@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 ObjectSummary Thing(uint32_t instance, uint32_t segment, ClassId class_id,
                     const Eigen::Vector3d& center_W) {

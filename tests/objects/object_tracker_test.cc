@@ -14,7 +14,7 @@
 namespace vismap {
 namespace {
 
-using testing::LookAtWall;
+using testing_support::LookAtWall;
 using testing_support::MeshBlocks;
 
 /// The blocks in which a label has votes, found by checking all blocks.
@@ -87,8 +87,8 @@ TEST(ObjectTracker, FollowsAGrowingMap) {
   const ObjectOptions options = WholeBoxes();
   for (int i = 0; i < 8; ++i) {
     SegmentedFrame frame = LookAtWall(1.5, {0.1 * i, 0, 0});
-    testing::SplitAtColumn(70 - 9 * i, frame);
-    testing::Detect(1, 0, ClassId{62}, frame);
+    testing_support::SplitAtColumn(70 - 9 * i, frame);
+    testing_support::Detect(1, 0, ClassId{62}, frame);
     const FrameAssociation association = Associate(frame, {map.voxels, map.labels}, {});
     IntegrateFrame(frame, association, {}, &map);
     const std::vector<ObjectSummary> objects =
@@ -100,11 +100,11 @@ TEST(ObjectTracker, FollowsAGrowingMap) {
 /// A frame of a plate that covers most of a wall and has its own segment.
 SegmentedFrame PlateBeforeWall(int u_end) {
   SegmentedFrame frame = LookAtWall(2.0);
-  testing::SplitAtColumn(u_end, frame);
+  testing_support::SplitAtColumn(u_end, frame);
   for (int v = 0; v < frame.frame.depth.height(); ++v) {
     for (int u = 0; u < u_end; ++u) frame.frame.depth(v, u) = 1.2F;
   }
-  testing::Detect(0, 0, ClassId{62}, frame);
+  testing_support::Detect(0, 0, ClassId{62}, frame);
   return frame;
 }
 
@@ -137,7 +137,7 @@ TEST(ObjectTracker, AMergedLabelIsNotAnObjectOfItsOwn) {
   SemanticMap map({0.02, 4});
   ObjectTracker tracker;
   SegmentedFrame split = LookAtWall(1.5);
-  testing::SplitAtColumn(70, split);
+  testing_support::SplitAtColumn(70, split);
   size_t merged = 0;
   for (int i = 0; i < 12; ++i) {
     const SegmentedFrame frame = i < 3 ? split : LookAtWall(1.5);

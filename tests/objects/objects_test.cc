@@ -16,7 +16,7 @@ namespace {
 
 using namespace testing_support;
 using Eigen::Vector3d;
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 TEST(SummarizeObjects, InstancesFirstThenDiscoveredSegments) {
   const auto objects = SummarizeObjects(AnalyticRoom());

@@ -5,7 +5,7 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 constexpr InstanceId kThing{3};
 constexpr ClassId kPlant{64};

@@ -23,7 +23,7 @@ struct Excerpt {
 /// Names the case by its sequence.
 void PrintTo(const Excerpt& excerpt, std::ostream* out) { *out << excerpt.name; }
 
-class Pipeline : public testing::TestWithParam<Excerpt> {
+class Pipeline : public ::testing::TestWithParam<Excerpt> {
  protected:
   void SetUp() override {
     const Excerpt& excerpt = GetParam();
@@ -69,8 +69,8 @@ TEST_P(Pipeline, MapHasTheSameHashWith1And2And4Threads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Pipeline,
-                         testing::Values(Excerpt{"synthetic:room?frames=40&width=161", 4, 2},
-                                         Excerpt{"7scenes", 4, 7}, Excerpt{"scenes/101", 3, 5}));
+                         ::testing::Values(Excerpt{"synthetic:room?frames=40&width=161", 4, 2},
+                                           Excerpt{"7scenes", 4, 7}, Excerpt{"scenes/101", 3, 5}));
 
 }  // namespace
 }  // namespace vismap

@@ -6,9 +6,9 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 TEST(UnusualCamera, SaysNothingAboutUsualOnes) {
   EXPECT_THAT(UnusualCamera({640, 480, 525, 525, 319.5, 239.5}), IsEmpty());

@@ -9,8 +9,8 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -37,7 +37,8 @@ TEST(DepthCheck, AWrongUnitIsToldWithTheMedianAndTheUnit) {
   DepthCheck check({0.1, 5});
   check.Add(FrameOf([](int, int) { return 20.0F; }, SegmentIndex{0}));
   EXPECT_THAT(check.RangeFinding(0.01),
-              Optional(testing::AllOf(testing::ContainsRegex("median is (19|20)"), HasSubstr("0.01 m per step"))));
+              Optional(::testing::AllOf(::testing::ContainsRegex("median is (19|20)"),
+                                        HasSubstr("0.01 m per step"))));
 }
 
 TEST(DepthCheck, NearlyNoDepthIsTold) {

@@ -6,10 +6,10 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // A frame that looks at a wall 2 m in front of the start, from `x` m beside it.
 FrameHeader HeaderAt(double x, int64_t number, CameraId camera = CameraId{0}) {

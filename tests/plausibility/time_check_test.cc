@@ -9,9 +9,9 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
 std::optional<std::string> FindingAtSteps(int64_t step, int frames = 10) {
   TimeCheck check;

@@ -23,7 +23,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::unique_ptr<ChildProcess> StartBridge(ProcessBus* here, const ProcessBus& there,
                                           const std::vector<std::string>& more) {

@@ -122,7 +122,7 @@ TEST(DnnDetector, RunsOnTheNewestFrameOfABacklogAndSkipsTheOthers) {
   EXPECT_LT(answers.looked_at(), kBacklog / 2);
   detector->Signal(SIGTERM);
   EXPECT_EQ(detector->WaitForExit(), 0);
-  EXPECT_THAT(detector->StandardError(), testing::HasSubstr("; skipped "));
+  EXPECT_THAT(detector->StandardError(), ::testing::HasSubstr("; skipped "));
 }
 
 TEST(DnnDetector, RepeatedFrameGetsTheSameDetections) {

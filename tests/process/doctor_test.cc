@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(DoctorProgram, NamesTheCommandThatStartsAHub) {
   const TempFolder folder;

@@ -11,11 +11,11 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr char kRoom[] = "synthetic:room?frames=16&width=160";
+constexpr char kShortRoom[] = "synthetic:room?frames=16&width=160";
 constexpr char kCoarse[] = "grid { voxel_size_m: 0.02 }\n";
 
 /// Maps a sequence with voxels of 2 cm into `out` of the folder.
@@ -45,10 +45,10 @@ TEST(Evaluate, ErrorNamesAMissingGroundTruth) {
 
 TEST(Evaluate, ErrorNamesAMissingMapAndAnUnknownClass) {
   const TempFolder folder;
-  ChildProcess tool("map", {"evaluate", "--gt", kRoom, "--map", "none.vismap"}, folder.path());
+  ChildProcess tool("map", {"evaluate", "--gt", kShortRoom, "--map", "none.vismap"}, folder.path());
   EXPECT_EQ(tool.WaitForExit(), 3);
   EXPECT_THAT(tool.StandardError(), HasSubstr("none.vismap"));
-  ChildProcess classes("map", {"evaluate", "--gt", kRoom, "--map", "m", "--classes", "chaise"},
+  ChildProcess classes("map", {"evaluate", "--gt", kShortRoom, "--map", "m", "--classes", "chaise"},
                        folder.path());
   EXPECT_EQ(classes.WaitForExit(), 2);
   EXPECT_THAT(classes.StandardError(), HasSubstr("'chaise'"));
@@ -56,9 +56,9 @@ TEST(Evaluate, ErrorNamesAMissingMapAndAnUnknownClass) {
 
 TEST(Evaluate, MapAndItsMeshHaveTheSameScores) {
   const TempFolder folder;
-  MakeMap(folder, kRoom, "0");
-  const Json map = EvaluateMap(folder, kRoom, "out/map.vismap");
-  Json mesh = EvaluateMap(folder, kRoom, "out/mesh.ply");
+  MakeMap(folder, kShortRoom, "0");
+  const Json map = EvaluateMap(folder, kShortRoom, "out/map.vismap");
+  Json mesh = EvaluateMap(folder, kShortRoom, "out/mesh.ply");
   ASSERT_TRUE(map.is_object());
   EXPECT_GT(map["recall50_known"].get<double>(), 0);
   EXPECT_EQ(map["free_space"].size(), 2u);

@@ -49,32 +49,32 @@ TEST(MapServer, SavesLoadsAndResetsOnRequest) {
   const std::string a = (processes.folder() / "a.vismap").string(),
                     b = (processes.folder() / "b.vismap").string();
   const std::string hash = tool({"hash", "live"});
-  EXPECT_THAT(tool({"save", "a"}), testing::HasSubstr(a));
+  EXPECT_THAT(tool({"save", "a"}), ::testing::HasSubstr(a));
   EXPECT_EQ(tool({"hash", a}), hash);
   tool({"reset"});
   EXPECT_NE(tool({"hash", "live"}), hash);
   tool({"load", "a"});
   EXPECT_EQ(tool({"hash", "live"}), hash);
   tool({"save", "b"});
-  EXPECT_THAT(tool({"diff", a, b}), testing::HasSubstr("equal"));
-  EXPECT_THAT(tool({"objects", "live"}), testing::HasSubstr("discovered segments"));
+  EXPECT_THAT(tool({"diff", a, b}), ::testing::HasSubstr("equal"));
+  EXPECT_THAT(tool({"objects", "live"}), ::testing::HasSubstr("discovered segments"));
 
   const TempFolder here;
   const std::string fetched = (here / "c.vismap").string();
-  EXPECT_THAT(tool({"save", fetched}), testing::HasSubstr("to " + fetched + ", map hash"));
+  EXPECT_THAT(tool({"save", fetched}), ::testing::HasSubstr("to " + fetched + ", map hash"));
   EXPECT_EQ(tool({"hash", fetched}), hash);
   const auto nowhere = processes.Start("map", {"save", (here / "no" / "c.vismap").string()});
   EXPECT_EQ(nowhere->WaitForExit(), 1);
-  EXPECT_THAT(nowhere->StandardError(), testing::HasSubstr((here / "no").string()));
+  EXPECT_THAT(nowhere->StandardError(), ::testing::HasSubstr((here / "no").string()));
 
   const auto refused = processes.Start("map", {"load", "missing"});
   EXPECT_EQ(refused->WaitForExit(), 1);
-  EXPECT_THAT(refused->StandardError(), testing::HasSubstr("missing.vismap"));
+  EXPECT_THAT(refused->StandardError(), ::testing::HasSubstr("missing.vismap"));
   const auto path = processes.Start("map", {"load", a});
   EXPECT_EQ(path->WaitForExit(), 2);
   EXPECT_THAT(path->StandardError(),
-              testing::HasSubstr("start it with --map-folder " + processes.folder().string() +
-                                 ", then: vismap-map load a"));
+              ::testing::HasSubstr("start it with --map-folder " + processes.folder().string() +
+                                   ", then: vismap-map load a"));
   const auto unreadable =
       processes.Start("map", {"info", (processes.folder() / "missing.vismap").string()});
   EXPECT_EQ(unreadable->WaitForExit(), 3);
@@ -98,7 +98,7 @@ TEST(MapServer, SavesWhenStoppedAndContinuesTheSavedMap) {
   std::ofstream(map) << "no map";
   const auto broken = processes.Start("map-server", {"--config", config, "--name", "second"});
   EXPECT_EQ(broken->WaitForExit(), 3);
-  EXPECT_THAT(broken->StandardError(), testing::HasSubstr("kept.vismap"));
+  EXPECT_THAT(broken->StandardError(), ::testing::HasSubstr("kept.vismap"));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// A server that saves often and continues the saved map after a crash.
 std::vector<std::string> RecoveringServer(const ProcessBus& processes) {

@@ -14,12 +14,12 @@
 namespace vismap {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
-constexpr char kRoom[] = "synthetic:room?frames=12&width=96";
+constexpr char kTinyRoom[] = "synthetic:room?frames=12&width=96";
 
 struct Ended {
   int exit_code = -1;
@@ -146,8 +146,8 @@ TEST(Input, AnUnusableOutputFolderIsToldBeforeTheMapping) {
   const TempFolder folder;
   folder.Write("file", "x");
   for (const char* out : {"file", "file/below", "/proc/vismap"}) {
-    const Ended mapped = RunProgram("offline-mapper",
-                                    {"--dataset", kRoom, "--out", (folder / out).string()}, folder);
+    const Ended mapped = RunProgram(
+        "offline-mapper", {"--dataset", kTinyRoom, "--out", (folder / out).string()}, folder);
     EXPECT_EQ(mapped.exit_code, 1) << out;
     EXPECT_THAT(mapped.log, AllOf(HasSubstr("error"), Not(HasSubstr("mapping")))) << out;
   }
@@ -155,7 +155,7 @@ TEST(Input, AnUnusableOutputFolderIsToldBeforeTheMapping) {
 
 TEST(Input, TheSameImagesAreDamagedInEveryProgram) {
   const TempFolder folder;
-  WriteRoom("room", kRoom, folder);
+  WriteRoom("room", kTinyRoom, folder);
   const auto cut = [&](const std::string& name) {
     const fs::path path = folder / "room" / name;
     ASSERT_TRUE(fs::exists(path)) << name;
@@ -182,8 +182,8 @@ TEST(Input, TheSameImagesAreDamagedInEveryProgram) {
 
 TEST(Input, ASecondSequenceWithoutAClockGoesOnAfterTheFirst) {
   const TempFolder folder;
-  WriteRoom("a", kRoom, folder);
-  WriteRoom("b", std::string(kRoom) + "&pose_noise=0.002", folder);
+  WriteRoom("a", kTinyRoom, folder);
+  WriteRoom("b", std::string(kTinyRoom) + "&pose_noise=0.002", folder);
   for (const char* name : {"a", "b"}) fs::remove(folder / name / "timestamp.txt");
   ProcessBus processes;
   const auto server = processes.Start("map-server");

@@ -22,11 +22,11 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr char kLogger[] = "/usr/bin/lcm-logger";
 constexpr char kLogPlayer[] = "/usr/bin/lcm-logplayer";
-constexpr char kRoom[] = "synthetic:room?frames=12&width=96";
+constexpr char kLoggedRoom[] = "synthetic:room?frames=12&width=96";
 
 /// Standard output of one of our programs; the test fails unless it ends with `exit_code`.
 std::string RunTool(const std::string& tool, const std::vector<std::string>& arguments,
@@ -141,7 +141,7 @@ TEST(Logs, RunRecordedByLcmLoggerGivesTheSameMap) {
   const TempFolder folder;
   const std::string log = (folder / "run.lcmlog").string();
   const std::string again = (folder / "again.lcmlog").string();
-  const std::string hash = RecordedHash(kRoom, "2", {"--mode", "lockstep"}, log);
+  const std::string hash = RecordedHash(kLoggedRoom, "2", {"--mode", "lockstep"}, log);
   const std::string report = RunTool("log", {"verify", log}, folder);
   EXPECT_THAT(
       report,
@@ -207,7 +207,7 @@ TEST(Logs, LcmLogplayerReplaysIntoRunningProcesses) {
   if (!std::filesystem::exists(kLogPlayer)) GTEST_SKIP() << "needs " << kLogPlayer;
   const TempFolder folder;
   const std::string log = (folder / "inputs.lcmlog").string();
-  RunTool("log", {"from-dataset", kRoom, "--out", log}, folder);
+  RunTool("log", {"from-dataset", kLoggedRoom, "--out", log}, folder);
   ProcessBus processes;
   Pipeline pipeline(&processes, "2");
   ASSERT_TRUE(processes.WaitForReady({"map-server", "depth-segmenter"}));

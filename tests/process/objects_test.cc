@@ -11,13 +11,13 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 /// A room from which the chair with id 8 is removed after the first of two tours.
-constexpr char kRoom[] = "synthetic:room?frames=24&width=240&tours=2&remove=8@25";
-constexpr char kCoarse[] = "grid { voxel_size_m: 0.02 }\n";
+constexpr char kChangingRoom[] = "synthetic:room?frames=24&width=240&tours=2&remove=8@25";
+constexpr char kCoarseMap[] = "grid { voxel_size_m: 0.02 }\n";
 
 /// Mapped once for all tests below.
 class MappedRoom {
@@ -32,10 +32,10 @@ class MappedRoom {
 
  private:
   MappedRoom() {
-    folder_.Write("coarse.txtpb", kCoarse);
+    folder_.Write("coarse.txtpb", kCoarseMap);
     ChildProcess mapper("offline-mapper",
-                        {"--dataset", kRoom, "--config", (folder_ / "coarse.txtpb").string(),
-                         "--out", (folder_ / "out").string()},
+                        {"--dataset", kChangingRoom, "--config",
+                         (folder_ / "coarse.txtpb").string(), "--out", (folder_ / "out").string()},
                         folder_.path());
     EXPECT_EQ(mapper.WaitForExit(), 0) << mapper.StandardError();
   }

@@ -21,9 +21,9 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-constexpr char kRoom[] = "synthetic:room?frames=12&width=160";
+constexpr char kPipelineRoom[] = "synthetic:room?frames=12&width=160";
 constexpr size_t kFrames = 12;
 
 /// Takes the place of the map server: commits every frame and stores the messages.
@@ -77,8 +77,8 @@ class FakeMapServer {
 
 std::vector<std::string> Lockstep(const std::vector<std::string>& more = {}) {
   std::vector<std::string> arguments = {
-      "--dataset", kRoom,        "--mode", "lockstep",   "--window",
-      "3",         "--resend-s", "0.5",    "--wait-for", "depth-segmenter,detector,map-server"};
+      "--dataset", kPipelineRoom, "--mode", "lockstep",   "--window",
+      "3",         "--resend-s",  "0.5",    "--wait-for", "depth-segmenter,detector,map-server"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -86,7 +86,7 @@ std::vector<std::string> Lockstep(const std::vector<std::string>& more = {}) {
 /// Runs the pipeline in lockstep until its end and disturbs it meanwhile.
 void RunInLockstep(ProcessBus* processes, FakeMapServer* server) {
   auto segmenter = processes->Start("depth-segmenter", {"--detections", "required"});
-  auto detector = processes->Start("detector", {"--dataset", kRoom});
+  auto detector = processes->Start("detector", {"--dataset", kPipelineRoom});
   auto replay = processes->Start("sensor-replay", Lockstep());
   ASSERT_TRUE(processes->SpinUntil([&] { return !replay->Running(); })) << replay->StandardError();
   EXPECT_EQ(replay->WaitForExit(), 0) << replay->StandardError();
@@ -118,7 +118,7 @@ TEST(Pipeline, ContinuesAfterSegmenterAndHubWereKilled) {
   FakeMapServer server(&processes);
   server.commit_limit = 4;
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});
-  auto detector = processes.Start("detector", {"--dataset", kRoom});
+  auto detector = processes.Start("detector", {"--dataset", kPipelineRoom});
   auto replay = processes.Start("sensor-replay", Lockstep());
   ASSERT_TRUE(processes.SpinUntil([&] { return server.order().size() > 4; }))
       << replay->StandardError();
@@ -140,7 +140,7 @@ TEST(Pipeline, WithoutADetectorFramesAreSegmentedByGeometryAlone) {
   ProcessBus processes;
   FakeMapServer server(&processes);
   auto segmenter = processes.Start("depth-segmenter");
-  auto replay = processes.Start("sensor-replay", {"--dataset", kRoom, "--mode", "lockstep",
+  auto replay = processes.Start("sensor-replay", {"--dataset", kPipelineRoom, "--mode", "lockstep",
                                                   "--wait-for", "depth-segmenter,map-server"});
   ASSERT_TRUE(processes.SpinUntil([&] { return !replay->Running(); })) << replay->StandardError();
   EXPECT_EQ(replay->WaitForExit(), 0) << replay->StandardError();
@@ -157,7 +157,7 @@ TEST(Pipeline, StatusOfTheSegmenterSaysForWhatItWaits) {
   ProcessBus processes;
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});
   ASSERT_TRUE(processes.WaitForReady({"depth-segmenter"}));
-  auto replay = processes.Start("sensor-replay", {"--dataset", kRoom, "--max-frames", "1"});
+  auto replay = processes.Start("sensor-replay", {"--dataset", kPipelineRoom, "--max-frames", "1"});
   EXPECT_TRUE(processes.SpinUntil([&] {
     const Peer& peer = processes.peers().all().at("depth-segmenter");
     return peer.state == "waiting" &&
@@ -169,7 +169,7 @@ TEST(Pipeline, InvalidMessagesStopNoProcess) {
   ProcessBus processes;
   FakeMapServer server(&processes);
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});
-  auto detector = processes.Start("detector", {"--dataset", kRoom});
+  auto detector = processes.Start("detector", {"--dataset", kPipelineRoom});
   ASSERT_TRUE(processes.WaitForReady({"depth-segmenter", "detector"}));
   for (int i = 0; i < 20; ++i) {
     detections_t foreign{};
@@ -209,7 +209,7 @@ TEST(Replay, StoppingBeforeTheLastCommitIsAFailure) {
   FakeMapServer server(&processes);
   server.commit_limit = 2;
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "none"});
-  auto replay = processes.Start("sensor-replay", {"--dataset", kRoom, "--mode", "lockstep",
+  auto replay = processes.Start("sensor-replay", {"--dataset", kPipelineRoom, "--mode", "lockstep",
                                                   "--wait-for", "depth-segmenter,map-server"});
   ASSERT_TRUE(processes.SpinUntil([&] { return server.order().size() > 2; }))
       << replay->StandardError();
@@ -232,13 +232,16 @@ TEST(CommandLine, ExitCodesAreAsDocumented) {
       {"sensor-replay", {"--help"}, 0, "--dataset"},
       {"depth-segmenter", {"--version"}, 0, "depth-segmenter"},
       {"depth-segmenter", {"--print-config"}, 0, "segmentation"},
-      {"sensor-replay", {"--no-such-option", "--dataset", kRoom}, 2, "--no-such-option"},
+      {"sensor-replay", {"--no-such-option", "--dataset", kPipelineRoom}, 2, "--no-such-option"},
       {"sensor-replay", {}, 2, "--dataset"},
       {"depth-segmenter", {"--config", config}, 2, "no_such_key"},
       {"depth-segmenter", {"--lcm-url", "tcpq://localhost:7700"}, 2, "127.0.0.1"},
       {"detector", {}, 2, "--detections"},
       {"detector", {"--backend", "dnn"}, 2, "--model"},
-      {"detector", {"--backend", "dnn", "--model", "m.onnx", "--dataset", kRoom}, 2, "--dataset"},
+      {"detector",
+       {"--backend", "dnn", "--model", "m.onnx", "--dataset", kPipelineRoom},
+       2,
+       "--dataset"},
       {"detector", {"--model", "/nowhere.onnx"}, 3, "/nowhere.onnx: no such file"},
       {"sensor-replay", {"--dataset", "/nowhere"}, 3, "/nowhere"},
       {"detector", {"--detections", "/nowhere.json"}, 3, "/nowhere.json"},

@@ -16,8 +16,8 @@
 namespace vismap {
 namespace {
 
-constexpr char kRoom[] = "synthetic:room?frames=30&width=320&rate=10";
-constexpr int kFrames = 30;
+constexpr char kFastRoom[] = "synthetic:room?frames=30&width=320&rate=10";
+constexpr int kRoomFrames = 30;
 
 bool Run(const std::string& command) { return std::system((command + " 2>&1").c_str()) == 0; }
 
@@ -99,15 +99,15 @@ std::string MapAtTenHertz(int loss) {
   const auto server = map.Start("map-server");
   const auto exporter = map.Start("octomap-exporter");
   const auto segmenter = camera.Start("depth-segmenter", {"--detections", "required"});
-  const auto detector = camera.Start("detector", {"--dataset", kRoom});
+  const auto detector = camera.Start("detector", {"--dataset", kFastRoom});
   int integrated = 0;
   camera.bus().Subscribe<frame_commit_t>(kMapCommitChannel, [&](const frame_commit_t& commit) {
     integrated += commit.status == frame_commit_t::STATUS_INTEGRATED ? 1 : 0;
   });
-  const auto replay = camera.Start(
-      "sensor-replay",
-      {"--dataset", kRoom, "--wait-for", "map-server,depth-segmenter,detector,octomap-exporter"});
-  EXPECT_TRUE(camera.SpinUntil([&] { return integrated == kFrames; })) << integrated;
+  const auto replay =
+      camera.Start("sensor-replay", {"--dataset", kFastRoom, "--wait-for",
+                                     "map-server,depth-segmenter,detector,octomap-exporter"});
+  EXPECT_TRUE(camera.SpinUntil([&] { return integrated == kRoomFrames; })) << integrated;
   EXPECT_EQ(replay->WaitForExit(), 0) << replay->StandardError();
   ExpectExporterIsLevel(&map);
   EXPECT_EQ(camera.bus().counters().at("MAP_COMMIT").lost, 0);
@@ -118,7 +118,7 @@ std::string MapAtTenHertz(int loss) {
 
 TEST(TwoHosts, MapIsTheSameAtTenHertzAlthoughPacketsAreLost) {
   if (const std::string why = WhyNot(); !why.empty()) GTEST_SKIP() << why;
-  const std::string offline = OfflineRoomHash("2", kRoom);
+  const std::string offline = OfflineRoomHash("2", kFastRoom);
   for (const int loss : {0, 1, 10}) {
     SCOPED_TRACE(std::to_string(loss) + " of 1000 packets lost");
     EXPECT_EQ(MapAtTenHertz(loss), offline);

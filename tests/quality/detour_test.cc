@@ -7,10 +7,10 @@
 namespace vismap {
 namespace {
 
-using testing::Continue;
-using testing::FindInMesh;
-using testing::Mapped;
-using testing::Seen;
+using testing_support::Continue;
+using testing_support::FindInMesh;
+using testing_support::Mapped;
+using testing_support::Seen;
 
 /// How the mesh shows the objects of a kind, by name and id.
 std::map<std::string, Seen> SeenObjects(const Scene& scene, ObjectKind kind, const Mesh& mesh) {

@@ -11,13 +11,13 @@
 namespace vismap {
 namespace {
 
-using testing::ChangedDetections;
-using testing::Continue;
-using testing::FindInMesh;
-using testing::Mapped;
-using testing::Seen;
+using testing_support::ChangedDetections;
+using testing_support::Continue;
+using testing_support::FindInMesh;
+using testing_support::Mapped;
+using testing_support::Seen;
 
-constexpr char kRoom[] = "synthetic:room?frames=40&width=320&tours=2";
+constexpr char kGluedTours[] = "synthetic:room?frames=40&width=320&tours=2";
 
 /// In the first frames, replaces all detections of a class by one detection with all their pixels.
 ChangedDetections::Change GlueClass(ClassId class_id, int64_t frames) {
@@ -38,20 +38,20 @@ ChangedDetections::Change GlueClass(ClassId class_id, int64_t frames) {
   };
 }
 
-constexpr uint16_t kChair = 8, kOtherChair = 9;  // in the room
+constexpr uint16_t kOneChair = 8, kOtherChair = 9;  // in the room
 constexpr ClassId kChairs{62};
 
 TEST(GluedObjects, OfOneTourOfBadMasksAreTwoObjectsAfterALaterOneOfGoodMasks) {
   const Scene room = MakeRoom();
-  const ChangedDetections bad(kRoom, GlueClass(kChairs, 40));
+  const ChangedDetections bad(kGluedTours, GlueClass(kChairs, 40));
   Mapped mapped;
-  Continue(kRoom, &bad, 40, &mapped);
-  const Seen glued = FindInMesh(room, kChair, mapped.products.mesh);
+  Continue(kGluedTours, &bad, 40, &mapped);
+  const Seen glued = FindInMesh(room, kOneChair, mapped.products.mesh);
   EXPECT_EQ(FindInMesh(room, kOtherChair, mapped.products.mesh).instance, glued.instance)
       << "40 bad frames do glue them";
 
-  Continue(kRoom, &bad, 60, &mapped);
-  const Seen a = FindInMesh(room, kChair, mapped.products.mesh);
+  Continue(kGluedTours, &bad, 60, &mapped);
+  const Seen a = FindInMesh(room, kOneChair, mapped.products.mesh);
   const Seen b = FindInMesh(room, kOtherChair, mapped.products.mesh);
   EXPECT_NE(a.instance, b.instance);
   EXPECT_TRUE(a.instance == glued.instance || b.instance == glued.instance) << "one keeps the id";
@@ -60,8 +60,8 @@ TEST(GluedObjects, OfOneTourOfBadMasksAreTwoObjectsAfterALaterOneOfGoodMasks) {
     EXPECT_GT(chair.share, 0.9);
   }
 
-  Continue(kRoom, &bad, 80, &mapped);
-  EXPECT_EQ(FindInMesh(room, kChair, mapped.products.mesh).instance, a.instance) << "ids stay";
+  Continue(kGluedTours, &bad, 80, &mapped);
+  EXPECT_EQ(FindInMesh(room, kOneChair, mapped.products.mesh).instance, a.instance) << "ids stay";
   EXPECT_EQ(FindInMesh(room, kOtherChair, mapped.products.mesh).instance, b.instance);
 }
 
@@ -88,11 +88,11 @@ void DetectTwice(const FrameHeader& header, DetectionSet* set) {
 
 TEST(GluedObjects, SeveralDetectionsOfOneThingAreOneObject) {
   const Scene room = MakeRoom();
-  const ChangedDetections twice(kRoom, DetectTwice);
+  const ChangedDetections twice(kGluedTours, DetectTwice);
   Mapped mapped;
   Mapped plain;
-  Continue(kRoom, &twice, 40, &mapped);
-  Continue(kRoom, nullptr, 40, &plain);
+  Continue(kGluedTours, &twice, 40, &mapped);
+  Continue(kGluedTours, nullptr, 40, &plain);
   std::set<InstanceId> ids;
   for (const SceneObject& object : room.objects) {
     if (object.kind != ObjectKind::kKnown) continue;
@@ -107,8 +107,8 @@ TEST(GluedObjects, SeveralDetectionsOfOneThingAreOneObject) {
 
 TEST(GluedObjects, NothingIsSplitByGoodMasks) {
   Mapped mapped;
-  const auto dataset = OpenSequence(kRoom, "", {});
-  const auto detections = OpenDetections(kRoom);
+  const auto dataset = OpenSequence(kGluedTours, "", {});
+  const auto detections = OpenDetections(kGluedTours);
   size_t splits = 0;
   for (size_t i = 0; i < 40; ++i) {
     const auto sensor = (*dataset)->Read(i);

@@ -103,7 +103,7 @@ RoomScore MapRoom(const HolePattern* pattern) {
   std::optional<PunchedSequence> punched;
   if (pattern != nullptr) punched.emplace(**whole, *pattern);
   const Dataset& dataset = punched ? static_cast<const Dataset&>(*punched) : **whole;
-  MapSession session(testing::Mapped::Options(), {});
+  MapSession session(testing_support::Mapped::Options(), {});
   StageTimes times;
   const auto mapped = MapSequence(
       {dataset, detections->get()}, {}, [](size_t) { return true; }, &session, &times);

@@ -14,7 +14,7 @@
 #include "simulation/scene.h"
 #include "simulation/sequence.h"
 
-namespace vismap::testing {
+namespace vismap::testing_support {
 
 /// A map with voxels of 2 cm, its mesh and its objects.
 struct Mapped {
@@ -109,4 +109,4 @@ class ChangedDetections : public DetectionSource {
   Change change_;
 };
 
-}  // namespace vismap::testing
+}  // namespace vismap::testing_support

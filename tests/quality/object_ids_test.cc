@@ -9,14 +9,14 @@
 namespace vismap {
 namespace {
 
-constexpr char kRoom[] = "synthetic:room?frames=16&width=160&tours=2&remove=8@17";
+constexpr char kTourWithoutChair[] = "synthetic:room?frames=16&width=160&tours=2&remove=8@17";
 const MapSessionOptions kOptions{VoxelGridOptions{0.02, 4.0}, {}, {}};
 
 void MapFrames(int frames, MapSession* session) {
   DatasetOptions selection;
   selection.max_frames = frames;
-  const auto dataset = OpenSequence(kRoom, "", selection);
-  const auto detections = OpenDetections(kRoom);
+  const auto dataset = OpenSequence(kTourWithoutChair, "", selection);
+  const auto detections = OpenDetections(kTourWithoutChair);
   ASSERT_TRUE(dataset && detections);
   StageTimes times;
   const auto proceed = [](size_t) { return true; };

@@ -11,8 +11,8 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 using PoseMap = std::function<Pose(const Pose&)>;
 
 std::optional<std::string> FindingOf(const std::string& sequence, const DatasetOptions& options,

@@ -10,8 +10,8 @@
 namespace vismap {
 namespace {
 
-using testing::MapAll;
-using testing::Mapped;
+using testing_support::MapAll;
+using testing_support::Mapped;
 
 constexpr uint16_t kChair = 8, kSmallBox = 16;  // in the room
 constexpr char kTwoTours[] = "synthetic:room?frames=40&width=320&tours=2";
@@ -118,10 +118,10 @@ TEST(RemovedObject, MovedByAMetreIsGoneFromItsOldPlaceAndStandsAtTheNewOne) {
   last.objects.push_back(before);  // surfaces that are near neither
 
   Mapped mapped;
-  testing::Continue(moved, nullptr, 80, &mapped);
+  testing_support::Continue(moved, nullptr, 80, &mapped);
   const int vertices = VerticesOn(before, mapped.products.mesh);
   const int cells = OccupiedCellsOn(before, first, ClassifyMap(mapped.session.map(), {}));
-  testing::Continue(moved, nullptr, 160, &mapped);
+  testing_support::Continue(moved, nullptr, 160, &mapped);
   const OccupancyMap occupancy = ClassifyMap(mapped.session.map(), {});
   EXPECT_GT(vertices, 500);
   EXPECT_GT(cells, 500);
@@ -129,8 +129,8 @@ TEST(RemovedObject, MovedByAMetreIsGoneFromItsOldPlaceAndStandsAtTheNewOne) {
   EXPECT_LT(OccupiedCellsOn(before, last, occupancy), 0.02 * cells);
   EXPECT_GT(OccupiedCellsOn(after, last, occupancy), 0.5 * cells);
 
-  const testing::Seen seen =
-      testing::FindInMesh(SceneInFrame(scene, 160), after.id, mapped.products.mesh);
+  const testing_support::Seen seen =
+      testing_support::FindInMesh(SceneInFrame(scene, 160), after.id, mapped.products.mesh);
   EXPECT_EQ(seen.class_id, before.class_id);
   EXPECT_GT(seen.share, 0.5);
   EXPECT_GT(seen.vertices, 0.5 * vertices);

@@ -7,15 +7,15 @@
 namespace vismap {
 namespace {
 
-using testing::FindInMesh;
-using testing::Mapped;
-using testing::Seen;
+using testing_support::FindInMesh;
+using testing_support::Mapped;
+using testing_support::Seen;
 
 TEST(SlowDetector, KnownObjectsHaveTheirClassesThoughOneFrameInThirtyHasMasks) {
   const Scene room = MakeRoom();
   const Mapped slow =
-      testing::MapAll("synthetic:room?frames=300&width=320&rate=30&detect_every=30");
-  const Mapped fast = testing::MapAll("synthetic:room?frames=300&width=320&rate=30");
+      testing_support::MapAll("synthetic:room?frames=300&width=320&rate=30&detect_every=30");
+  const Mapped fast = testing_support::MapAll("synthetic:room?frames=300&width=320&rate=30");
   int known = 0, found = 0;
   for (const SceneObject& object : room.objects) {
     const Seen seen = FindInMesh(room, object.id, slow.products.mesh);

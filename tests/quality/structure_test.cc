@@ -7,9 +7,9 @@
 namespace vismap {
 namespace {
 
-using testing::Mapped;
+using testing_support::Mapped;
 
-constexpr char kRoom[] = "synthetic:room?frames=40&width=320";
+constexpr char kOneTour[] = "synthetic:room?frames=40&width=320";
 
 /// A sequence in a world that is turned about its y axis.
 class TurnedDataset : public Dataset {
@@ -61,7 +61,7 @@ std::map<StructureKind, int> CountKinds(const std::vector<ObjectSummary>& object
 class Structure : public ::testing::TestWithParam<double> {};
 
 TEST_P(Structure, IsToldFromThingsWhicheverWayIsUp) {
-  const TurnedDataset dataset(kRoom, GetParam());
+  const TurnedDataset dataset(kOneTour, GetParam());
   const Mapped mapped = MapTurned(dataset, {});
   auto kinds = CountKinds(mapped.products.objects);
   EXPECT_GE(kinds[StructureKind::kFloor], 1);
@@ -90,7 +90,7 @@ TEST_P(Structure, IsToldFromThingsWhicheverWayIsUp) {
 }
 
 TEST_P(Structure, UpMayBeGiven) {
-  const TurnedDataset dataset(kRoom, GetParam());
+  const TurnedDataset dataset(kOneTour, GetParam());
   OutputOptions options;
   options.up_W = dataset.up_W();
   auto kinds = CountKinds(MapTurned(dataset, options).products.objects);
@@ -102,7 +102,7 @@ TEST_P(Structure, UpMayBeGiven) {
 INSTANTIATE_TEST_SUITE_P(Tilt, Structure, ::testing::Values(0.0, 10.0, 25.0, 50.0));
 
 TEST(NamedStructure, OfANamedTableIsTheTable) {
-  const Mapped mapped = testing::MapAll(kRoom);
+  const Mapped mapped = testing_support::MapAll(kOneTour);
   int tables = 0;
   for (const ObjectSummary& object : mapped.products.objects)
     tables += object.class_id == ClassId{67} && !object.is_structure() ? 1 : 0;

@@ -11,7 +11,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::vector<std::string>& Channels() {
   static const std::vector<std::string> channels{"RGBD_FRAME",

@@ -11,10 +11,10 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// A server of two verbs on a bus of its own, and the replies that it sends.
-class Requests : public testing::Test {
+class Requests : public ::testing::Test {
  protected:
   Requests() {
     bus_->Subscribe<map_reply_t>(kMapReplyChannel,

@@ -17,7 +17,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::unique_ptr<Bus> MemoryBus(const StopSignal* stop = nullptr) {
   auto bus = Bus::Open({"memq://", "tester", 1, stop});

@@ -10,9 +10,9 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 enum class Policy { kKeepAll, kDropNewest };
 
@@ -55,16 +55,16 @@ std::optional<ExitCode> Parse(CommandLine line, std::vector<std::string> argumen
 /// What is printed to stderr on wrong usage; the exit code must be that of wrong usage.
 std::string ErrorOf(const std::vector<std::string>& arguments) {
   Values values;
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   EXPECT_EQ(Parse(LineFor(&values), arguments), ExitCode::kUsage);
-  return testing::internal::GetCapturedStderr();
+  return ::testing::internal::GetCapturedStderr();
 }
 
 std::string Help() {
   Values values;
-  testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStdout();
   EXPECT_EQ(Parse(LineFor(&values), {"--help"}), ExitCode::kOk);
-  return testing::internal::GetCapturedStdout();
+  return ::testing::internal::GetCapturedStdout();
 }
 
 TEST(CommandLine, WhatIsGivenGoesToItsVariable) {
@@ -141,9 +141,9 @@ TEST(CommandLine, OneSubcommandIsChosen) {
     EXPECT_EQ(chosen, name);
     EXPECT_EQ(map, "room.vismap");
     EXPECT_EQ(timeout, 5);
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     EXPECT_EQ(Parse(line, {name}), ExitCode::kUsage);
-    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("MAP is required"));
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("MAP is required"));
   }
 }
 

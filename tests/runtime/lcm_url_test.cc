@@ -6,7 +6,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(ParseLcmUrl, ReadsAddressAndPortOfTheHub) {
   const auto url = ParseLcmUrl("tcpq://10.1.2.3:7701");

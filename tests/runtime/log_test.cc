@@ -9,14 +9,14 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// What is written to the log meanwhile.
 template <typename Action>
 std::string LogOf(const Action& action) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   action();
-  return testing::internal::GetCapturedStderr();
+  return ::testing::internal::GetCapturedStderr();
 }
 
 int64_t Lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }

@@ -5,7 +5,7 @@
 namespace vismap {
 namespace {
 
-class PacedWork : public testing::Test {
+class PacedWork : public ::testing::Test {
  protected:
   /// Whether the work was done; it takes `seconds`.
   bool Run(double seconds = 0) {

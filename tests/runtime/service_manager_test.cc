@@ -8,7 +8,7 @@
 namespace vismap {
 namespace {
 
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 TEST(ServiceManager, DoesNothingWithoutAServiceManager) {
   ServiceManager service;

@@ -25,7 +25,8 @@ Image<float> RoomDepth() {
   return AddNoise(Render(scene).depth, KinectNoise(), 3, 1);
 }
 
-SegmentedFrame Segment(const Image<float>& depth, const SegmentationStageOptions& options = {}) {
+SegmentedFrame SegmentDepth(const Image<float>& depth,
+                            const SegmentationStageOptions& options = {}) {
   RgbdFrame frame;
   frame.header.camera = kVga;
   frame.depth = depth;
@@ -50,13 +51,13 @@ double BestOverlap(const SegmentedFrame& a, SegmentIndex index, const SegmentedF
 }
 
 TEST(SegmentFrame, HolesOfEveryPatternLeaveTheSegmentsAsTheyAre) {
-  const SegmentedFrame whole = Segment(RoomDepth());
+  const SegmentedFrame whole = SegmentDepth(RoomDepth());
   ASSERT_GE(whole.image.segment_count, 8);
   for (const HolePattern& pattern : HolePatterns()) {
     // One pixel in nine does not show the fold between floor and wall.
     if (pattern.name == "eight pixels of nine") continue;
     SCOPED_TRACE(pattern.name);
-    const SegmentedFrame punched = Segment(WithHoles(RoomDepth(), pattern));
+    const SegmentedFrame punched = SegmentDepth(WithHoles(RoomDepth(), pattern));
     EXPECT_LE(punched.image.segment_count, whole.image.segment_count + 1);
     for (int i = 0; i < whole.image.segment_count; ++i) {
       if (whole.segments[static_cast<size_t>(i)].pixels < 1500) continue;
@@ -69,13 +70,13 @@ TEST(SegmentFrame, HolesOfEveryPatternLeaveTheSegmentsAsTheyAre) {
 TEST(SegmentFrame, WithoutFillingRegularHolesLeaveNoSegment) {
   SegmentationStageOptions options;
   options.surface.max_hole_px = 0;
-  EXPECT_EQ(Segment(WithHoles(RoomDepth(), HolePatterns().front()), options).image.segment_count,
-            0);
+  EXPECT_EQ(
+      SegmentDepth(WithHoles(RoomDepth(), HolePatterns().front()), options).image.segment_count, 0);
 }
 
 TEST(SegmentFrame, TheDepthOfTheResultHasTheHolesFilled) {
   const Image<float> depth = RoomDepth();
-  const SegmentedFrame frame = Segment(WithHoles(depth, HolePatterns().front()));
+  const SegmentedFrame frame = SegmentDepth(WithHoles(depth, HolePatterns().front()));
   int different = 0;
   for (size_t i = 0; i < depth.size(); ++i) {
     if (!(std::abs(frame.frame.depth.data()[i] - depth.data()[i]) < 0.05F)) ++different;

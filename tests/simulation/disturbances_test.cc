@@ -13,7 +13,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const std::string kRoom = "synthetic:room?width=160";
 

@@ -17,7 +17,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using testing_support::ExportSceneNn;
 
 std::string ReadAll(const std::filesystem::path& path) {

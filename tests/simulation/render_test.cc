@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-const PinholeCamera kTiny{90, 70, 75, 76, 44.3, 34.6};  // whole tiles and parts of tiles
+const PinholeCamera kOddSize{90, 70, 75, 76, 44.3, 34.6};  // whole tiles and parts of tiles
 
 Vector3d RandomPoint(const Eigen::AlignedBox3d& box, Dice* dice) {
   Vector3d p;
@@ -50,14 +50,14 @@ Scene Heap(int count, Dice* dice) {
 
 /// Casts every ray against every shape, in the order of the scene.
 void ExpectSameAsEveryShape(const Scene& scene, const Pose& T_W_C) {
-  Image<double> depth(kTiny.width, kTiny.height, kNoHit);
-  Image<uint16_t> ids(kTiny.width, kTiny.height);
+  Image<double> depth(kOddSize.width, kOddSize.height, kNoHit);
+  Image<uint16_t> ids(kOddSize.width, kOddSize.height);
   for (const SceneObject& object : scene.objects) {
     for (const Shape& shape : object.shapes) {
       const Pose T_O_C = shape.T_W_O.inverse() * T_W_C;
-      for (int v = 0; v < kTiny.height; ++v) {
-        for (int u = 0; u < kTiny.width; ++u) {
-          const Vector3d direction_O = T_O_C.linear() * kTiny.BackProject(u, v, 1);
+      for (int v = 0; v < kOddSize.height; ++v) {
+        for (int u = 0; u < kOddSize.width; ++u) {
+          const Vector3d direction_O = T_O_C.linear() * kOddSize.BackProject(u, v, 1);
           const double t = EnterSolid(shape, T_O_C.translation(), direction_O);
           if (t >= depth(v, u)) continue;
           depth(v, u) = t;
@@ -66,9 +66,9 @@ void ExpectSameAsEveryShape(const Scene& scene, const Pose& T_W_C) {
       }
     }
   }
-  const Rendering image = Render(scene, kTiny, T_W_C);
+  const Rendering image = Render(scene, kOddSize, T_W_C);
   EXPECT_EQ(image.object_ids, ids);
-  EXPECT_EQ(RenderInstances(scene, kTiny, T_W_C), ids);
+  EXPECT_EQ(RenderInstances(scene, kOddSize, T_W_C), ids);
   for (size_t i = 0; i < ids.size(); ++i) {
     if (ids.data()[i] == 0) {
       EXPECT_TRUE(std::isnan(image.depth.data()[i]));
@@ -118,7 +118,7 @@ TEST(Render, OfEqualDepthsTheFirstInTheSceneCounts) {
   const Pose T_W_C = LookAt({0.1, -1, 1.5}, {0.3, 2, 0});
   ExpectSameAsEveryShape({"inlays first", {inlays, floor}}, T_W_C);
   ExpectSameAsEveryShape({"floor first", {floor, inlays}}, T_W_C);
-  const Image<uint16_t> ids = RenderInstances({"", {inlays, floor}}, kTiny, T_W_C);
+  const Image<uint16_t> ids = RenderInstances({"", {inlays, floor}}, kOddSize, T_W_C);
   EXPECT_GT(std::count(ids.pixels().begin(), ids.pixels().end(), 1), 500);
 }
 
@@ -128,12 +128,12 @@ TEST(NearestDepth, IsALowerBoundAndOftenExact) {
   for (int i = 0; i < 40; ++i) {
     const Scene heap = Heap(20, &dice);
     const Pose T_W_C = RandomPose({Vector3d::Constant(-5), Vector3d::Constant(5)}, &dice);
-    for (const ShapeView& view : MakeShapeViews(heap, kTiny, T_W_C)) {
-      const double bound = NearestDepth(view, kTiny, view.pixels);
+    for (const ShapeView& view : MakeShapeViews(heap, kOddSize, T_W_C)) {
+      const double bound = NearestDepth(view, kOddSize, view.pixels);
       double nearest = kNoHit;
       for (int v = view.pixels.v0; v < view.pixels.v1; ++v) {
         for (int u = view.pixels.u0; u < view.pixels.u1; ++u) {
-          const Vector3d direction_O = view.R_O_C * kTiny.BackProject(u, v, 1);
+          const Vector3d direction_O = view.R_O_C * kOddSize.BackProject(u, v, 1);
           nearest = std::min(nearest, EnterSolid(*view.shape, view.origin_O, direction_O));
         }
       }

@@ -9,7 +9,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(SyntheticPath, HasDefaultsAndParameters) {
   const Result<SyntheticOptions> plain = ParseSyntheticPath("synthetic:room");

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using testing_support::CastRay;
 
 const PinholeCamera kVga{640, 480, 525, 525, 319.5, 239.5};
-const PinholeCamera kSmall{160, 120, 131.25, 131.25, 79.5, 59.5};
+const PinholeCamera kQuarterVga{160, 120, 131.25, 131.25, 79.5, 59.5};
 
 bool SameDepth(const Image<float>& a, const Image<float>& b) {
   if (a.width() != b.width() || a.height() != b.height()) return false;
@@ -65,7 +65,7 @@ TEST(Render, DepthOfASphereIsExact) {
 TEST(Render, PixelsThatSeeNothingAreNanAndZero) {
   Scene scene = SphereBeforeWall();
   scene.objects.pop_back();
-  const Rendering image = Render(scene, kSmall, Pose::Identity());
+  const Rendering image = Render(scene, kQuarterVga, Pose::Identity());
   EXPECT_TRUE(std::isnan(image.depth(0, 0)));
   EXPECT_EQ(image.object_ids(0, 0), 0);
   EXPECT_EQ(image.color(0, 0), Rgb8{});
@@ -73,17 +73,17 @@ TEST(Render, PixelsThatSeeNothingAreNanAndZero) {
 
 /// Of every `step`-th pixel of every `step`-th row.
 void ExpectEqualsOneRayPerPixel(const Scene& scene, const Pose& T_W_C, int step) {
-  const Rendering image = Render(scene, kSmall, T_W_C);
-  EXPECT_EQ(RenderInstances(scene, kSmall, T_W_C), image.object_ids);
-  for (int v = 0; v < kSmall.height; v += step) {
-    for (int u = 0; u < kSmall.width; u += step) {
+  const Rendering image = Render(scene, kQuarterVga, T_W_C);
+  EXPECT_EQ(RenderInstances(scene, kQuarterVga, T_W_C), image.object_ids);
+  for (int v = 0; v < kQuarterVga.height; v += step) {
+    for (int u = 0; u < kQuarterVga.width; u += step) {
       const auto hit =
-          CastRay(scene, T_W_C.translation(), T_W_C.linear() * kSmall.BackProject(u, v, 1));
+          CastRay(scene, T_W_C.translation(), T_W_C.linear() * kQuarterVga.BackProject(u, v, 1));
       ASSERT_TRUE(hit);
       ASSERT_NEAR(image.depth(v, u), hit->t, 1e-6 * hit->t) << v << " " << u;
       // Where two objects touch, rounding may choose either.
       if (image.object_ids(v, u) != hit->object_id) {
-        const Vector3d p_W = T_W_C * kSmall.BackProject(u, v, hit->t);
+        const Vector3d p_W = T_W_C * kQuarterVga.BackProject(u, v, hit->t);
         const SceneObject* other = FindObject(scene, image.object_ids(v, u));
         ASSERT_NEAR(SignedDistance(*other, p_W), 0, 1e-6) << v << " " << u;
       }
@@ -100,10 +100,10 @@ TEST(Render, EqualsOneRayPerPixel) {
 TEST(Render, PointsLieOnTheSurface) {
   const Scene room = MakeRoom();
   const Pose T_W_C = MakeRoomTour(7)[3];
-  const Rendering image = Render(room, kSmall, T_W_C);
-  for (int v = 0; v < kSmall.height; v += 2) {
-    for (int u = 0; u < kSmall.width; u += 2) {
-      const Vector3d p_W = T_W_C * kSmall.BackProject(u, v, double{image.depth(v, u)});
+  const Rendering image = Render(room, kQuarterVga, T_W_C);
+  for (int v = 0; v < kQuarterVga.height; v += 2) {
+    for (int u = 0; u < kQuarterVga.width; u += 2) {
+      const Vector3d p_W = T_W_C * kQuarterVga.BackProject(u, v, double{image.depth(v, u)});
       EXPECT_NEAR(SignedDistance(room, p_W), 0, 2e-6);
     }
   }
@@ -112,13 +112,13 @@ TEST(Render, PointsLieOnTheSurface) {
 TEST(Render, IsTheSameForAnyNumberOfThreads) {
   const Scene room = MakeRoom();
   const Pose T_W_C = MakeRoomTour(7)[2];
-  const Rendering many = Render(room, kSmall, T_W_C);
+  const Rendering many = Render(room, kQuarterVga, T_W_C);
   const ThreadLimit one(1);
-  const Rendering single = Render(room, kSmall, T_W_C);
+  const Rendering single = Render(room, kQuarterVga, T_W_C);
   EXPECT_TRUE(SameDepth(many.depth, single.depth));
   EXPECT_EQ(many.color, single.color);
-  EXPECT_TRUE(SameDepth(AddDepthNoise(many.depth, kSmall, {}, 1),
-                        AddDepthNoise(single.depth, kSmall, {}, 1)));
+  EXPECT_TRUE(SameDepth(AddDepthNoise(many.depth, kQuarterVga, {}, 1),
+                        AddDepthNoise(single.depth, kQuarterVga, {}, 1)));
 }
 
 struct Spread {
@@ -211,8 +211,8 @@ FrameHeader HeaderAt(const Pose& T_W_C, const PinholeCamera& camera, int64_t num
 
 TEST(RenderFrame, WithoutNoiseIsTheExactDepthInMillimetres) {
   const Scene room = MakeRoom();
-  const FrameHeader header = HeaderAt(MakeRoomTour(9)[4], kSmall, 5);
-  const Image<float> exact = Render(room, kSmall, header.T_W_C).depth;
+  const FrameHeader header = HeaderAt(MakeRoomTour(9)[4], kQuarterVga, 5);
+  const Image<float> exact = Render(room, kQuarterVga, header.T_W_C).depth;
   const SensorFrame frame = RenderFrame(room, header, {.enabled = false});
   const Result<RgbdFrame> decoded = DecodeFrame(frame);
   ASSERT_TRUE(decoded) << decoded.error().message;
@@ -225,8 +225,8 @@ TEST(RenderFrame, WithoutNoiseIsTheExactDepthInMillimetres) {
 TEST(SimulatedDetector, WithoutErrorsGivesTheTrueMasksOfKnownObjects) {
   const Scene room = MakeRoom();
   for (const Pose& T_W_C : MakeRoomTour(6)) {
-    const FrameHeader header = HeaderAt(T_W_C, kSmall, 3);
-    const Image<uint16_t> ids = RenderInstances(room, kSmall, T_W_C);
+    const FrameHeader header = HeaderAt(T_W_C, kQuarterVga, 3);
+    const Image<uint16_t> ids = RenderInstances(room, kQuarterVga, T_W_C);
     const DetectionSet set = SimulateDetections(
         room, ids, header, {.miss_rate = 0, .mask = {.max_growth = 0}, .min_pixels = 1});
     size_t next = 0;

@@ -8,13 +8,9 @@
 
 #include "mapping/integrate.h"
 #include "meshing/marching_cubes.h"
+#include "support/mesh_checks.h"
 
 namespace vismap::testing_support {
-
-inline bool SameVertex(const MeshVertex& a, const MeshVertex& b) {
-  return a.position_W == b.position_W && a.normal_W == b.normal_W && a.color == b.color &&
-         a.segment == b.segment;
-}
 
 /// The mesh of a map, updated after every frame in the blocks that BlocksToMesh names.
 class FollowedMesh {

@@ -5,7 +5,7 @@
 
 #include "segmentation/segmented_frame.h"
 
-namespace vismap::testing {
+namespace vismap::testing_support {
 
 /// A camera of 160x120 pixels with a wide view.
 inline PinholeCamera SmallCamera() { return {160, 120, 130.0, 130.0, 79.5, 59.5}; }
@@ -51,4 +51,4 @@ inline void Detect(int segment, int detection, ClassId class_id, SegmentedFrame&
   frame.had_detections = true;
 }
 
-}  // namespace vismap::testing
+}  // namespace vismap::testing_support

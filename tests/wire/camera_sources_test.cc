@@ -6,8 +6,8 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
-using testing::Optional;
+using ::testing::HasSubstr;
+using ::testing::Optional;
 
 TEST(CameraSources, TwoProcessesWithOneCameraAreNoticed) {
   CameraSources sources;

@@ -23,7 +23,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 map_delta_t SmallDelta() {
   map_delta_t delta{};
@@ -173,7 +173,7 @@ TEST(Channels, NamesContainNoRegularExpressionCharacters) {
        {kRgbdFrameChannel, kDetectionsChannel, kSegmentedFrameChannel, kMapCommitChannel,
         kMapDeltaChannel, kMeshDeltaChannel, kObjectsChannel, kOctomapChannel, kMapRequestChannel,
         kMapReplyChannel, kStatusChannel}) {
-    EXPECT_THAT(std::string(channel.name), testing::MatchesRegex("[A-Z_]+"));
+    EXPECT_THAT(std::string(channel.name), ::testing::MatchesRegex("[A-Z_]+"));
     EXPECT_LE(channel.max_bytes, kMaxMessageBytes);
   }
 }

@@ -16,7 +16,7 @@
 namespace vismap {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr size_t kCap = size_t{1} << 20;
 
@@ -245,7 +245,7 @@ TEST(SegmentedFrameMessage, RejectsValuesThatDisagreeWithTheLabelImage) {
               HasSubstr("detection"));
   EXPECT_THAT(error_of([](segmented_frame_t* m) { m->label_encoding = 9; }),
               HasSubstr("label_encoding"));
-  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->labels.clear(); }), testing::Ne("accepted"));
+  EXPECT_THAT(error_of([](segmented_frame_t* m) { m->labels.clear(); }), ::testing::Ne("accepted"));
 }
 
 /// Decoding damaged bytes gives an error or a value, with the checksum and also without it, since
