@@ -1,0 +1,26 @@
+"""vismap from Python: read the live map, its objects and free space, save and load, logs, saved maps.
+
+The world frame is W; lengths are in metres, times are `utime`, microseconds
+since 1970. Errors are VismapError, or ValueError for arguments that cannot be right.
+"""
+from .bus import Bus, Received, Subscription, now_utime
+from .clocks import DeviceClock, Newest, Pace
+from .errors import BusError, LogError, MapError, MessageError, RequestError, VismapError, WaitTimeout
+from .lcm_types import Message
+from .live_map import LiveMap, Mesh, MeshFollower
+from .logs import LogEvent, LogReader, LogWriter
+from .map_file import SavedMap, open_map
+from .messages import decode, encode, types, version
+from .objects import MapObject, OrientedBox, get_objects, objects_of
+from .octree import FREE, OCCUPIED, UNKNOWN, Octree, read_octree
+from .requests import Reply, ask, load, save
+from .status import Status
+
+__version__ = version()
+__all__ = [
+    "Bus", "BusError", "DeviceClock", "FREE", "LiveMap", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError",
+    "MapObject", "Mesh", "MeshFollower", "Message", "MessageError", "Newest", "OCCUPIED", "Octree", "OrientedBox", "Pace",
+    "Received", "Reply", "RequestError", "SavedMap", "Status", "Subscription", "UNKNOWN", "VismapError", "WaitTimeout", "ask",
+    "decode", "encode", "get_objects", "load", "now_utime", "objects_of", "open_map",
+    "read_octree", "save", "types", "version",
+]
