@@ -1,5 +1,6 @@
-# What a robot computer (component runtime, with its deployment files in component deploy) and a computer that builds
-# other programs for our bus (component dev) get; and Debian packages of them: scripts/package.
+# What a robot computer (component runtime, with its deployment files in component deploy), a computer that builds
+# other programs for our bus (component dev), and programs in Python (component python) get; and Debian packages of them:
+# scripts/package.
 include(GNUInstallDirs)
 set(DEPLOY ${PROJECT_SOURCE_DIR}/config/deploy)
 set(SHARE ${CMAKE_INSTALL_DATADIR}/vismap)
@@ -25,7 +26,7 @@ install(DIRECTORY ${DEPLOY}/three-computers ${DEPLOY}/sysctl ${DEPLOY}/firewall
         DESTINATION ${DOC}/vismap/examples COMPONENT deploy)
 # The documents keep their folders, so that the links between them work.
 file(GLOB DOCUMENTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/*.md
-     ${PROJECT_SOURCE_DIR}/config/*.md ${PROJECT_SOURCE_DIR}/libs/*.md ${PROJECT_SOURCE_DIR}/procs/*.md
+     ${PROJECT_SOURCE_DIR}/config/*.md ${PROJECT_SOURCE_DIR}/libs/*.md ${PROJECT_SOURCE_DIR}/libs/python/*.md ${PROJECT_SOURCE_DIR}/procs/*.md
      ${PROJECT_SOURCE_DIR}/tests/*.md)
 foreach(DOCUMENT ${DOCUMENTS})
   get_filename_component(FOLDER ${DOCUMENT} DIRECTORY)
@@ -33,10 +34,21 @@ foreach(DOCUMENT ${DOCUMENTS})
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/.readme DESTINATION ${DOC}/vismap COMPONENT deploy)
 
+# The Python package, with the texts that it reads, where Debian's Python finds it.
+set(PYTHON_PACKAGE lib/python3/dist-packages/vismap)
+file(GLOB LCM_TEXTS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/lcmtypes/*.lcm)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/libs/python/vismap/ DESTINATION ${PYTHON_PACKAGE} COMPONENT python
+        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+install(FILES ${LCM_TEXTS} DESTINATION ${PYTHON_PACKAGE}/lcmtypes COMPONENT python)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/lcmtypes/older DESTINATION ${PYTHON_PACKAGE}/lcmtypes COMPONENT python OPTIONAL)
+install(FILES ${PROJECT_SOURCE_DIR}/libs/mapfile/map.proto DESTINATION ${PYTHON_PACKAGE} COMPONENT python)
+file(WRITE ${PROJECT_BINARY_DIR}/python/version.txt "${PROJECT_VERSION}\n")
+install(FILES ${PROJECT_BINARY_DIR}/python/version.txt DESTINATION ${PYTHON_PACKAGE} COMPONENT python)
+
 # Debian's own files of documentation.
 configure_file(${CMAKE_CURRENT_LIST_DIR}/deb/changelog.in ${PROJECT_BINARY_DIR}/deb/changelog @ONLY)
 execute_process(COMMAND gzip -9nf ${PROJECT_BINARY_DIR}/deb/changelog COMMAND_ERROR_IS_FATAL ANY)
-foreach(PACKAGE_COMPONENT vismap:deploy vismap-dev:dev)
+foreach(PACKAGE_COMPONENT vismap:deploy vismap-dev:dev python3-vismap:python)
   string(REPLACE ":" ";" PAIR ${PACKAGE_COMPONENT})
   list(GET PAIR 0 PACKAGE)
   list(GET PAIR 1 COMPONENT)
@@ -60,7 +72,7 @@ set(CPACK_PACKAGE_NAME vismap)
 set(CPACK_PACKAGE_CONTACT "the vismap authors <vismap@packages.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};vismap;ALL;/")
-set(CPACK_COMPONENTS_ALL runtime deploy dev)
+set(CPACK_COMPONENTS_ALL runtime deploy dev python)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -81,6 +93,14 @@ anybody, and their CMake and pkg-config files.")
 set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "liblcm-dev, liblcm-bin")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vismap)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python package vismap: read the live map, its objects and free space
+as numpy arrays, save and load maps, and read and write logs of LCM messages.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy, libzstd1, libxxhash0")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/python/postinst
+    ${CMAKE_CURRENT_LIST_DIR}/deb/python/prerm)
 file(GLOB CONFFILES RELATIVE ${DEPLOY}/etc CONFIGURE_DEPENDS ${DEPLOY}/etc/*)
 list(TRANSFORM CONFFILES PREPEND /etc/vismap/)
 list(JOIN CONFFILES "\n" CONFFILES)
@@ -89,6 +109,8 @@ file(WRITE ${PROJECT_BINARY_DIR}/deb/conffiles "${CONFFILES}\n")
 include(CPack)
 cpack_add_component_group(robot)
 cpack_add_component_group(dev)
+cpack_add_component_group(python)
 cpack_add_component(runtime GROUP robot)
 cpack_add_component(deploy GROUP robot)
 cpack_add_component(dev GROUP dev)
+cpack_add_component(python GROUP python)

@@ -51,8 +51,8 @@ class PackagesTest(unittest.TestCase):
         self.addCleanup(process.terminate)
         return process.stdout.readline().strip()
 
-    def test_there_are_two(self):
-        self.assertEqual(set(self.packages), {"vismap", "vismap-dev"})
+    def test_there_are_three(self):
+        self.assertEqual(set(self.packages), {"vismap", "vismap-dev", "python3-vismap"})
 
     def test_control_fields(self):
         depends = self.field("vismap", "Depends")
@@ -62,6 +62,8 @@ class PackagesTest(unittest.TestCase):
         self.assertEqual(self.field("vismap", "Architecture"), call("dpkg", "--print-architecture").strip())
         self.assertEqual(self.field("vismap-dev", "Architecture"), "all")
         self.assertIn("liblcm-dev", self.field("vismap-dev", "Depends"))
+        self.assertEqual(self.field("python3-vismap", "Architecture"), "all")
+        self.assertIn("python3-numpy", self.field("python3-vismap", "Depends"))
         for package in self.packages:
             self.assertRegex(self.field(package, "Version"), r"^\d+\.\d+\.\d+$")
             self.assertIn("@", self.field(package, "Maintainer"))
@@ -77,7 +79,7 @@ class PackagesTest(unittest.TestCase):
             for name, (mode, owner) in names.items():
                 self.assertEqual(owner, "root/root", name)
                 self.assertRegex(mode, r"^(drwxr-xr-x|-rw-r--r--|-rwxr-xr-x|lrwxrwxrwx)$", name)
-                self.assertRegex(name, r"^\./($|etc/($|vismap/)|usr/($|bin/|include/|lib/($|systemd/)|share/))", name)
+                self.assertRegex(name, r"^\./($|etc/($|vismap/)|usr/($|bin/|include/|lib/($|systemd/|python3/)|share/))", name)
 
     def test_settings_are_conffiles(self):
         control = pathlib.Path(self.temporary.name) / "control"
@@ -117,6 +119,22 @@ class PackagesTest(unittest.TestCase):
         for environment in (self.root / "etc/vismap").glob("*.env"):
             if environment.name != "vismap.env":
                 self.assertTrue((self.root / f"usr/bin/vismap-{environment.stem}").exists(), environment.name)
+
+    def test_python_package(self):
+        installed = self.root / "usr/lib/python3/dist-packages"
+        program = ("import vismap, vismap.map_file, sys\n"
+                   "vismap.map_file._schema()\n"
+                   "with vismap.Bus(sys.argv[1]) as bus:\n"
+                   "    print(vismap.__version__, len(vismap.types), bus.subscribe('STATUS').get(20).decode().process)\n")
+        printed = call("/usr/bin/python3", "-B", "-c", program, self.hub(), env={**os.environ, "PYTHONPATH": str(installed)}, cwd=self.root,
+                       timeout=60)
+        version, types, process = printed.split()
+        self.assertEqual((version, process), (self.field("python3-vismap", "Version"), "hub"))
+        self.assertEqual(int(types), len(list((CONSUMER.parents[2] / "lcmtypes").rglob("*.lcm"))))
+        control = pathlib.Path(self.temporary.name) / "python-control"
+        call("dpkg-deb", "-e", self.packages["python3-vismap"], control)
+        for script in ("postinst", "prerm"):
+            call("sh", "-n", control / script)
 
     def test_another_program_by_pkg_config(self):
         environment = {**os.environ, "PKG_CONFIG_PATH": str(self.root / "usr/share/pkgconfig"),

@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = None  # from the command line
 MOST_README_LINES = 150
 # Folders that hold documents; all are installed with the package.
-FOLDERS = (".", "config", "libs", "procs", "tests")
+FOLDERS = (".", "config", "libs", "libs/python", "procs", "tests")
 # What a path in a document may be relative to, besides the document's own folder.
 BASES = ("", "libs", "procs", "tests", "config/deploy")
 SOURCE_SUFFIXES = (".h", ".cc", ".md", ".py", ".proto", ".lcm", ".cmake", ".txtpb", ".pmd", ".env", ".nft", ".conf", ".svg")
@@ -259,7 +259,7 @@ def equal_numbers(a, b):
 @functools.cache
 def words_of_code(root):
     words = set()
-    for folder, suffixes in (("libs", (".h", ".cc", ".proto")), ("procs", (".h", ".cc")), ("lcmtypes", (".lcm",)),
+    for folder, suffixes in (("libs", (".h", ".cc", ".proto", ".py")), ("procs", (".h", ".cc")), ("lcmtypes", (".lcm",)),
                              ("tests", (".cc",)), ("config", (".env",))):
         for file in (root / folder).rglob("*"):
             if file.suffix in suffixes:
