@@ -15,6 +15,7 @@ LIBS = {
     "segmentation": ["geometry"],
     "plausibility": ["segmentation"],
     "codecs": ["segmentation"],
+    "rectify": ["codecs"],
     "map": ["geometry"],
     "association": ["segmentation", "map"],
     "mapping": ["association"],
@@ -26,15 +27,15 @@ LIBS = {
     "exports": ["render", "freespace", "mapfile"],
     "datasets": ["codecs"],
     "detection": ["datasets"],
-    "simulation": ["datasets"],
+    "simulation": ["datasets", "rectify"],
     "session": ["mapping", "mapfile"],
-    "evaluation": ["exports", "datasets"],
+    "evaluation": ["exports", "datasets", "rectify"],
     "config": ["simulation", "session", "exports", "detection"],
 }
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any
 # room of libs/ and these, but not each other.
 PROCS = {
-    "wire": ["codecs", "exports"],
+    "wire": ["rectify", "exports"],
     "runtime": ["wire"],
     "requests": ["runtime"],
     "logs": ["wire", "simulation", "plausibility"],
@@ -64,7 +65,7 @@ OUTSIDE = [
     (r"opencv2/", ("libs/", "procs/", "tests/"), True, "OpenCV only in .cc files"),
     (r"nlohmann/json_fwd", ("libs/", "procs/", "tests/"), False, ""),
     (r"nlohmann/(?!json_fwd)", ("libs/", "procs/", "tests/"), True, "JSON only in .cc files"),
-    (r"(zstd|xxhash|turbojpeg)\.h", ("libs/", "procs/", "tests/"), True,
+    (r"(zstd|zlib|xxhash|turbojpeg)\.h", ("libs/", "procs/", "tests/"), True,
      "compression and hashing only in .cc files"),
     (r"spdlog/", ("procs/runtime/", "tests/runtime/"), True, "libraries do not log"),
     (r"CLI/", ("procs/runtime/",), True, "programs use runtime/command_line.h"),

@@ -58,7 +58,7 @@ class FolderDataset : public Dataset {
     const fs::path& path = files_.frames[i].color;
     Result<std::vector<uint8_t>> color = ReadColorOf(path);
     if (color) {
-      frame.color_jpeg = std::move(*color);
+      frame.color = std::move(*color);
     } else if (frame.header.frame_number == last_number_ && IsCutOff(path)) {
       return Fail(color.error().message + " (it is the last image)");
     } else if (HasOtherSize(path)) {

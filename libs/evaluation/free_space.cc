@@ -1,6 +1,9 @@
 #include "evaluation/free_space.h"
 
+#include <utility>
+
 #include "evaluation/nearest.h"
+#include "rectify/rectifier.h"
 
 namespace vismap {
 namespace {
@@ -10,10 +13,12 @@ void AddFrame(const OccupancyMap& map, const SensorFrame& frame, const RayOption
               RayScore* score) {
   const PinholeCamera& camera = frame.header.camera;
   const int first = options.pixel_step / 2;
-  for (int v = first; v < frame.depth.height(); v += options.pixel_step) {
-    for (int u = first; u < frame.depth.width(); u += options.pixel_step) {
-      const double z = frame.depth(v, u) * frame.depth_unit_m;
-      if (z < options.min_depth || z > options.max_depth) continue;  // no return, or out of range
+  const bool floats = frame.depth.empty();
+  for (int v = first; v < camera.height; v += options.pixel_step) {
+    for (int u = first; u < camera.width; u += options.pixel_step) {
+      const double z =
+          floats ? double{frame.depth_m(v, u)} : frame.depth(v, u) * frame.depth_unit_m;
+      if (!(z >= options.min_depth && z <= options.max_depth)) continue;  // none, or out of range
       const Eigen::Vector3d ray_C((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
       const double stretch = ray_C.norm();  // distance from the camera divided by depth
       for (double r = options.first; r < z * stretch - options.margin; r += options.step)
@@ -64,8 +69,10 @@ OccupiedCells CountOccupied(const OccupancyMap& map, std::span<const Eigen::Vect
 Result<RayScore> ScoreRays(const OccupancyMap& map, const Dataset& dataset,
                            const RayOptions& options) {
   RayScore score;
+  Rectifier rectifier;
   for (size_t i = 0; i < dataset.size(); i += options.frame_step) {
-    const Result<SensorFrame> frame = dataset.Read(i);
+    Result<SensorFrame> frame = dataset.Read(i);
+    if (frame) frame = rectifier.Rectify(std::move(*frame));
     if (frame) AddFrame(map, *frame, options, &score);  // the mapper left out the others, too
   }
   return score;

@@ -95,7 +95,7 @@ SensorFrame RenderFrame(const Scene& scene, const FrameHeader& header, const Dep
   const Image<float> depth =
       AddDepthNoise(image.depth, header.camera, noise, static_cast<uint64_t>(header.frame_number));
   SensorFrame frame{.header = header,
-                    .color_jpeg = EncodeJpeg(image.color),
+                    .color = EncodeJpeg(image.color),
                     .depth = Image<uint16_t>(depth.width(), depth.height()),
                     .depth_unit_m = 0.001};
   std::transform(depth.pixels().begin(), depth.pixels().end(), frame.depth.pixels().begin(),

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/digest.h"
 #include "base/format.h"
 #include "codecs/frame_codec.h"
 #include "runtime/clock.h"
@@ -40,30 +41,66 @@ size_t BytesOf(const segmented_frame_t& message) {
          message.segments.size() * sizeof(frame_segment_t);
 }
 
-/// Whether two messages are the same frame: same key, image size, depth unit, pose and colour.
-/// Depth, source and sequence number are not compared.
-bool SameButDepth(const rgbd_frame_t& a, const rgbd_frame_t& b) {
-  return KeyOf(a) == KeyOf(b) && a.width == b.width && a.height == b.height &&
-         a.depth_unit_m == b.depth_unit_m &&
-         std::equal(std::begin(a.T_W_C), std::end(a.T_W_C), std::begin(b.T_W_C)) &&
-         a.color == b.color;
+/// Digest of the images of a frame and of its cameras and pose. Source, sequence number and
+/// after_utime may differ between copies of a frame.
+std::string DigestOf(const rgbd_frame_t& frame) {
+  Digest digest;
+  const auto add_camera = [&](const camera_t& camera) {
+    for (const int32_t number : {camera.width, camera.height, int32_t{camera.distortion}})
+      digest.Add(number);
+    for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy}) digest.Add(number);
+    digest.AddBytes(camera.coefficients.data(), camera.coefficients.size() * sizeof(double));
+  };
+  add_camera(frame.color_camera);
+  add_camera(frame.depth_camera);
+  digest.AddBytes(frame.T_W_C, sizeof(frame.T_W_C));
+  digest.AddBytes(frame.T_color_depth, sizeof(frame.T_color_depth));
+  digest.Add(frame.depth_unit_m);
+  for (const int8_t code : {frame.depth_registered, frame.depth_encoding, frame.color_encoding})
+    digest.Add(code);
+  digest.AddBytes(frame.depth.data(), frame.depth.size());
+  digest.AddBytes(frame.color.data(), frame.color.size());
+  return digest.Hex();
 }
 
-/// The message of a frame with depth 0 at the pixels that were left out (NaN in `kept`).
-rgbd_frame_t WithoutLeftOut(const rgbd_frame_t& message, SensorFrame sensor,
-                            const Image<float>& kept) {
+void CopyOrigin(const rgbd_frame_t& from, rgbd_frame_t* to) {
+  to->seq = from.seq;
+  to->source = from.source;
+  to->checksum = from.checksum;
+  to->after_utime = from.after_utime;
+}
+
+/// The message of a frame that was rectified.
+rgbd_frame_t EncodeRectified(const SensorFrame& sensor, const rgbd_frame_t& original) {
+  rgbd_frame_t message = Encode(sensor);
+  CopyOrigin(original, &message);
+  return message;
+}
+
+/// Takes the depth of pixels that were left out (NaN in `kept`) out of `sensor`. Returns whether
+/// there are any.
+bool RemoveLeftOut(const Image<float>& kept, SensorFrame* sensor) {
   bool changed = false;
   for (size_t i = 0; i < kept.size(); ++i) {
-    uint16_t& depth = sensor.depth.data()[i];
-    if (!std::isnan(kept.data()[i]) || depth == 0 || depth == 65535) continue;
-    depth = 0;
-    changed = true;
+    if (!std::isnan(kept.data()[i])) continue;
+    if (sensor->depth.empty()) {
+      changed |= !std::isnan(std::exchange(sensor->depth_m.data()[i], kept.data()[i]));
+    } else if (uint16_t& depth = sensor->depth.data()[i]; depth != 0 && depth != 65535) {
+      depth = 0;
+      changed = true;
+    }
   }
-  rgbd_frame_t result = message;
-  if (!changed) return result;
-  result.depth = Encode(sensor).depth;
-  result.depth_size = static_cast<int32_t>(result.depth.size());
-  return result;
+  return changed;
+}
+
+/// The message of a frame without the depth of pixels that were left out (NaN in `kept`).
+rgbd_frame_t WithoutLeftOut(rgbd_frame_t message, SensorFrame sensor, const Image<float>& kept) {
+  if (!RemoveLeftOut(kept, &sensor)) return message;
+  rgbd_frame_t changed = Encode(sensor);
+  message.depth_encoding = changed.depth_encoding;
+  message.depth = std::move(changed.depth);
+  message.depth_size = changed.depth_size;
+  return message;
 }
 
 }  // namespace
@@ -126,17 +163,15 @@ Result<void> Segmenter::OnDetections(const detections_t& message) {
 }
 
 bool Segmenter::RepeatAnswer(const rgbd_frame_t& message) {
+  const FrameKey key = KeyOf(message);
+  const auto same_key = [&](const Answer& answer) { return answer.key == key; };
+  if (std::none_of(answers_.begin(), answers_.end(), same_key)) return false;
+  const std::string digest = DigestOf(message);
   const auto answer = std::find_if(answers_.begin(), answers_.end(), [&](const Answer& a) {
-    return a.depth == message.depth && SameButDepth(a.message.frame, message);
+    return same_key(a) && a.digest == digest;
   });
-  if (answer == answers_.end()) return false;  // a new frame, or its result is no longer stored
-  // Copy the new message, because its after_utime may have changed, but keep the depth of the
-  // result.
-  rgbd_frame_t& frame = answer->message.frame;
-  std::vector<uint8_t> depth = std::move(frame.depth);
-  frame = message;
-  frame.depth = std::move(depth);
-  frame.depth_size = static_cast<int32_t>(frame.depth.size());
+  if (answer == answers_.end()) return false;   // a new frame, or its result is no longer stored
+  CopyOrigin(message, &answer->message.frame);  // its after_utime may have changed
   status_.Count("frames_answered_again");
   bus_.Publish(kSegmentedFrameChannel, answer->message);
   return true;
@@ -187,7 +222,7 @@ bool Segmenter::SegmentNext() {
   status_.Count("frames");
   status_.Count("segments", answer->n_segments);
   bus_.Publish(kSegmentedFrameChannel, *answer);
-  Remember(joined.frame.depth, std::move(*answer));
+  Remember(joined.frame, std::move(*answer));
   return true;
 }
 
@@ -211,10 +246,11 @@ void Segmenter::TellCamera(const FrameHeader& header, const std::string& source)
           ": from the RGBD_FRAMEs of " + source);
 }
 
-void Segmenter::Remember(const std::vector<uint8_t>& depth, segmented_frame_t message) {
-  const size_t bytes = depth.size() + BytesOf(message);
+void Segmenter::Remember(const rgbd_frame_t& frame, segmented_frame_t message) {
+  const size_t bytes = BytesOf(message);
   answer_bytes_ += bytes;
-  answers_.push_back({depth, std::move(message), bytes, MonotonicSeconds()});
+  answers_.push_back(
+      {KeyOf(frame), DigestOf(frame), std::move(message), bytes, MonotonicSeconds()});
 }
 
 void Segmenter::ForgetAnswers() {
@@ -227,8 +263,14 @@ void Segmenter::ForgetAnswers() {
 
 Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   const StageTimer timer(&status_, "segmentation");
-  const Result<SensorFrame> sensor = Decode(joined.frame);
+  Result<SensorFrame> sensor = Decode(joined.frame);
   if (!sensor) return tl::unexpected(sensor.error());
+  const bool ideal = !sensor->optics;
+  if (!ideal) {
+    const StageTimer rectification(&status_, "rectification");
+    sensor = rectifier_.Rectify(std::move(*sensor));
+    if (!sensor) return tl::unexpected(sensor.error());
+  }
   Result<RgbdFrame> frame = DecodeFrame(*sensor);
   if (!frame) return tl::unexpected(frame.error());
   if (!frame->color_problem.empty()) {
@@ -240,22 +282,23 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   std::optional<DetectionSet> detections;
   if (joined.detections && DetectorRan(*joined.detections)) {
     const detections_t& message = *joined.detections;
-    if (message.image_width == joined.frame.width && message.image_height == joined.frame.height) {
+    const PinholeCamera& camera = frame->header.camera;
+    if (message.image_width == camera.width && message.image_height == camera.height) {
       detections = *Decode(message);
     } else {
       status_.Count("detections_of_other_size");
-      LogWarningRateLimited(
-          "size",
-          "DETECTIONS of " + ToText(KeyOf(message)) + " are for images of " +
-              std::to_string(message.image_width) + "x" + std::to_string(message.image_height) +
-              ", but the frame has " + std::to_string(joined.frame.width) + "x" +
-              std::to_string(joined.frame.height) + "; the frame is segmented without them");
+      LogWarningRateLimited("size",
+                            "DETECTIONS of " + ToText(KeyOf(message)) + " are for images of " +
+                                std::to_string(message.image_width) + "x" +
+                                std::to_string(message.image_height) + ", but the frame has " +
+                                std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                                "; the frame is segmented without them");
     }
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
-  rgbd_frame_t message = joined.frame;
+  rgbd_frame_t message = ideal ? joined.frame : EncodeRectified(*sensor, joined.frame);
   if (detections && vismap::LeaveOut(*detections, stage_.refine, &*frame) > 0)
-    message = WithoutLeftOut(joined.frame, *sensor, frame->depth);
+    message = WithoutLeftOut(std::move(message), std::move(*sensor), frame->depth);
   const SegmentedFrame segmented =
       SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
   CheckSegments(segmented);

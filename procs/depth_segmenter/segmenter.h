@@ -12,11 +12,13 @@
 #include "depth_segmenter/frame_detection_join.h"
 #include "geometry/frame.h"
 #include "plausibility/depth_check.h"
+#include "rectify/rectifier.h"
 #include "runtime/frame_lag.h"
 #include "runtime/main.h"
 #include "runtime/peers.h"
 #include "segmentation/segmentation_options.h"
 #include "wire/camera_sources.h"
+#include "wire/frame_key.h"
 
 namespace vismap {
 
@@ -40,7 +42,7 @@ class Segmenter {
   void HandleReadyFrames();
   void CollectReadyFrames();
   bool SegmentNext();
-  void Remember(const std::vector<uint8_t>& depth, segmented_frame_t message);
+  void Remember(const rgbd_frame_t& frame, segmented_frame_t message);
   void ForgetAnswers();
   Result<segmented_frame_t> Segment(const JoinedFrame& joined);
   double Patience() const;
@@ -58,15 +60,16 @@ class Segmenter {
   FrameDetectionJoin join_;
   /// A published result.
   struct Answer {
-    /// Encoded depth of the RGBD_FRAME; in `message` left-out pixels are removed.
-    std::vector<uint8_t> depth;
-    segmented_frame_t message;
+    FrameKey key;
+    std::string digest;         ///< of the RGBD_FRAME, see DigestOf
+    segmented_frame_t message;  ///< has the rectified frame, without left-out pixels
     size_t bytes = 0;
     double time = 0;  ///< when it was made [s]
   };
   std::deque<JoinedFrame> ready_;  // do not wait for detections any longer
   int64_t dropped_behind_ = 0;     // since newer frames were ready, too
   NewestTimes newest_times_;
+  Rectifier rectifier_;
   std::deque<Answer> answers_;  // the newest ones, within the limits of ForgetAnswers
   size_t answer_bytes_ = 0;
   std::set<CameraId> cameras_;  // whose intrinsics were logged

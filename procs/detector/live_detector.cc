@@ -6,7 +6,6 @@
 
 #include "base/digest.h"
 #include "base/format.h"
-#include "codecs/color_codec.h"
 #include "runtime/clock.h"
 #include "wire/detections.h"
 #include "wire/rgbd_frame.h"
@@ -20,13 +19,13 @@ constexpr double kWhileWorking = 0.002, kWhileIdle = 0.1;
 constexpr size_t kMaxAnswers = 32;  // results kept for frames that are sent again
 
 /// Decodes the colour of a frame and runs the network on it.
-Result<DetectionSet> RunDetector(const rgbd_frame_t& message, const FrameHeader& header,
+Result<DetectionSet> RunDetector(const rgbd_frame_t& message, Rectifier* rectifier,
                                  DnnDetector* detector) {
-  if (message.color_encoding != rgbd_frame_t::COLOR_JPEG) return Fail("the frame has no colour");
-  const Result<Image<Rgb8>> color =
-      DecodeJpeg(message.color, header.camera.width, header.camera.height);
+  const Result<SensorFrame> frame = DecodeWithoutDepth(message);
+  if (!frame) return tl::unexpected(frame.error());
+  const Result<Image<Rgb8>> color = rectifier->DecodeColor(*frame);
   if (!color) return tl::unexpected(color.error());
-  return detector->Detect(*color, header);
+  return detector->Detect(*color, frame->header);
 }
 
 }  // namespace
@@ -70,7 +69,7 @@ Result<void> LiveDetector::OnFrame(const rgbd_frame_t& message) {
     return {};
   }
   const double start = MonotonicSeconds();
-  const DetectionResult result = RunDetector(message, *header, &detector_);
+  const DetectionResult result = RunDetector(message, &rectifier_, &detector_);
   pace_.AddProcessed((MonotonicSeconds() - start) * 1e3);
   status_.AddTiming("detection", (MonotonicSeconds() - start) * 1e3);
   PublishResult(message, *header, result);
@@ -95,8 +94,8 @@ void LiveDetector::StartDetection(const rgbd_frame_t& message) {
   const Result<FrameHeader> header = DecodeHeader(message);
   if (!header) return;  // cannot happen, OnFrame has decoded it
   work_.emplace(Work{message, *header, MonotonicSeconds(), {}});
-  work_->result = std::async(std::launch::async, [work = &*work_, detector = &detector_] {
-    return RunDetector(work->frame, work->header, detector);
+  work_->result = std::async(std::launch::async, [this, work = &*work_] {
+    return RunDetector(work->frame, &rectifier_, &detector_);
   });
 }
 

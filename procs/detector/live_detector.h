@@ -11,6 +11,7 @@
 #include "detection/dnn_detector.h"
 #include "detector/newest_frames.h"
 #include "detector/pace.h"
+#include "rectify/rectifier.h"
 #include "runtime/main.h"
 
 namespace vismap {
@@ -41,7 +42,7 @@ class LiveDetector {
   /// A published result, and the colour image from which it was computed.
   struct Answer {
     FrameKey key;
-    uint64_t color;  // checksum of the JPEG
+    uint64_t color;  // checksum of its bytes
     detections_t message;
   };
 
@@ -56,6 +57,7 @@ class LiveDetector {
 
   DetectorOptions options_;
   DnnDetector& detector_;
+  Rectifier rectifier_;  // used by one detection at a time
   Bus& bus_;
   Status& status_;
   NewestFrames waiting_;

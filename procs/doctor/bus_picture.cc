@@ -70,7 +70,7 @@ void BusPicture::AddFrame(const std::string& channel, std::span<const uint8_t> d
     key = KeyOf(*commit);
   } else {
     if (channel != kRgbdFrameChannel.name) return;
-    const Result<FrameHeader> header = PeekFrameHeader(data);
+    const Result<FrameHeader> header = PeekFrameHeader(data, data.size());
     if (!header) return;
     key = {header->camera_id, header->utime};
   }

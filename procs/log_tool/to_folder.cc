@@ -3,8 +3,11 @@
 
 #include "base/format.h"
 #include "base/reason_counts.h"
+#include "codecs/color_codec.h"
+#include "codecs/frame_codec.h"
 #include "datasets/scenenn_writer.h"
 #include "log_tool/convert.h"
+#include "rectify/rectifier.h"
 
 namespace vismap {
 namespace {
@@ -71,7 +74,43 @@ class Numbering {
 
 struct Losses {
   int64_t without_detector = 0, without_class = 0;
+  int64_t rectified = 0, color_as_jpeg = 0, depth_rounded = 0;
 };
+
+// A folder has rectified frames with colour as JPEG and depth as integers.
+Result<SensorFrame> AsFolderFrame(SensorFrame read, Rectifier* rectifier, Losses* losses) {
+  constexpr double kDepthUnit = 0.001;  // of depth in metres [m]
+  if (read.color.empty()) return Fail(NameOf(read.header) + " has no colour");
+  losses->rectified += read.optics ? 1 : 0;
+  Result<SensorFrame> frame = rectifier->Rectify(std::move(read));
+  if (!frame) return frame;
+  if (frame->color.empty()) return Fail(frame->color_problem);
+  if (frame->color_encoding != ColorEncoding::kJpeg) {
+    const Result<Image<Rgb8>> color = rectifier->DecodeColor(*frame);
+    if (!color) return Fail(NameOf(frame->header) + ": colour: " + color.error().message);
+    frame->color = EncodeJpeg(*color);
+    frame->color_encoding = ColorEncoding::kJpeg;
+    ++losses->color_as_jpeg;
+  }
+  if (frame->depth.empty()) {
+    frame->depth_unit_m = kDepthUnit;
+    frame->depth = DepthInSteps(frame->depth_m, kDepthUnit);
+    frame->depth_m = {};
+    ++losses->depth_rounded;
+  }
+  return frame;
+}
+
+void TellImageLosses(const Losses& losses, ConvertResult* result) {
+  const auto tell = [&](int64_t count, const std::string& what) {
+    if (count > 0) result->lost.push_back(what + " of " + FormatCount(count, "frame"));
+  };
+  tell(losses.rectified,
+       "the images as they were taken (they are now without distortion, and "
+       "depth is registered)");
+  tell(losses.color_as_jpeg, "the exact colour (it is now a JPEG)");
+  tell(losses.depth_rounded, "parts of a millimetre in the depth");
+}
 
 Result<void> AddDetections(const FrameHeader& header, int64_t number,
                            const DetectionSource& detections, SceneNnWriter* writer,
@@ -115,10 +154,11 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
   SceneNnWriter writer(folder);
   Losses losses;
   ReasonCounts left_out;
+  Rectifier rectifier;
   std::optional<SensorFrame> first;
   for (const size_t i : frames) {
     Result<SensorFrame> frame = dataset.Read(i);
-    if (frame && frame->color_jpeg.empty()) frame = Fail(NameOf(frame->header) + " has no colour");
+    if (frame) frame = AsFolderFrame(std::move(*frame), &rectifier, &losses);
     if (!frame) {
       left_out.Add(frame.error().message);
       continue;
@@ -128,7 +168,7 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
       return tl::unexpected(same.error());
     FrameHeader header = frame->header;
     header.frame_number = numbering.Next(frame->header);
-    writer.AddFrame(header, frame->depth, {".jpg", std::move(frame->color_jpeg)});
+    writer.AddFrame(header, frame->depth, {".jpg", std::move(frame->color)});
     if (detections != nullptr) {
       const auto added =
           AddDetections(frame->header, header.frame_number, *detections, &writer, &losses);
@@ -143,6 +183,7 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
                SceneNnIni(first->header.camera, RateOf(dataset, frames), first->depth_unit_m));
   if (const Result<void> finished = writer.Finish(); !finished)
     return tl::unexpected(finished.error());
+  TellImageLosses(losses, &result);
   if (losses.without_detector > 0 && losses.without_detector < result.frames) {
     result.lost.push_back("the information that no detector ran on " +
                           FormatCount(losses.without_detector, "frame") +

@@ -12,7 +12,7 @@ namespace {
 std::optional<FrameKey> KeyOfEvent(const LogReader& reader, const LogEvent& event) {
   if (event.channel == kRgbdFrameChannel.name) {
     const Result<std::vector<uint8_t>> bytes = reader.ReadData(event, kFramePeekBytes);
-    const Result<FrameHeader> header = bytes ? PeekFrameHeader(*bytes) : Fail("");
+    const Result<FrameHeader> header = bytes ? PeekFrameHeader(*bytes, event.data_size) : Fail("");
     if (header) return FrameKey{header->camera_id, header->utime};
   } else if (event.channel == kDetectionsChannel.name) {
     if (const auto message = ReadMessage<detections_t>(reader, event, kDetectionsChannel))

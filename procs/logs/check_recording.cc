@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "codecs/frame_codec.h"
+#include "rectify/rectifier.h"
 
 namespace vismap {
 namespace {
@@ -20,6 +20,7 @@ RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
   RecordingCheck result;
   for (const SkippedFrame& skipped : dataset.skipped()) result.left_out.Add(skipped.reason);
   if (dataset.size() == 0) return result;
+  Rectifier rectifier;
   SequenceCheck check(limits, static_cast<int64_t>(dataset.size()) / CountCameras(dataset));
   for (size_t i = 0; i < dataset.size(); ++i) {
     const FrameHeader header = dataset.Header(i);
@@ -28,7 +29,8 @@ RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
       continue;
     }
     const Result<SensorFrame> sensor = dataset.Read(i);
-    const Result<RgbdFrame> frame = sensor ? DecodeFrame(*sensor) : Fail(sensor.error().message);
+    const Result<RgbdFrame> frame =
+        sensor ? rectifier.Decode(*sensor) : Fail(sensor.error().message);
     if (!frame) {
       result.left_out.Add(frame.error().message);
       continue;

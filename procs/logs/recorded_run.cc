@@ -40,7 +40,7 @@ void AddAgain(const LogReader& reader, const LogEvent& event, const FrameHeader&
 Result<void> AddFrame(const LogReader& reader, const LogEvent& event, RecordedRun* run) {
   const Result<std::vector<uint8_t>> bytes = reader.ReadData(event, kFramePeekBytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  const Result<FrameHeader> header = PeekFrameHeader(*bytes);
+  const Result<FrameHeader> header = PeekFrameHeader(*bytes, event.data_size);
   if (!header) {
     run->unusable_frames.push_back({-1, header.error().message});
     return {};

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "codecs/frame_codec.h"
+#include "rectify/rectifier.h"
 #include "runtime/clock.h"
 #include "session/map_frame.h"
 
@@ -19,10 +19,10 @@ struct ReadyFrame {
   std::optional<DetectionSet> detections;
 };
 
-Result<ReadyFrame> ReadFrame(const Dataset& dataset, size_t i) {
+Result<ReadyFrame> ReadFrame(const Dataset& dataset, size_t i, Rectifier* rectifier) {
   const Result<SensorFrame> sensor = dataset.Read(i);
   if (!sensor) return tl::unexpected(sensor.error());
-  Result<RgbdFrame> frame = DecodeFrame(*sensor);
+  Result<RgbdFrame> frame = rectifier->Decode(*sensor);
   if (!frame) return tl::unexpected(frame.error());
   return ReadyFrame{std::move(*frame), sensor->depth_unit_m, std::nullopt};
 }
@@ -40,7 +40,7 @@ class Mapper {
 
   Result<void> MapOne(size_t i) {
     Result<ReadyFrame> frame =
-        watch_.Measure("reading", [&] { return ReadFrame(input_.dataset, i); });
+        watch_.Measure("reading", [&] { return ReadFrame(input_.dataset, i, &rectifier_); });
     if (!frame) {
       mapped_.left_out.Add(frame.error().message);
       return {};
@@ -114,6 +114,7 @@ class Mapper {
   MapSession& session_;
   Stopwatch watch_;
   MappedSequence mapped_;
+  Rectifier rectifier_;
   int64_t with_detections_ = 0;  // frames whose recorded detections could be read
 };
 

@@ -9,7 +9,7 @@
 
 #include "base/format.h"
 #include "base/reason_counts.h"
-#include "codecs/frame_codec.h"
+#include "rectify/rectifier.h"
 #include "runtime/clock.h"
 #include "runtime/frame_lag.h"
 #include "runtime/peers.h"
@@ -81,12 +81,12 @@ class Frames {
   }
   int64_t size() const { return static_cast<int64_t>(dataset_.size() + dataset_.skipped().size()); }
 
-  Result<rgbd_frame_t> Message(size_t i) const {
+  Result<rgbd_frame_t> Message(size_t i) {
     Result<SensorFrame> frame = dataset_.Read(i % dataset_.size());
     if (!frame) return tl::unexpected(frame.error());
     // Check the images: in lockstep, the commit of a frame that cannot be decoded would never
     // arrive.
-    if (const Result<RgbdFrame> decoded = DecodeFrame(*frame); !decoded)
+    if (const Result<RgbdFrame> decoded = rectifier_.Decode(*frame); !decoded)
       return tl::unexpected(decoded.error());
     frame->header.utime += Shift(i);
     return Encode(*frame);
@@ -99,6 +99,7 @@ class Frames {
 
   const Dataset& dataset_;
   bool loop_;
+  Rectifier rectifier_;
   int64_t round_us_ = 0, moved_ = 0;  // [us]
   std::set<size_t> left_out_;         // frames of the sequence
   ReasonCounts reasons_;

@@ -67,14 +67,12 @@ std::vector<uint8_t> Pack(Message& message) {
   return bytes;
 }
 
-/// Decodes a message, also one of an older version of the type. Fails on a different type, on more
-/// than `max_bytes`, on impossible array lengths, on trailing bytes, and on a checksum that does
-/// not match. Never throws.
+namespace envelope {
+
+/// Decodes a message of this version of its type. Fails as Unpack does.
 template <typename Message>
-Result<Message> Unpack(std::span<const uint8_t> bytes, size_t max_bytes) {
+Result<Message> UnpackExactly(std::span<const uint8_t> bytes, size_t max_bytes) {
   const std::string type = Message::getTypeName();
-  const std::optional<std::vector<uint8_t>> completed = CompleteOlderMessage(bytes);
-  if (completed) bytes = *completed;
   if (bytes.size() > max_bytes) {
     return Fail(type + ": " + std::to_string(bytes.size()) + " bytes are more than the allowed " +
                 std::to_string(max_bytes));
@@ -95,6 +93,19 @@ Result<Message> Unpack(std::span<const uint8_t> bytes, size_t max_bytes) {
     }
   }
   return message;
+}
+
+}  // namespace envelope
+
+/// Decodes a message, also one of an older version of the type. Fails on a different type, on more
+/// than `max_bytes`, on impossible array lengths, on trailing bytes, and on a checksum that does
+/// not match. Never throws.
+template <typename Message>
+Result<Message> Unpack(std::span<const uint8_t> bytes, size_t max_bytes) {
+  const auto converted = ConvertOlderMessage(bytes, max_bytes);
+  if (!converted) return envelope::UnpackExactly<Message>(bytes, max_bytes);
+  if (!*converted) return tl::unexpected(converted->error());
+  return envelope::UnpackExactly<Message>(**converted, (*converted)->size());
 }
 
 }  // namespace vismap

@@ -64,8 +64,8 @@ Result<SegmentImage> DecodeLabels(const segmented_frame_t& message) {
   if (message.label_encoding != segmented_frame_t::LABELS_RLE_ZSTD) {
     return Fail("label_encoding " + std::to_string(message.label_encoding) + " is unknown");
   }
-  Result<SegmentImage> image =
-      DecodeSegmentImage(message.labels, message.frame.width, message.frame.height);
+  const camera_t& camera = CameraOf(message.frame);
+  Result<SegmentImage> image = DecodeSegmentImage(message.labels, camera.width, camera.height);
   if (image && image->segment_count != message.n_segments) {
     return Fail("the label image has " + std::to_string(image->segment_count) + " segments, but " +
                 std::to_string(message.n_segments) + " are listed");
@@ -112,12 +112,17 @@ std::string DigestInput(const segmented_frame_t& message) {
     digest.Add(bytes.size());
     digest.AddBytes(bytes.data(), bytes.size());
   };
-  for (const int64_t number : {frame.utime, int64_t{frame.camera_id}, int64_t{frame.width},
-                               int64_t{frame.height}, int64_t{message.had_detections}})
+  const camera_t& camera = CameraOf(frame);
+  for (const int64_t number : {frame.utime, int64_t{frame.camera_id}, int64_t{camera.width},
+                               int64_t{camera.height}, int64_t{message.had_detections}})
     digest.Add(number);
-  for (const double number : {frame.fx, frame.fy, frame.cx, frame.cy, frame.depth_unit_m})
+  for (const double number : {camera.fx, camera.fy, camera.cx, camera.cy, frame.depth_unit_m})
     digest.Add(number);
   digest.AddBytes(frame.T_W_C, sizeof(frame.T_W_C));
+  // The first version of rgbd_frame_t had these encodings only.
+  const bool first_encodings = frame.depth_encoding == rgbd_frame_t::DEPTH_ZSTD_DELTA &&
+                               frame.color_encoding <= rgbd_frame_t::COLOR_JPEG;
+  if (!first_encodings) digest.Add(256 * frame.depth_encoding + frame.color_encoding);
   add_bytes(frame.depth);
   add_bytes(frame.color);
   add_bytes(message.labels);

@@ -19,7 +19,7 @@ SensorFrame SmallFrame() {
                   .frame_number = 9,
                   .camera = {.width = 4, .height = 2, .fx = 5, .fy = 5, .cx = 2, .cy = 1}};
   frame.depth = Image<uint16_t>(4, 2, 1500);
-  frame.color_jpeg = EncodeJpeg(Image<Rgb8>(4, 2, Rgb8{10, 200, 30}));
+  frame.color = EncodeJpeg(Image<Rgb8>(4, 2, Rgb8{10, 200, 30}));
   return frame;
 }
 
@@ -47,16 +47,16 @@ TEST(DecodeFrame, UsesTheDepthUnit) {
 
 TEST(DecodeFrame, WorksWithoutColour) {
   SensorFrame frame = SmallFrame();
-  frame.color_jpeg.clear();
+  frame.color.clear();
   const Result<RgbdFrame> decoded = DecodeFrame(frame);
   ASSERT_TRUE(decoded);
   EXPECT_TRUE(decoded->color.empty());
 }
 
 TEST(DecodeFrame, DamagedColourCostsOnlyTheColour) {
-  for (const size_t kept : {size_t{1}, size_t{20}, SmallFrame().color_jpeg.size() - 3}) {
+  for (const size_t kept : {size_t{1}, size_t{20}, SmallFrame().color.size() - 3}) {
     SensorFrame frame = SmallFrame();
-    frame.color_jpeg.resize(kept);
+    frame.color.resize(kept);
     const Result<RgbdFrame> decoded = DecodeFrame(frame);
     ASSERT_TRUE(decoded) << decoded.error().message;
     EXPECT_TRUE(decoded->color.empty());
@@ -73,8 +73,8 @@ TEST(DecodeFrame, NamesWhatIsWrong) {
     const Result<RgbdFrame> decoded = DecodeFrame(frame);
     return decoded ? std::string("no error") : decoded.error().message;
   };
-  EXPECT_THAT(error_after([](SensorFrame* f) { f->color_jpeg = EncodeJpeg(Image<Rgb8>(5, 2)); }),
-              HasSubstr("frame utime 123 of camera 4: colour is 5x2 but depth 4x2"));
+  EXPECT_THAT(error_after([](SensorFrame* f) { f->color = EncodeJpeg(Image<Rgb8>(5, 2)); }),
+              HasSubstr("frame utime 123 of camera 4: colour: the image is 5x2; expected 4x2"));
   EXPECT_THAT(error_after([](SensorFrame* f) { f->depth = Image<uint16_t>(4, 3); }),
               HasSubstr("depth is 4x3 but the camera 4x2"));
   EXPECT_THAT(error_after([](SensorFrame* f) { f->header.camera.fx = 0; }), HasSubstr("focal"));

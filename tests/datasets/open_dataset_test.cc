@@ -224,7 +224,7 @@ TEST(SevenScenes, PassesJpegThrough) {
   EXPECT_EQ(dataset->format(), "7scenes");
   ASSERT_EQ(dataset->size(), 3u);
   const SensorFrame frame = ReadOrFail(*dataset, 1);
-  EXPECT_EQ(frame.color_jpeg, ColorJpeg(kWidth, kHeight));
+  EXPECT_EQ(frame.color, ColorJpeg(kWidth, kHeight));
   EXPECT_EQ(frame.header.frame_number, 2);
   EXPECT_EQ(frame.header.utime, 66667);
   EXPECT_EQ(frame.header.camera_id, CameraId{3});
@@ -471,7 +471,7 @@ TEST(ScanNet, ResamplesColourToDepth) {
   ASSERT_EQ(dataset->size(), 3u);
   const SensorFrame frame = ReadOrFail(*dataset, 2);
   EXPECT_EQ(frame.header.frame_number, 20);
-  EXPECT_EQ(*ReadJpegSize(frame.color_jpeg), (JpegSize{kWidth, kHeight}));
+  EXPECT_EQ(*ReadJpegSize(frame.color), (JpegSize{kWidth, kHeight}));
   const Result<RgbdFrame> decoded = DecodeFrame(frame);
   ASSERT_TRUE(decoded);
   EXPECT_GT(decoded->color(6, 5).r, 230);
@@ -486,7 +486,7 @@ TEST(ScanNet, ColourOfTheSizeOfDepthPassesThrough) {
   }
   const auto dataset = OpenOrFail(folder / "seq");
   ASSERT_TRUE(dataset);
-  EXPECT_EQ(ReadOrFail(*dataset, 0).color_jpeg, ColorJpeg(kWidth, kHeight));
+  EXPECT_EQ(ReadOrFail(*dataset, 0).color, ColorJpeg(kWidth, kHeight));
 }
 
 TEST(ScanNet, LostTrackingIsCounted) {

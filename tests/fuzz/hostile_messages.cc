@@ -9,6 +9,7 @@
 #include "codecs/frame_codec.h"
 #include "codecs/zstd_codec.h"
 #include "freespace/occupancy_codec.h"
+#include "rectify/rectifier.h"
 #include "support/messages.h"
 #include "support/occupancy_snapshot.h"
 #include "wire/channels.h"
@@ -90,15 +91,34 @@ constexpr size_t kFramePixel = 20;
 constexpr size_t kLabelRunsPixel = 10;
 constexpr size_t kLabelPixel = kLabelRunsPixel + 4;
 
+// Cameras with distortion and depth beside colour: possible ones, and others.
+void SpoilOptics(TestRandom* random, rgbd_frame_t* message) {
+  for (camera_t* camera : {&message->color_camera, &message->depth_camera}) {
+    camera->distortion = static_cast<int8_t>(random->Below(4));
+    camera->coefficients.assign(random->Below(9), 0.0);
+    camera->num_coefficients = static_cast<int32_t>(camera->coefficients.size());
+    for (double& k : camera->coefficients)
+      k = 0.1 * (static_cast<double>(random->Below(2001)) - 1000) / 1000;
+    if (random->Below(4) == 0) camera->fx *= static_cast<double>(random->Below(30)) / 10;
+  }
+  message->depth_registered = static_cast<int8_t>(random->Below(2));
+  for (const size_t shift : {3, 7, 11})
+    message->T_color_depth[shift] = (static_cast<double>(random->Below(201)) - 100) / 90;
+}
+
 FuzzTarget RgbdFrameTarget() {
   const rgbd_frame_t good = Encode(SmallSensorFrame());
   FuzzTarget target = Target(kRgbdFrameChannel, good, [](const rgbd_frame_t& message) {
     const Result<SensorFrame> sensor = Decode(message);
-    return sensor ? Accepted(DecodeFrame(*sensor)) : Accepted(sensor);
+    Rectifier rectifier;
+    return sensor ? Accepted(rectifier.Decode(*sensor)) : Accepted(sensor);
   });
   target.spoil_inside = Spoiling(good, [](TestRandom* random, rgbd_frame_t* message) {
     SpoilCompressed(random, &message->depth, &message->depth_size);
     if (random->Below(2) == 0) ChangeBytes(random, &message->color);
+    if (random->Below(4) == 0) message->depth_encoding = static_cast<int8_t>(random->Below(7));
+    if (random->Below(4) == 0) message->color_encoding = static_cast<int8_t>(random->Below(9));
+    if (random->Below(4) == 0) SpoilOptics(random, message);
   });
   target.largest_content = kDepthPixel * kMaxDecodedPixels;
   target.peak_content = kFramePixel * kMaxDecodedPixels;
@@ -139,7 +159,7 @@ FuzzTarget SegmentedFrameTarget() {
   target.spoil_inside = Spoiling(good, [](TestRandom* random, segmented_frame_t* message) {
     SpoilCompressed(random, &message->labels, &message->label_size);
     if (random->Below(4) == 0)
-      message->frame.width = static_cast<int32_t>(random->Below(20000)) - 100;
+      message->frame.color_camera.width = static_cast<int32_t>(random->Below(20000)) - 100;
   });
   target.largest_content = kLabelRunsPixel * kMaxDecodedPixels;
   target.peak_content = (kFramePixel + kLabelPixel) * kMaxDecodedPixels;

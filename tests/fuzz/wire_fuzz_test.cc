@@ -147,7 +147,7 @@ rgbd_frame_t BlackFrame(int width, int height) {
   frame.header.camera.fx = frame.header.camera.fy = width;
   frame.header.camera.cx = width / 2.0;
   frame.header.camera.cy = height / 2.0;
-  frame.color_jpeg.clear();
+  frame.color.clear();
   frame.depth = Image<uint16_t>(width, height);
   rgbd_frame_t message = Encode(frame);
   message.source = "bomb";
@@ -170,7 +170,7 @@ TEST(Bombs, LargestDepthImageIsAcceptedAndALargerOneNeedsNoMemory) {
   Tally tally;
   EXPECT_TRUE(Decodes(target, bytes, &tally));
   EXPECT_EQ(tally.accepted, 1);
-  frame.width = 4097;
+  frame.depth_camera.width = 4097;
   bytes = Pack(frame);
   Tally refused;
   EXPECT_TRUE(Decodes(target, bytes, &refused));

@@ -23,11 +23,12 @@ std::vector<rgbd_frame_t> FramesOfImpossibleCameras() {
   std::vector<rgbd_frame_t> messages;
   for (const double focal : {5.0, 0.82, 1e-300, 1e9, 1e300, kNaN, -130.0, 0.0}) {
     messages.push_back(Encode(Noise(1000 + static_cast<int64_t>(messages.size()), 1)));
-    messages.back().fx = messages.back().fy = focal;
+    messages.back().color_camera.fx = messages.back().color_camera.fy = focal;
+    messages.back().depth_camera = messages.back().color_camera;
   }
   for (const double center : {1e9, -1e5, kNaN}) {
     messages.push_back(Encode(Noise(1000 + static_cast<int64_t>(messages.size()), 1)));
-    messages.back().cx = center;
+    messages.back().color_camera.cx = messages.back().depth_camera.cx = center;
   }
   return messages;
 }

@@ -55,7 +55,7 @@ void ExpectSameFrames(const Sequence& a, const Sequence& b) {
     EXPECT_EQ(x->header.T_W_C.matrix(), y->header.T_W_C.matrix());
     EXPECT_EQ(x->depth, y->depth);
     EXPECT_EQ(x->depth_unit_m, y->depth_unit_m);
-    EXPECT_EQ(x->color_jpeg, y->color_jpeg);
+    EXPECT_EQ(x->color, y->color);
     const Result<DetectionSet> of_x = a.detections->ForFrame(x->header);
     const Result<DetectionSet> of_y = b.detections->ForFrame(y->header);
     ASSERT_TRUE(of_x && of_y);
@@ -146,7 +146,7 @@ TEST(Convert, RejectsFramesThatFormNoSequence) {
               HasSubstr("utime 2000 has other intrinsics or another depth unit"));
   LogBuilder blind;
   SensorFrame frame = SmallSensorFrame();
-  frame.color_jpeg.clear();
+  frame.color.clear();
   const Sequence colourless = Open(blind.Add(kRgbdFrameChannel, Encode(frame)).Finish());
   EXPECT_THAT(WriteFolder(*colourless.dataset, nullptr, {}, out / "b").error().message,
               HasSubstr("no colour"));

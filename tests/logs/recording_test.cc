@@ -51,7 +51,7 @@ TEST(OpenRecording, FramesAreReadInOrderOfArrival) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->header.camera_id, CameraId{5});
   EXPECT_EQ(read->depth, sent.depth);
-  EXPECT_EQ(read->color_jpeg, sent.color_jpeg);
+  EXPECT_EQ(read->color, sent.color);
   EXPECT_EQ(read->depth_unit_m, sent.depth_unit_m);
 }
 

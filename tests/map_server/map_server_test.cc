@@ -120,7 +120,7 @@ TEST_F(ServerOnABus, SkipsAFrameThatCannotBeUsedAndIntegratesTheNext) {
   Start();
   EXPECT_THAT(Send(SmallMessage(2000, 1000)), SizeIs(0));
   segmented_frame_t broken = SmallMessage(1000);
-  broken.frame.fx = -1;
+  broken.frame.color_camera.fx = -1;
   const auto commits = Send(broken);
   ASSERT_THAT(commits, SizeIs(2));
   EXPECT_EQ(commits[0].status, frame_commit_t::STATUS_SKIPPED);
@@ -142,7 +142,7 @@ segmented_frame_t MovedMessage(int64_t utime, double x) {
 TEST_F(ServerOnABus, TellsWhichFramesWereLeftOutAndWhy) {
   Start();
   segmented_frame_t broken = SmallMessage(1000);
-  broken.frame.fx = -1;
+  broken.frame.color_camera.fx = -1;
   Send(broken);
   EXPECT_THAT(status_.findings(), ElementsAre(HasSubstr("1 of 1 frames were left out: 1 x ")));
   Ask("reset");

@@ -166,7 +166,7 @@ TEST(DnnDetector, FramesWithoutColourAreSkipped) {
   const auto room = OpenSequence("synthetic:room?frames=1&width=64", "");
   ASSERT_TRUE(room) << room.error().message;
   SensorFrame frame = *(*room)->Read(0);
-  frame.color_jpeg.clear();
+  frame.color.clear();
   processes.bus().Publish(kRgbdFrameChannel, Encode(frame));
   EXPECT_TRUE(processes.SpinUntil([&] { return answers.frames() == 1; }));
   EXPECT_EQ(answers.looked_at(), 0);

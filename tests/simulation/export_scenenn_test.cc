@@ -43,7 +43,7 @@ void ExpectReadBackIsTheSame(const SyntheticOptions& options) {
     const Result<SensorFrame> a = (*read)->Read(i), b = computed->Read(i);
     ASSERT_TRUE(a) << a.error().message;
     EXPECT_EQ(a->depth, b->depth);
-    EXPECT_EQ(a->color_jpeg, b->color_jpeg);
+    EXPECT_EQ(a->color, b->color);
     EXPECT_EQ(a->header.utime, b->header.utime);
     EXPECT_EQ(a->header.frame_number, b->header.frame_number);
     EXPECT_EQ(a->header.camera, b->header.camera);

@@ -87,7 +87,7 @@ TEST(OpenSequence, OpensTheRoomLikeAnyDataset) {
   EXPECT_EQ(frame->depth.height(), 48);
   EXPECT_TRUE(DecodeFrame(*frame));
   EXPECT_EQ(dataset.Read(1)->depth, frame->depth);
-  EXPECT_EQ(dataset.Read(1)->color_jpeg, frame->color_jpeg);
+  EXPECT_EQ(dataset.Read(1)->color, frame->color);
 }
 
 TEST(OpenSequence, OpensTheOfficeWithItsDetections) {

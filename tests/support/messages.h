@@ -29,7 +29,7 @@ inline SensorFrame SmallSensorFrame(int64_t utime = 1000, int camera = 3) {
       color(v, u) = {static_cast<uint8_t>(4 * u), static_cast<uint8_t>(5 * v), 90};
     }
   }
-  frame.color_jpeg = EncodeJpeg(color);
+  frame.color = EncodeJpeg(color);
   return frame;
 }
 
