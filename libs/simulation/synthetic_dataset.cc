@@ -5,8 +5,10 @@
 
 #include "base/random.h"
 #include "base/require.h"
+#include "rectify/rectified_camera.h"
 #include "simulation/office.h"
 #include "simulation/pose_noise.h"
+#include "simulation/realsense.h"
 #include "simulation/room.h"
 
 namespace vismap {
@@ -44,8 +46,9 @@ class SyntheticDataset : public Dataset {
   }
   Result<SensorFrame> Read(size_t i) const override {
     FrameHeader given = Header(i);
-    SensorFrame frame =
-        RenderFrame(SceneInFrame(scene_, given.frame_number), true_headers_[i], noise_);
+    const Scene shown = SceneInFrame(scene_, given.frame_number);
+    SensorFrame frame = options_.realsense ? RenderRealSense(shown, true_headers_[i], noise_)
+                                           : RenderFrame(shown, true_headers_[i], noise_);
     frame.header = std::move(given);
     return frame;
   }
@@ -132,6 +135,14 @@ SceneObject Moved(const SceneObject& object, const SyntheticOptions::Change& cha
   return moved;
 }
 
+// Of the rectified frames.
+PinholeCamera CameraOf(const SyntheticOptions& options) {
+  if (options.realsense) return RectifiedCamera(RealSenseOptics(), true);
+  const int height = options.width * 3 / 4;
+  const double focal = 525.0 * options.width / 640;
+  return {options.width, height, focal, focal, 0.5 * (options.width - 1), 0.5 * (height - 1)};
+}
+
 }  // namespace
 
 Scene MakeScene(const SyntheticOptions& options) {
@@ -150,10 +161,7 @@ Scene MakeScene(const SyntheticOptions& options) {
 }
 
 std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options) {
-  const int height = options.width * 3 / 4;
-  const double focal = 525.0 * options.width / 640;
-  const PinholeCamera camera{options.width,     height, focal, focal, 0.5 * (options.width - 1),
-                             0.5 * (height - 1)};
+  const PinholeCamera camera = CameraOf(options);
   std::vector<FrameHeader> headers;
   const std::vector<Pose> tour =
       options.scene == "room" ? MakeRoomTour(options.frames) : MakeOfficeWalk(options.frames);

@@ -21,9 +21,10 @@ namespace vismap {
 /// moved by so many metres along x and y of W. All errors are functions of the seed.
 struct SyntheticOptions {
   std::string scene = "room";
-  int frames = 80;    ///< of one closed tour of the scene, 1..100000
-  int width = 640;    ///< [px], 16..4096; height is 3/4 of it, focal length 525/640 of it
-  bool noise = true;  ///< "kinect" or "none": errors of sensor and detector
+  int frames = 80;         ///< of one closed tour of the scene, 1..100000
+  int width = 640;         ///< [px], 16..4096; height is 3/4 of it, focal length 525/640 of it
+  bool realsense = false;  ///< camera "ideal" or "realsense" (see realsense.h; without `width`)
+  bool noise = true;       ///< "kinect" or "none": errors of sensor and detector
   uint64_t seed = 1;
   double rate = 10;  ///< frames per second
   int tours = 1;     ///< number of tours, 1..10000; the errors differ between them

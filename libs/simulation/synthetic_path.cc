@@ -31,6 +31,14 @@ Result<void> SetNoise(std::string_view value, SyntheticOptions* options) {
   return {};
 }
 
+Result<void> SetCamera(std::string_view value, SyntheticOptions* options) {
+  if (value != "ideal" && value != "realsense") {
+    return Fail("synthetic: camera is \"" + std::string(value) + "\"; expected ideal or realsense");
+  }
+  options->realsense = value == "realsense";
+  return {};
+}
+
 Result<void> AddChange(std::string_view key, std::string_view value, SyntheticOptions* options) {
   SyntheticOptions::Change change{.appears = key == "appear"};
   const size_t at = std::min(value.find('@'), value.size());
@@ -82,6 +90,7 @@ Result<void> CheckChanges(const SyntheticOptions& options) {
 Result<void> SetParameter(std::string_view key, std::string_view value, SyntheticOptions* o) {
   if (key == "frames") return SetNumber(key, value, 1, 100000, &o->frames);
   if (key == "width") return SetNumber(key, value, 16, 4096, &o->width);
+  if (key == "camera") return SetCamera(value, o);
   if (key == "noise") return SetNoise(value, o);
   if (key == "seed") return SetNumber(key, value, uint64_t{0}, UINT64_MAX, &o->seed);
   if (key == "rate") return SetNumber(key, value, 0.001, 1000.0, &o->rate);
@@ -96,7 +105,7 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "move") return AddMove(value, o);
   return Fail(
       "synthetic: unknown parameter \"" + std::string(key) +
-      "\"; expected frames, width, noise, seed, rate, tours, detection_rate, "
+      "\"; expected frames, width, camera, noise, seed, rate, tours, detection_rate, "
       "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
 }
 
@@ -140,6 +149,7 @@ std::string SyntheticPath(const SyntheticOptions& options) {
                      "&noise=" + (options.noise ? "kinect" : "none") +
                      "&seed=" + Text(options.seed) + "&rate=" + Text(options.rate) +
                      "&tours=" + Text(options.tours);
+  if (options.realsense) path += "&camera=realsense";
   if (options.detection_rate) path += "&detection_rate=" + Text(*options.detection_rate);
   if (options.mask_noise) path += "&mask_noise=" + Text(*options.mask_noise);
   for (const SyntheticOptions::Change& change : options.changes) {
