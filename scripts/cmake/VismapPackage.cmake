@@ -44,6 +44,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/lcmtypes/older DESTINATION ${PYTHON_PACK
 install(FILES ${PROJECT_SOURCE_DIR}/libs/mapfile/map.proto DESTINATION ${PYTHON_PACKAGE} COMPONENT python)
 file(WRITE ${PROJECT_BINARY_DIR}/python/version.txt "${PROJECT_VERSION}\n")
 install(FILES ${PROJECT_BINARY_DIR}/python/version.txt DESTINATION ${PYTHON_PACKAGE} COMPONENT python)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/procs/examples/camera_driver.py DESTINATION ${DOC}/python3-vismap/examples
+        COMPONENT python)
 
 # Debian's own files of documentation.
 configure_file(${CMAKE_CURRENT_LIST_DIR}/deb/changelog.in ${PROJECT_BINARY_DIR}/deb/changelog @ONLY)
@@ -94,8 +96,9 @@ set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "liblcm-dev, liblcm-bin")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vismap)
-set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python package vismap: read the live map, its objects and free space
-as numpy arrays, save and load maps, and read and write logs of LCM messages.")
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python package vismap: publish frames of a camera from arrays, read
+the live map, its objects and free space as numpy arrays, save and load maps,
+and read and write logs of LCM messages.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy, libzstd1, libxxhash0")

@@ -131,6 +131,8 @@ class PackagesTest(unittest.TestCase):
         version, types, process = printed.split()
         self.assertEqual((version, process), (self.field("python3-vismap", "Version"), "hub"))
         self.assertEqual(int(types), len(list((CONSUMER.parents[2] / "lcmtypes").rglob("*.lcm"))))
+        example = self.root / "usr/share/doc/python3-vismap/examples/camera_driver.py"
+        self.assertIn("--rate", call("/usr/bin/python3", example, "--help", env={**os.environ, "PYTHONPATH": str(installed), "PYTHONDONTWRITEBYTECODE": "1"}))
         control = pathlib.Path(self.temporary.name) / "python-control"
         call("dpkg-deb", "-e", self.packages["python3-vismap"], control)
         for script in ("postinst", "prerm"):

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Real processes on a real hub: the built-in room in, the map out, and every example of libs/python/README.md.
+"""Real processes on a real hub: the example camera in, the map out, and every example of libs/python/README.md.
 
 Usage: pipeline_test.py FOLDER_OF_PROGRAMS
 """
 import contextlib
+import importlib.util
 import io
 import json
 import os
@@ -20,7 +21,22 @@ import vismap
 from vismap.objects import objects_from_json
 
 BIN = None  # from the command line
-FRAMES = 6
+DRIVER = ROOT / "procs" / "examples" / "camera_driver.py"
+FRAMES = 30
+specification = importlib.util.spec_from_file_location("camera_driver", DRIVER)
+camera_driver = importlib.util.module_from_spec(specification)
+sys.modules["camera_driver"] = camera_driver
+specification.loader.exec_module(camera_driver)
+
+
+def distance_to_room(points):
+    """Distance of points (N, 3) to the nearest surface of the room that the example camera sees [m]."""
+    low, high = camera_driver.ROOM
+    walls = np.minimum(np.abs(points - low), np.abs(points - high)).min(axis=1)
+    low, high = camera_driver.BOX
+    outside = np.linalg.norm(np.maximum(0, np.maximum(low - points, points - high)), axis=1)
+    inside = np.minimum(points - low, high - points).min(axis=1)
+    return np.minimum(walls, np.where(outside > 0, outside, np.abs(inside)))
 
 
 class PipelineTest(unittest.TestCase):
@@ -44,8 +60,7 @@ class PipelineTest(unittest.TestCase):
             ready |= {status.process} if status.state in ("ready", "running") else set()
         cls.frames = cls.bus.subscribe("RGBD_FRAME", capacity=100)
         cls.segmented = cls.bus.subscribe("SEGMENTED_FRAME", capacity=100)
-        cls.start("replay", BIN / "vismap-sensor-replay", "--dataset", f"synthetic:room?frames={FRAMES}&width=160", "--mode", "lockstep",
-                  "--wait-for", "depth-segmenter,map-server")
+        cls.start("driver", sys.executable, "-B", DRIVER)
         with vismap.LiveMap(cls.bus) as live:
             cls.mesh = live.wait(revision=FRAMES, timeout=DEADLINE)
 
@@ -70,9 +85,38 @@ class PipelineTest(unittest.TestCase):
         examples = set(python_blocks((PACKAGE / "README.md").read_text()))
         text = pathlib.Path(__file__).read_text()
         self.assertEqual({heading for heading in examples if f'run_example("{heading}")' not in text}, set())
-        self.assertGreaterEqual(len(examples), 7)
+        self.assertGreaterEqual(len(examples), 8)
+
+    def test_frames_are_mapped_where_the_camera_saw_them(self):
+        errors = distance_to_room(self.mesh.vertices.astype(np.float64))
+        self.assertGreater(len(errors), 5000)
+        self.assertLess(np.median(errors), 0.003)
+        self.assertLess(np.quantile(errors, 0.99), 0.02)
+        self.assertGreater(len(np.unique(self.mesh.segment)), 3)
+
+    def test_colors_of_the_map_are_those_of_the_camera(self):
+        """The box is yellow, the walls are not."""
+        low, high = camera_driver.BOX
+        on_box = np.all((self.mesh.vertices > low - 0.02) & (self.mesh.vertices < high + 0.02), axis=1) & (self.mesh.vertices[:, 2] > 0.1)
+        self.assertGreater(np.sum(on_box), 100)
+        box, walls = self.mesh.colors[on_box].mean(axis=0), self.mesh.colors[~on_box].mean(axis=0)
+        self.assertGreater(box[0] - box[2], 50)
+        self.assertLess(walls[0] - walls[2], -30)
+
+    def test_depth_of_the_segmenter_is_that_of_the_camera(self):
+        """The segmenter packs the depth in our own code, and takes pixels out of it."""
+        sent = {message.utime: message for message in (self.frames.get(DEADLINE).decode() for _ in range(10))}
+        while (segmented := self.segmented.get(DEADLINE).decode()).frame.utime not in sent:
+            pass
+        before, after = vismap.depth_of(sent[segmented.frame.utime]), vismap.depth_of(segmented.frame)
+        self.assertEqual(before.shape, after.shape)
+        left = np.isfinite(after)
+        self.assertGreater(np.mean(left), 0.5)
+        np.testing.assert_allclose(before[left], after[left], atol=1e-5)
 
     def test_live_surface_has_the_digest_of_the_server(self):
+        self.processes.stop("driver")
+        self.addCleanup(self.start, "driver", sys.executable, "-B", DRIVER)
         with vismap.LiveMap(self.bus) as live:
             wait_until(lambda: vismap.ask(self.bus, "mesh", "digest").message == live.digest, "equality of the digests")
             mesh = live.mesh()
@@ -85,6 +129,27 @@ class PipelineTest(unittest.TestCase):
         self.assertIn(b"element vertex %d\n" % len(mesh.vertices), header)
         self.assertIn(b"element face %d\n" % len(mesh.faces), header)
 
+    def test_doctor_calls_the_camera_healthy(self):
+        doctor = subprocess.run([BIN / "vismap-doctor", "--seconds", "3", "--json", "--lcm-url", self.url], capture_output=True,
+                                text=True, timeout=DEADLINE)
+        report = json.loads(doctor.stdout)
+        told = [finding for finding in report["findings"] if "camera-driver" in json.dumps(finding) or "RGBD_FRAME" in json.dumps(finding)]
+        self.assertEqual(told, [], doctor.stdout)
+        self.assertIn("camera-driver", doctor.stdout)
+        status = next(s for s in iter(lambda: self.states.get(DEADLINE).decode(), None) if s.process == "camera-driver" and s.state == "running")
+        counters = dict(zip(status.counter_names, status.counter_values.tolist()))
+        self.assertGreater(counters["newest_utime.camera0"], vismap.now_utime() - 60_000_000)
+        self.assertEqual(status.version, vismap.version())
+
+    def test_publish_frames_from_arrays(self):
+        before = self.mesh.revision
+        commits = self.bus.subscribe("MAP_COMMIT")
+        self.run_example("Publish frames from arrays")
+        while (commit := commits.get(DEADLINE).decode()).camera_id != 1:
+            pass
+        self.assertEqual((commit.status, commit.reason), (commit.STATUS_INTEGRATED, ""))
+        self.assertGreater(commit.revision, before)
+
     def test_live_map(self):
         found, printed = self.run_example("The live map: vertices, faces and ids")
         mesh = found["mesh"]
@@ -92,41 +157,47 @@ class PipelineTest(unittest.TestCase):
         self.assertIn(str(mesh.vertices.shape), printed)
 
     def test_objects_with_boxes(self):
-        """Those that vismap-map tells of, with the same boxes."""
+        """Without a detector, the box in the room is a discovered object; its oriented box is known."""
         self.run_example("Objects with boxes")
-        objects = vismap.get_objects(self.bus)
-        told = subprocess.run([BIN / "vismap-map", "objects", "live", "--json", "--lcm-url", self.url], check=True, capture_output=True,
-                              timeout=DEADLINE)
-        expected = objects_from_json(json.loads(told.stdout))
-        self.assertGreater(len(expected), 3)
-        self.assertEqual([o.segments for o in objects], [o.segments for o in expected])
-        published = self.bus.subscribe("OBJECTS")
-        vismap.ask(self.bus, "objects")
-        by_segments = {o.segments: o for o in vismap.objects_of(published.get(DEADLINE).decode())}
-        for found in (o for o in objects if not o.kind):  # OBJECTS does not have the planes of the structure
-            live = by_segments[found.segments]
-            np.testing.assert_allclose(live.box.corners_W(), found.box.corners_W(), atol=1e-4)
-            self.assertEqual((live.instance, live.points, live.frames), (found.instance, found.points, found.frames))
-            self.assertTrue(found.box.contains(found.box.center_W))
+        objects = [o for o in vismap.get_objects(self.bus) if o.box is not None and not o.kind]
+        found = min(objects, key=lambda o: float(np.linalg.norm(o.box.center_W - camera_driver.BOX.mean(axis=0))))
+        self.assertTrue(found.box.contains(camera_driver.BOX.mean(axis=0)), found)
+        self.assertLess(np.abs(np.sort(found.box.size_m) - [0.6, 0.6, 0.7]).max(), 0.15, found)
         with self.assertRaisesRegex(vismap.RequestError, "rejected the request 'objects'.*unicorn"):
             vismap.get_objects(self.bus, "class=unicorn")
 
+    def test_objects_of_the_request_and_of_the_channel_are_the_same(self):
+        self.processes.stop("driver")  # so that the map does not change
+        self.addCleanup(self.start, "driver", sys.executable, "-B", DRIVER)
+        commits = self.bus.subscribe("MAP_COMMIT")
+        while commits.poll(2) is not None:
+            pass
+        published = self.bus.subscribe("OBJECTS")
+        objects = vismap.get_objects(self.bus)  # the server publishes them, too
+        told = subprocess.run([BIN / "vismap-map", "objects", "live", "--json", "--lcm-url", self.url], check=True, capture_output=True,
+                              timeout=DEADLINE)
+        self.assertEqual([o.segments for o in objects], [o.segments for o in objects_from_json(json.loads(told.stdout))])
+        by_segments = {o.segments: o for o in vismap.objects_of(published.latest(DEADLINE).decode())}
+        compared = [o for o in objects if not o.kind and o.box is not None]  # OBJECTS does not have the planes of the structure
+        self.assertGreater(len(compared), 0)
+        for found in compared:
+            live = by_segments[found.segments]
+            np.testing.assert_allclose(live.box.corners_W(), found.box.corners_W(), atol=1e-4)
+            self.assertEqual((live.instance, live.points, live.frames), (found.instance, found.points, found.frames))
+
     def test_free_space_and_obstacles(self):
-        """The surface is occupied, before it is free space, behind it none."""
         found, _ = self.run_example("Is this point free, and how far is the next obstacle")
-        space, surface = found["space"], self.mesh.vertices[::200].astype(np.float64)
-        normals = self.mesh.normals[::200]
-        self.assertEqual(np.median(space.distance(surface)), 0)
-        self.assertLess(np.mean(space.is_free(surface)), 0.05)
-        self.assertGreater(np.mean(space.is_free(surface + 0.15 * normals)), 0.3)
-        self.assertLess(np.mean(space.is_free(surface - 0.1 * normals)), 0.1)
-        self.assertEqual(space.state([900.0, 9.0, 9.0]), vismap.UNKNOWN)
-        center = surface.mean(axis=0)
-        careful = vismap.read_octree(self.bus, (center - 0.5, center + 0.5), resolution_m=0.05, unknown_occupied=True)
-        points = center + np.random.default_rng(1).uniform(-0.45, 0.45, (500, 3))
-        plain = space.state(points)
-        np.testing.assert_array_equal(careful.state(points) == vismap.FREE, plain == vismap.FREE)
-        self.assertTrue(np.all(careful.state(points) != vismap.UNKNOWN))
+        space, eye = found["space"], np.array([1.4, 1.5, 1.3])
+        self.assertTrue(space.is_free(eye))
+        self.assertTrue(space.is_free([2.5, 1.5, 1.0]), "above the box")
+        self.assertFalse(space.is_free([2.5, 1.5, 0.35]), "inside of the box")
+        self.assertEqual(space.state([9.0, 9.0, 9.0]), vismap.UNKNOWN)
+        for point in ([2.0, 1.5, 1.0], [2.5, 1.5, 1.1], [3.0, 1.5, 1.2]):
+            expected = float(distance_to_room(np.array([point]))[0])
+            self.assertAlmostEqual(float(space.distance(point)), expected, delta=0.06, msg=point)
+        box = ([1.5, 1.0, 0.2], [3.5, 2.0, 1.5])
+        careful = vismap.read_octree(self.bus, box, resolution_m=0.05, unknown_occupied=True)
+        self.assertTrue(careful.is_occupied([2.5, 1.5, 0.35]), "inside of the box it is unknown, which counts as occupied")
 
     def test_save_load_ask(self):
         found, printed = self.run_example("Save, load, ask")
@@ -144,8 +215,9 @@ class PipelineTest(unittest.TestCase):
         (self.folder / "map.vismap").write_bytes(vismap.ask(self.bus, "map", timeout=DEADLINE).payload)
         found, _ = self.run_example("Open a saved map")
         saved, voxels = found["saved"], found["voxels"]
-        self.assertEqual(set(voxels.segment.tolist()) - {0} <= set(saved.labels), True)
-        self.assertGreater(len(voxels.centers_W), 10000)
+        near = np.abs(voxels.distance_m) < 0.6 * saved.voxel_size_m
+        self.assertGreater(np.sum(near), 1000)
+        self.assertLess(np.quantile(distance_to_room(voxels.centers_W[near]), 0.9), saved.voxel_size_m)
         self.assertEqual(len(saved.trajectory), saved.revision)
 
     def test_read_and_write_logs(self):
@@ -158,6 +230,20 @@ class PipelineTest(unittest.TestCase):
         self.run_example("Messages and the bus")
         found = detections.get(DEADLINE).decode()
         self.assertEqual((found.source, found.seq, found.camera_id), ("my-detector", 0, 1))
+
+    def test_a_log_of_our_frames_can_be_mapped(self):
+        """What LogWriter writes, the offline mapper reads: frames of the example camera."""
+        path, source = self.folder / "frames.lcmlog", camera_driver.Source(100.0)
+        with vismap.LogWriter(path, overwrite=True) as log:
+            for i in range(5):
+                images = source.wait_for_images()
+                message = vismap.frame_message(images.depth, source.pose(images.device_s), source.camera, images.color, utime=1000 * (i + 1))
+                message.seq, message.source = i, "camera"
+                log.write("RGBD_FRAME", message)
+        subprocess.run([BIN / "vismap-log", "verify", path], check=True, capture_output=True, timeout=DEADLINE)
+        out = self.folder / "offline"
+        subprocess.run([BIN / "vismap-offline-mapper", "--dataset", path, "--out", out], check=True, capture_output=True, timeout=DEADLINE)
+        self.assertEqual(vismap.open_map(out / "map.vismap").utimes.tolist(), [1000, 2000, 3000, 4000, 5000])
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
-"""vismap from Python: read the live map, its objects and free space, save and load, logs, saved maps.
+"""vismap from Python: publish frames, read the live map, its objects and free space, save and load, logs, saved maps.
 
-The world frame is W; lengths are in metres, times are `utime`, microseconds
+README.md has every task in about five lines. The world frame is W; lengths are in metres, times are `utime`, microseconds
 since 1970. Errors are VismapError, or ValueError for arguments that cannot be right.
 """
 from .bus import Bus, Received, Subscription, now_utime
 from .clocks import DeviceClock, Newest, Pace
 from .errors import BusError, LogError, MapError, MessageError, RequestError, VismapError, WaitTimeout
+from .frames import Camera, color_of, depth_of, frame_message, publish_frame
 from .lcm_types import Message
 from .live_map import LiveMap, Mesh, MeshFollower
 from .logs import LogEvent, LogReader, LogWriter
@@ -18,9 +19,9 @@ from .status import Status
 
 __version__ = version()
 __all__ = [
-    "Bus", "BusError", "DeviceClock", "FREE", "LiveMap", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError",
+    "Bus", "BusError", "Camera", "DeviceClock", "FREE", "LiveMap", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError",
     "MapObject", "Mesh", "MeshFollower", "Message", "MessageError", "Newest", "OCCUPIED", "Octree", "OrientedBox", "Pace",
     "Received", "Reply", "RequestError", "SavedMap", "Status", "Subscription", "UNKNOWN", "VismapError", "WaitTimeout", "ask",
-    "decode", "encode", "get_objects", "load", "now_utime", "objects_of", "open_map",
-    "read_octree", "save", "types", "version",
+    "color_of", "decode", "depth_of", "encode", "frame_message", "get_objects", "load", "now_utime", "objects_of", "open_map",
+    "publish_frame", "read_octree", "save", "types", "version",
 ]
