@@ -245,6 +245,28 @@ class PipelineTest(unittest.TestCase):
         subprocess.run([BIN / "vismap-offline-mapper", "--dataset", path, "--out", out], check=True, capture_output=True, timeout=DEADLINE)
         self.assertEqual(vismap.open_map(out / "map.vismap").utimes.tolist(), [1000, 2000, 3000, 4000, 5000])
 
+    def test_depth_of_a_camera_beside_the_color_camera_is_mapped(self):
+        """Depth in metres with its own optics and viewpoint, grey colour of another size: the map is where the room is."""
+        path, out = self.folder / "beside.lcmlog", self.folder / "beside"
+        color_camera, depth_camera = vismap.Camera(400, 300, 380.0, 380.0, 199.5, 149.5), vismap.Camera(240, 180, 200.0, 205.0, 118.0, 91.0)
+        angle, T_color_depth = 0.03, np.eye(4)
+        T_color_depth[:3, :3] = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
+        T_color_depth[:3, 3] = [0.05, 0.01, -0.02]
+        with vismap.LogWriter(path, overwrite=True) as log:
+            for i in range(4):
+                T_W_C = camera_driver.Source(10.0).pose(0.3 * i)
+                color, _ = camera_driver.render_room(color_camera, T_W_C)
+                _, depth = camera_driver.render_room(depth_camera, T_W_C @ T_color_depth)
+                log.write("RGBD_FRAME", vismap.frame_message(depth, T_W_C, color_camera, color[:, :, 1], depth_camera=depth_camera,
+                                                             T_color_depth=T_color_depth, utime=100_000 * (i + 1)))
+        subprocess.run([BIN / "vismap-offline-mapper", "--dataset", path, "--out", out], check=True, capture_output=True, timeout=DEADLINE)
+        saved = vismap.open_map(out / "map.vismap")
+        self.assertEqual(saved.revision, 4)
+        voxels = saved.voxels()
+        near = np.abs(voxels.distance_m) < 0.6 * saved.voxel_size_m
+        self.assertGreater(np.sum(near), 10000)
+        self.assertLess(np.quantile(distance_to_room(voxels.centers_W[near]), 0.9), saved.voxel_size_m)
+
 
 if __name__ == "__main__":
     BIN = pathlib.Path(sys.argv.pop()).resolve()
