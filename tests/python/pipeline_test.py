@@ -9,6 +9,7 @@ import io
 import json
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
@@ -266,6 +267,56 @@ class PipelineTest(unittest.TestCase):
         near = np.abs(voxels.distance_m) < 0.6 * saved.voxel_size_m
         self.assertGreater(np.sum(near), 10000)
         self.assertLess(np.quantile(distance_to_room(voxels.centers_W[near]), 0.9), saved.voxel_size_m)
+
+
+class OtherBusesTest(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.processes = Processes(BIN, temporary.name)
+        self.addCleanup(self.processes.stop_all)
+        os.environ["PYTHONPATH"] = str(PACKAGE)
+
+    def test_the_same_on_multicast(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 0))
+            url = f"udpm://239.255.76.69:{probe.getsockname()[1]}?ttl=0&recv_buf_size=200000"
+        try:
+            bus = vismap.Bus(url)
+        except vismap.BusError as error:
+            self.skipTest(f"no multicast here: {error}")
+        self.addCleanup(bus.close)
+        states = bus.subscribe("STATUS")
+        for name, program, *options in (("segmenter", "vismap-depth-segmenter", "--detections", "none"), ("server", "vismap-map-server")):
+            self.processes.start(name, BIN / program, "--lcm-url", url, *options)
+        ready = set()
+        while not {"depth-segmenter", "map-server"} <= ready:
+            status = states.get(DEADLINE).decode()
+            ready |= {status.process} if status.state in ("ready", "running") else set()
+        commits = bus.subscribe("MAP_COMMIT")
+        T_W_C = camera_driver.Source(10.0).pose(0.0)
+        camera = vismap.Camera(160, 120, 140.0, 140.0, 79.5, 59.5)
+        depth = camera_driver.render_room(camera, T_W_C)[1].astype(np.float32)
+        vismap.publish_frame(bus, depth, T_W_C, camera)  # 77 kB, two datagrams
+        self.assertEqual(commits.get(DEADLINE).decode().status, 0)
+        self.assertEqual(vismap.ask(bus, "statistics", timeout=DEADLINE).json()["frames"], 1)
+
+    def test_driver_and_readers_survive_a_restart_of_the_hub(self):
+        url = self.processes.start_hub()
+        self.processes.start("driver", sys.executable, "-B", DRIVER, "--lcm-url", url)
+        with vismap.Bus(url) as bus:
+            frames = bus.subscribe("RGBD_FRAME")
+            first = frames.get(DEADLINE).decode()
+            self.processes.stop("hub")
+            wait_until(lambda: not bus.connected)
+            self.processes.start_hub(url.removeprefix("tcpq://"))
+            wait_until(lambda: bus.connected)
+            while (later := frames.get(DEADLINE).decode()).utime < first.utime + 500_000:
+                pass
+            self.assertGreater(later.seq, first.seq)
+        self.assertIsNone(self.processes.running["driver"].poll())
+        self.assertEqual(self.processes.stop("driver"), 0)
+        self.assertIn("again", self.processes.log("driver"))
 
 
 if __name__ == "__main__":
