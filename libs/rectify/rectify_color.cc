@@ -10,7 +10,7 @@
 namespace vismap {
 namespace {
 
-constexpr int kOne = 256;  // of the fixed-point numbers
+constexpr uint32_t kOne = 256;  // of the fixed-point numbers
 
 // Every pixel of the result is the mean of four; of an odd size, the last row or column is dropped.
 Image<Rgb8> Halve(const Image<Rgb8>& image) {
@@ -20,7 +20,7 @@ Image<Rgb8> Halve(const Image<Rgb8>& image) {
     const Rgb8* above = image.row(2 * v);
     const Rgb8* below = image.row(2 * v + 1);
     Rgb8* out = half.row(v);
-    const auto mean = [](int a, int b, int c, int d) {
+    const auto mean = [](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
       return static_cast<uint8_t>((a + b + c + d + 2) / 4);
     };
     for (int u = 0; u < half.width(); ++u, above += 2, below += 2) {
@@ -38,13 +38,14 @@ int32_t Fixed(double value, int size) {
 }
 
 Rgb8 Sample(const Image<Rgb8>& image, ColorSource at) {
-  const int u = at.x / kOne, v = at.y / kOne;
-  const int fx = at.x % kOne, fy = at.y % kOne;
+  const uint32_t x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
+  const uint32_t fx = x % kOne, fy = y % kOne;
+  const size_t u = x / kOne, next = std::min(u + 1, static_cast<size_t>(image.width()) - 1);
+  const int v = static_cast<int>(y / kOne);
   const Rgb8* above = image.row(v);
   const Rgb8* below = image.row(std::min(v + 1, image.height() - 1));
-  const int next = std::min(u + 1, image.width() - 1);
-  const int w00 = (kOne - fx) * (kOne - fy), w01 = fx * (kOne - fy);
-  const int w10 = (kOne - fx) * fy, w11 = fx * fy;
+  const uint32_t w00 = (kOne - fx) * (kOne - fy), w01 = fx * (kOne - fy);
+  const uint32_t w10 = (kOne - fx) * fy, w11 = fx * fy;
   const auto mix = [&](uint8_t Rgb8::*channel) {
     return static_cast<uint8_t>((w00 * above[u].*channel + w01 * above[next].*channel +
                                  w10 * below[u].*channel + w11 * below[next].*channel +

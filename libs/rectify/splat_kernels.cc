@@ -52,13 +52,17 @@ inline int32_t Clamped(float value, int32_t low, int32_t high) {
 
 VISMAP_VECTOR_CLONES
 void ProjectRow(const float* z, const RayRow& rays, int count, const ProjectedRow& out) {
+  const RayRow r = rays;
+  const ProjectedRow to = out;
+#pragma GCC ivdep  // the rows are different images
   for (int u = 0; u < count; ++u) {
-    const float depth = z[u] * rays.rz[u] + rays.tz;
+    const float depth = z[u] * r.rz[u] + r.tz;
+    const float x = z[u] * r.rx[u] + r.tx, y = z[u] * r.ry[u] + r.ty;
     const bool seen = (z[u] > 0.0F) & (depth > kNearestDepth);
-    const float w = 1.0F / Select(seen, depth, 1.0F);
-    out.x[u] = Select(seen, (z[u] * rays.rx[u] + rays.tx) * w, 0.0F);
-    out.y[u] = Select(seen, (z[u] * rays.ry[u] + rays.ty) * w, 0.0F);
-    out.w[u] = Select(seen, w, 0.0F);
+    const float w = 1.0F / std::max(depth, kNearestDepth);
+    to.x[u] = Select(seen, x * w, 0.0F);
+    to.y[u] = Select(seen, y * w, 0.0F);
+    to.w[u] = Select(seen, w, 0.0F);
   }
 }
 
@@ -66,6 +70,7 @@ VISMAP_VECTOR_CLONES
 void MeasureRow(const ProjectedRow& above, const ProjectedRow& at, const ProjectedRow& below,
                 const PixelSteps& steps, int width, int height, int count,
                 const FootprintRow& out) {
+#pragma GCC ivdep  // the rows are different images
   for (int u = 0; u < count; ++u) {
     const float x = at.x[u], y = at.y[u], w = at.w[u];
     const bool left = Joined(w, at.w[u - 1]), right = Joined(w, at.w[u + 1]);

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "rectify/rectified_camera.h"
+#include "rectify/rectifier.h"
 #include "support/messages.h"
 #include "wire/rgbd_frame.h"
 #include "wire/segmented_frame.h"
@@ -77,6 +79,54 @@ TEST_F(SegmenterOnABus, TellsThatHardlyAnyDepthLiesInSegmentsAndWhy) {
   EXPECT_THAT(status_.findings(),
               ElementsAre(AllOf(HasSubstr("only 0 % of the pixels with depth lie in segments"),
                                 HasSubstr("beside a hole"), HasSubstr("max_hole_px"))));
+}
+
+// Raw colour and depth, seen through a lens.
+rgbd_frame_t FrameOfALens(int64_t utime) {
+  SensorFrame frame = SmallSensorFrame(utime);
+  FrameOptics optics;
+  optics.color = {kSmallCamera, Distortion::kBrownConrady, {-0.1, 0.02, 0, 0}};
+  EXPECT_TRUE(SetOptics(optics, true, &frame));
+  frame.color.assign(3 * frame.depth.size(), 100);
+  frame.color_encoding = ColorEncoding::kRgb;
+  return Encode(frame);
+}
+
+TEST_F(SegmenterOnABus, RectifiesAFrameAndRepeatsTheAnswer) {
+  Segmenter segmenter(options_, stage_, &context_);
+  rgbd_frame_t sent = FrameOfALens(1000);
+  for (const int64_t after : {-1, 500}) {
+    sent.after_utime = after;
+    bus_->Publish(kRgbdFrameChannel, sent);
+    while (bus_->Spin(0)) {
+    }
+  }
+  ASSERT_EQ(answers_.size(), 2u);
+  EXPECT_EQ(status_.counter("frames"), 1) << "the second one is the same frame";
+  EXPECT_EQ(answers_[1].frame.after_utime, 500);
+  Rectifier rectifier;
+  const SensorFrame expected = *rectifier.Rectify(*Decode(sent));
+  for (const segmented_frame_t& answer : answers_) {
+    const Result<SensorFrame> frame = Decode(answer.frame);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_FALSE(frame->optics);
+    EXPECT_EQ(frame->depth, expected.depth);
+    EXPECT_EQ(frame->color, expected.color);
+    EXPECT_EQ(answer.frame.source, "test");
+  }
+}
+
+TEST_F(SegmenterOnABus, ACameraThatIsImpossibleIsLeftOutAndTold) {
+  Segmenter segmenter(options_, stage_, &context_);
+  rgbd_frame_t sent = FrameOfALens(1000);
+  sent.color_camera.coefficients[0] = -0.9;
+  bus_->Publish(kRgbdFrameChannel, sent);
+  while (bus_->Spin(0)) {
+  }
+  EXPECT_THAT(answers_, IsEmpty());
+  EXPECT_THAT(status_.findings(),
+              ElementsAre(AllOf(HasSubstr("1 of 1 frames"), HasSubstr("color_camera"),
+                                HasSubstr("the distortion folds"))));
 }
 
 }  // namespace

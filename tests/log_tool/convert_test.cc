@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "codecs/frame_codec.h"
 #include "logs/recording.h"
+#include "rectify/rectified_camera.h"
 #include "support/log_builder.h"
 
 namespace vismap {
@@ -134,6 +136,24 @@ TEST(Convert, WithoutADetectorTheFolderHasNoDetections) {
   const TempFolder out;
   EXPECT_THAT(ToFolder(log, out / "folder").lost, IsEmpty());
   EXPECT_FALSE(std::filesystem::exists(out / "folder/detections.json"));
+}
+
+TEST(Convert, AFolderHasRectifiedFrames) {
+  const TempFolder out;
+  LogBuilder raw;  // float depth and raw colour, seen through a lens
+  SensorFrame lens = SmallSensorFrame();
+  FrameOptics optics;
+  optics.color = {kSmallCamera, Distortion::kBrownConrady, {-0.1, 0.02, 0, 0}};
+  ASSERT_TRUE(SetOptics(optics, true, &lens));
+  lens.color.assign(lens.depth.size(), 100);
+  lens.color_encoding = ColorEncoding::kGrey;
+  lens.depth_m = DepthInMetres(lens);
+  lens.depth = {};
+  const Sequence distorted = Open(raw.Add(kRgbdFrameChannel, Encode(lens)).Finish());
+  const ConvertResult lost = ToFolder(distorted, out / "c");
+  EXPECT_EQ(lost.frames, 1);
+  EXPECT_THAT(lost.lost, ::testing::IsSupersetOf({HasSubstr("the images as they were taken"),
+                                                  HasSubstr("parts of a millimetre")}));
 }
 
 TEST(Convert, RejectsFramesThatFormNoSequence) {
