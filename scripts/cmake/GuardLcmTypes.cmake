@@ -7,8 +7,8 @@ function(guard_header FILE)
   if(TEXT MATCHES "vismap_lcm_guard")
     return()
   endif()
-  string(REGEX REPLACE "(this->[A-Za-z0-9_]+)\\.resize\\(([^;\n]*)\\);"
-         "if(!vismap_lcm_guard::Fits<std::remove_reference_t<decltype(\\1)>>(\\2, maxlen - pos)) return -1; \\1.resize(\\2);"
+  string(REGEX REPLACE "(this->[A-Za-z0-9_]+(\\[ *[a-z0-9]+ *\\])*)\\.resize\\(([^;\n]*)\\);"
+         "if(!vismap_lcm_guard::Fits<std::remove_reference_t<decltype(\\1)>>(\\3, maxlen - pos)) return -1; \\1.resize(\\3);"
          TEXT "${TEXT}")
   string(REGEX REPLACE "if\\((__[A-Za-z0-9_]+_len_*) > maxlen - pos\\) return -1;"
          "if(!vismap_lcm_guard::IsString((const char*)buf + offset + pos, \\1, maxlen - pos)) return -1;"
