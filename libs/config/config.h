@@ -27,6 +27,7 @@ struct VismapConfig : SegmentationStageOptions, MapSessionOptions, OutputOptions
   DetectorOptions detector;
   HubOptions hub;
   BridgeOptions bridge;
+  AdapterOptions adapter;
 };
 
 /// Sets the options of a config that follow from others and are no keys. A config that was read has

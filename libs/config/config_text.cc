@@ -78,6 +78,12 @@ class FieldReader {
       member.push_back(reflection_.GetRepeatedString(message_, field_, i));
     return "";
   }
+  std::string Read(std::vector<double>& member) const {
+    member.clear();
+    for (int i = 0; i < size(); ++i)
+      member.push_back(reflection_.GetRepeatedDouble(message_, field_, i));
+    return "";
+  }
   std::string Read(std::vector<ClassId>& member) const {
     member.clear();
     for (int i = 0; i < size(); ++i) {
@@ -126,6 +132,9 @@ class FieldWriter {
   void Write(const config::NoisePreset<const DepthNoiseModel>&) const {}
   void Write(const std::vector<std::string>& member) const {
     for (const std::string& text : member) reflection_.AddString(message_, field_, text);
+  }
+  void Write(const std::vector<double>& member) const {
+    for (const double value : member) reflection_.AddDouble(message_, field_, value);
   }
   void Write(const std::vector<ClassId>& member) const {
     for (const ClassId class_id : member) {

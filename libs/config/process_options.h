@@ -120,4 +120,99 @@ struct BridgeOptions {
   std::vector<std::string> lossless, latest, drop_newest;
 };
 
+/// Whose programs publish the images and poses. A preset sets the keys that are not given.
+enum class AdapterPreset {
+  kAuto,  ///< found from the channels of a log; a running adapter must be told
+  kDimos,
+  kBotcore,
+  kDrake,
+  kNone,  ///< all channels are given
+};
+
+inline constexpr auto NamesOf(AdapterPreset) {
+  return std::to_array<EnumName<AdapterPreset>>({{"AUTO", AdapterPreset::kAuto},
+                                                 {"DIMOS", AdapterPreset::kDimos},
+                                                 {"BOTCORE", AdapterPreset::kBotcore},
+                                                 {"DRAKE", AdapterPreset::kDrake},
+                                                 {"NONE", AdapterPreset::kNone}});
+}
+
+/// Whether depth has the pixels of the colour image.
+enum class DepthIsRegistered {
+  kByFrameId,  ///< when both images name the same frame
+  kYes,
+  kNo,
+};
+
+inline constexpr auto NamesOf(DepthIsRegistered) {
+  return std::to_array<EnumName<DepthIsRegistered>>({{"BY_FRAME_ID", DepthIsRegistered::kByFrameId},
+                                                     {"YES", DepthIsRegistered::kYes},
+                                                     {"NO", DepthIsRegistered::kNo}});
+}
+
+/// How the pose of a camera is found at the time of an image.
+enum class PoseLookup {
+  kInterpolate,  ///< between the samples before and after it
+  kNearest,      ///< the nearer of the two
+};
+
+inline constexpr auto NamesOf(PoseLookup) {
+  return std::to_array<EnumName<PoseLookup>>(
+      {{"INTERPOLATE", PoseLookup::kInterpolate}, {"NEAREST", PoseLookup::kNearest}});
+}
+
+/// When an image counts as taken.
+enum class ImageTime {
+  kMessage,   ///< as the message says
+  kReceived,  ///< when it was received, for drivers that send no time
+};
+
+inline constexpr auto NamesOf(ImageTime) {
+  return std::to_array<EnumName<ImageTime>>(
+      {{"MESSAGE", ImageTime::kMessage}, {"RECEIVED", ImageTime::kReceived}});
+}
+
+/// How one RGB-D camera of a robot is read from other programs' channels. Empty strings and lists
+/// are set by the preset, see foreign/presets.h.
+struct AdapterOptions {
+  std::string robot_url;  ///< bus of the robot; empty = that of vismap
+  int camera_id = 0;
+  AdapterPreset preset = AdapterPreset::kAuto;
+  std::string color_channel;  ///< "none" = a camera without colour; an ending * matches any ending
+  std::string depth_channel;
+  std::string intrinsics_channel;        ///< of the colour camera
+  std::string depth_intrinsics_channel;  ///< used when depth is not registered
+  std::vector<double> intrinsics;        ///< fx, fy, cx, cy [px], instead of the channel
+  std::string distortion_model;          ///< of `intrinsics`, see SetDistortion
+  std::vector<double> distortion;
+  bool swap_red_blue = false;
+  double depth_unit_m = 0.001;  ///< of depth images with integers
+  DepthIsRegistered registered = DepthIsRegistered::kByFrameId;
+  double pair_within_ms = 20;  ///< most time between a depth image and its colour image
+  std::vector<std::string> pose_channels;
+  std::string root;                 ///< frame that the map is in
+  std::string camera_frame;         ///< optical frame of the camera; empty = as the images say
+  std::string body_frame;           ///< child of poses that name none
+  std::vector<std::string> mounts;  ///< "parent child x y z qw qx qy qz"
+  PoseLookup lookup = PoseLookup::kInterpolate;
+  double wait_ms = 200;              ///< longest wait of an image for a pose or a partner
+  double max_gap_ms = 100;           ///< longest time between two poses that are interpolated
+  double intrinsics_wait_ms = 1500;  ///< longest wait of an image for intrinsics
+  ImageTime time = ImageTime::kMessage;
+  int queue_mb = 256;  ///< of images that wait
+  /// What is made of the map for other programs; empty = nothing. See foreign/map_messages.h.
+  double publish_period_s = 1;
+  std::string cloud_channel;  ///< PointCloud2
+  double cloud_spacing_m = 0.05;
+  std::string costmap_channel;  ///< OccupancyGrid
+  double costmap_resolution_m = 0.05;
+  double costmap_min_z_m = 0.1;
+  double costmap_max_z_m = 1;
+  int costmap_unknown = 100;
+  std::string detections_channel;     ///< Detection3DArray
+  std::string drake_cloud_channel;    ///< lcmt_point_cloud
+  std::string drake_objects_channel;  ///< lcmt_viewer_link_data
+  std::string director_channel;       ///< viewer2_comms_t
+};
+
 }  // namespace vismap

@@ -169,6 +169,30 @@ std::vector<std::string> Problems(const BridgeOptions& bridge) {
   return std::move(check).problems();
 }
 
+std::vector<std::string> Problems(const AdapterOptions& adapter) {
+  OptionCheck check;
+  VISMAP_CHECK_AT_LEAST(check, adapter.camera_id, 0);
+  VISMAP_CHECK_RANGE(check, adapter.depth_unit_m, 1e-6, 1);
+  VISMAP_CHECK_RANGE(check, adapter.pair_within_ms, 0, 1000);
+  VISMAP_CHECK_RANGE(check, adapter.wait_ms, 0, 60000);
+  VISMAP_CHECK_RANGE(check, adapter.max_gap_ms, 1, 10000);
+  VISMAP_CHECK_RANGE(check, adapter.intrinsics_wait_ms, 0, 60000);
+  VISMAP_CHECK_RANGE(check, adapter.queue_mb, 1, 65536);
+  VISMAP_CHECK_RANGE(check, adapter.publish_period_s, 0.01, kDay);
+  VISMAP_CHECK_RANGE(check, adapter.cloud_spacing_m, 0.001, 10);
+  VISMAP_CHECK_RANGE(check, adapter.costmap_resolution_m, 0.001, 10);
+  VISMAP_CHECK_RANGE(check, adapter.costmap_unknown, -1, 100);
+  check.Unless(adapter.costmap_min_z_m < adapter.costmap_max_z_m,
+               "costmap_min_z_m must be below costmap_max_z_m");
+  check.Unless(adapter.intrinsics.empty() || adapter.intrinsics.size() == 4,
+               "intrinsics must be the four numbers fx, fy, cx, cy");
+  check.Unless(adapter.distortion.empty() || !adapter.intrinsics.empty(),
+               "distortion needs adapter.intrinsics");
+  check.Unless(adapter.mounts.size() <= 64, "mounts must be at most 64");
+  check.Unless(adapter.pose_channels.size() <= 64, "pose_channels must be at most 64");
+  return std::move(check).problems();
+}
+
 }  // namespace
 
 std::vector<std::string> Validate(const VismapConfig& config) {
@@ -193,6 +217,7 @@ std::vector<std::string> Validate(const VismapConfig& config) {
   check.Add("detector.", Problems(config.detector));
   check.Add("hub.", Problems(config.hub));
   check.Add("bridge.", Problems(config.bridge));
+  check.Add("adapter.", Problems(config.adapter));
   return std::move(check).problems();
 }
 

@@ -10,6 +10,7 @@
 #include "log_tool/cut.h"
 #include "log_tool/verify.h"
 #include "logs/recording.h"
+#include "settings/settings.h"
 
 namespace {
 
@@ -23,6 +24,7 @@ struct Arguments {
   std::optional<int> camera;
   DatasetOptions frames;
   int camera_id = 0;
+  VismapConfig config;
   std::function<Outcome(const Arguments&)> run;
 };
 
@@ -67,7 +69,8 @@ struct Sequence {
 Result<Sequence> OpenInput(const Arguments& arguments) {
   DatasetOptions options = arguments.frames;
   options.camera_id = CameraId{arguments.camera_id};
-  Result<Recording> recording = OpenRecording(arguments.input, arguments.format, options);
+  Result<Recording> recording =
+      OpenRecording(arguments.input, arguments.format, options, arguments.config.adapter);
   if (!recording) return tl::unexpected(recording.error());
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   Sequence sequence{std::move(*recording), nullptr};
@@ -140,6 +143,19 @@ void AddFromDataset(CommandLine& line, Arguments* arguments) {
       .AtLeast(0);
 }
 
+void AddConvert(CommandLine& line, Arguments* arguments) {
+  CommandLine convert = Add(
+      line, arguments, "convert",
+      "Write the frames of a log of DimOS, Drake or bot_core as a log of RGBD_FRAME; options of "
+      "the camera are in the section adapter of --config",
+      FromDataset);
+  convert.Option("LOG", &arguments->input, "Log of LCM messages").Required();
+  convert.Option("--out", &arguments->out, "Log to write").Required();
+  convert.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
+  convert.Option("--max-frames", &arguments->frames.max_frames, "Largest number of frames; 0 = all")
+      .AtLeast(0);
+}
+
 void AddCommands(CommandLine& line, Arguments* arguments) {
   CommandLine verify = Add(line, arguments, "verify",
                            "Check a log for lost messages, wrong types, checksums and damage, and "
@@ -161,6 +177,7 @@ void AddCommands(CommandLine& line, Arguments* arguments) {
   to.Option("--camera", &arguments->camera, "Camera id to use if the log has several cameras");
 
   AddFromDataset(line, arguments);
+  AddConvert(line, arguments);
 }
 
 }  // namespace
@@ -172,6 +189,7 @@ int main(int argc, char** argv) {
   spec.summary = "Verifies, cuts and converts logs of LCM messages.";
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) { AddCommands(line, &arguments); };
+  UseConfig(&arguments.config, &spec);
   spec.run = [&](ProcessContext&) { return arguments.run(arguments); };
   return RunProcess(argc, argv, spec);
 }

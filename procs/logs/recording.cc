@@ -8,6 +8,7 @@
 
 #include "base/format.h"
 #include "base/reason_counts.h"
+#include "logs/foreign_dataset.h"
 #include "logs/log_dataset.h"
 #include "simulation/sequence.h"
 #include "simulation/synthetic_dataset.h"
@@ -17,18 +18,21 @@ namespace {
 
 struct LogPath {
   std::string file;
-  bool all = false;  ///< ?frames=all
+  bool all = false;      ///< ?frames=all
+  bool foreign = false;  ///< ?frames=foreign
 };
 
 Result<LogPath> ParseLogPath(const std::string& path) {
   const size_t question = path.find('?');
-  if (question == std::string::npos) return LogPath{path, false};
+  if (question == std::string::npos) return LogPath{path};
   const std::string parameter = path.substr(question + 1);
-  if (parameter != "frames=all" && parameter != "frames=committed") {
+  if (parameter != "frames=all" && parameter != "frames=committed" &&
+      parameter != "frames=foreign") {
     return Fail(path + ": unknown parameter \"" + parameter +
-                "\"; expected frames=all or frames=committed");
+                "\"; expected frames=all, frames=committed or frames=foreign");
   }
-  return LogPath{path.substr(0, question), parameter == "frames=all"};
+  return LogPath{path.substr(0, question), parameter == "frames=all",
+                 parameter == "frames=foreign"};
 }
 
 // run.lcmlog, or run.lcmlog.03 as lcm-logger --increment names them.
@@ -62,7 +66,8 @@ Result<void> CheckLogOptions(const std::string& path, const DatasetOptions& opti
 }
 
 std::string WhyNoFrames(const RecordedRun& run, const FrameSelection& selection) {
-  if (run.frames.empty() && run.unusable_frames.empty()) return "the log has no RGBD_FRAME";
+  if (run.frames.empty() && run.unusable_frames.empty())
+    return "the log has no RGBD_FRAME, and no channels of DimOS, Drake or bot_core";
   ReasonCounts reasons;
   for (const SkippedFrame& skipped : selection.skipped) reasons.Add(skipped.reason);
   const std::string text = NoUsableFramesText(reasons, reasons.total());
@@ -70,15 +75,48 @@ std::string WhyNoFrames(const RecordedRun& run, const FrameSelection& selection)
   return text + "; add ?frames=all to the path to use frames without a commit";
 }
 
-Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options) {
-  if (const auto checked = CheckLogOptions(path, options); !checked)
-    return tl::unexpected(checked.error());
+// What the command line says about a sequence holds for a foreign log, too.
+Result<AdapterOptions> AdapterWith(const std::string& path, const DatasetOptions& options,
+                                   AdapterOptions adapter) {
+  if (const auto checked = CheckOptions(options); !checked) return tl::unexpected(checked.error());
+  if (options.registration == DepthRegistration::kKinect)
+    return Fail(path + ": a log of other programs cannot be read as one of a Kinect");
+  if (options.registration == DepthRegistration::kRegistered)
+    adapter.registered = DepthIsRegistered::kYes;
+  if (options.intrinsics)
+    adapter.intrinsics.assign(options.intrinsics->begin(), options.intrinsics->end());
+  if (options.depth_unit_m > 0) adapter.depth_unit_m = options.depth_unit_m;
+  if (Raw(options.camera_id) != 0) adapter.camera_id = Raw(options.camera_id);
+  return adapter;
+}
+
+Result<Recording> OpenForeignLog(const std::string& file, const DatasetOptions& options,
+                                 const AdapterOptions& adapter) {
+  const Result<AdapterOptions> changed = AdapterWith(file, options, adapter);
+  if (!changed) return tl::unexpected(changed.error());
+  Result<std::unique_ptr<ForeignDataset>> dataset = ForeignDataset::Open(file, *changed, options);
+  if (!dataset) return tl::unexpected(dataset.error());
+  return Recording{std::move(*dataset), {}};
+}
+
+// Whether a log without frames of ours can be one of other programs.
+bool IsForeign(const std::string& file, const RecordedRun& run, const AdapterOptions& adapter) {
+  if (!run.frames.empty() || !run.unusable_frames.empty()) return false;
+  return HasForeignImages(file, adapter).value_or(false);
+}
+
+Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options,
+                          const AdapterOptions& adapter) {
   const Result<LogPath> parsed = ParseLogPath(path);
   if (!parsed) return tl::unexpected(parsed.error());
+  if (parsed->foreign) return OpenForeignLog(parsed->file, options, adapter);
   Result<LogReader> reader = LogReader::Open(parsed->file);
   if (!reader) return tl::unexpected(reader.error());
   const Result<RecordedRun> run = ReadRun(*reader);
   if (!run) return tl::unexpected(run.error());
+  if (IsForeign(parsed->file, *run, adapter)) return OpenForeignLog(parsed->file, options, adapter);
+  if (const auto checked = CheckLogOptions(path, options); !checked)
+    return tl::unexpected(checked.error());
   FrameSelection selection = SelectFrames(*run, parsed->all, options);
   if (selection.frames.empty()) return Fail(parsed->file + ": " + WhyNoFrames(*run, selection));
   Recording recording;
@@ -102,8 +140,8 @@ bool IsLog(const std::string& path) {
 }
 
 Result<Recording> OpenRecording(const std::string& path, const std::string& format,
-                                const DatasetOptions& options) {
-  if (format == "lcmlog" || (format.empty() && IsLog(path))) return OpenLog(path, options);
+                                const DatasetOptions& options, const AdapterOptions& adapter) {
+  if (format == "lcmlog" || (format.empty() && IsLog(path))) return OpenLog(path, options, adapter);
   Result<std::unique_ptr<Dataset>> dataset = OpenSequence(path, format, options);
   if (!dataset) return tl::unexpected(dataset.error());
   return Recording{std::move(*dataset), {}};

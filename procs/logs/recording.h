@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "config/process_options.h"
 #include "datasets/dataset.h"
 #include "datasets/detections_file.h"
 
@@ -24,10 +25,13 @@ bool IsLog(const std::string& path);
 /// Opens a log, or a sequence as OpenSequence does. If the log has MAP_COMMITs, its frames are
 /// those from which the newest map was built, in that order, and skipped() lists the others. If it
 /// has none, or for "run.lcmlog?frames=all", they are all frames in order of arrival. A repeated
-/// frame counts once. Each frame keeps its camera id. Fails when options.camera_id is set for a
-/// log, and when a log has no usable frames.
+/// frame counts once. Each frame keeps its camera id. A log without RGBD_FRAMEs, and
+/// "run.lcmlog?frames=foreign", is read as one of other robots' programs, see ForeignDataset; the
+/// intrinsics, depth unit and camera id of `options` replace those of `adapter` there. Fails when
+/// options.camera_id is set for a log of ours, and when a log has no usable frames.
 Result<Recording> OpenRecording(const std::string& path, const std::string& format,
-                                const DatasetOptions& options = {});
+                                const DatasetOptions& options = {},
+                                const AdapterOptions& adapter = {});
 
 /// Opens the detections in a log, or other detections as OpenDetections does. DetectorRan is false
 /// for frames without a DETECTIONS message and, if the log has commits, for frames that were

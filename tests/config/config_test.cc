@@ -146,6 +146,7 @@ TEST(Fields, EveryMemberOfTheOptionStructsIsThere) {
   EXPECT_EQ(FieldCount<DnnDetectorOptions>(), MemberCount<DnnDetectorOptions>());
   EXPECT_EQ(FieldCount<HubOptions>(), MemberCount<HubOptions>());
   EXPECT_EQ(FieldCount<BridgeOptions>(), MemberCount<BridgeOptions>());
+  EXPECT_EQ(FieldCount<AdapterOptions>(), MemberCount<AdapterOptions>());
 }
 
 /// Gives every value another one, so that a key for the wrong member shows.
@@ -164,6 +165,7 @@ class Changer {
     const auto names = NamesOf(member);
     member = member == names[0].value ? names[1].value : names[0].value;
   }
+  void Change(std::vector<double>& member) { member = {0.1 * ++changes_, -1.5, 3, 1e-7}; }
   void Change(std::vector<ClassId>& member) {
     member = {ClassId{1}, ClassId{static_cast<uint16_t>(300 + ++changes_)}};
   }

@@ -138,7 +138,8 @@ TEST(ForeignTypes, RejectLengthsThatAreImpossible) {
   draw.quaternion = {{1, 0, 0, 0}};
   std::vector<uint8_t> bytes = Pack(draw);
   ASSERT_TRUE(Unpack<foreign::drake::lcmt_viewer_draw>(bytes, bytes.size()));
-  for (const uint8_t high : {0x7f, 0xff, 0x01}) {  // the first byte of num_links
+  for (const uint8_t high :
+       std::vector<uint8_t>{0x7f, 0xff, 0x01}) {  // the first byte of num_links
     bytes[16] = high;
     EXPECT_FALSE(Unpack<foreign::drake::lcmt_viewer_draw>(bytes, bytes.size()));
   }

@@ -1,0 +1,425 @@
+#include "foreign/foreign_messages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <vismap/foreign/bot_core/image_t.hpp>
+#include <vismap/foreign/bot_core/images_t.hpp>
+#include <vismap/foreign/bot_core/pose_t.hpp>
+#include <vismap/foreign/bot_core/rigid_transform_t.hpp>
+#include <vismap/foreign/drake/lcmt_image_array.hpp>
+#include <vismap/foreign/drake/lcmt_viewer_draw.hpp>
+#include <vismap/foreign/geometry_msgs/PoseStamped.hpp>
+#include <vismap/foreign/nav_msgs/Odometry.hpp>
+#include <vismap/foreign/sensor_msgs/CameraInfo.hpp>
+#include <vismap/foreign/sensor_msgs/Image.hpp>
+#include <vismap/foreign/tf2_msgs/TFMessage.hpp>
+
+#include "wire/channels.h"
+#include "wire/envelope.h"
+
+namespace vismap {
+namespace {
+
+using Options = ForeignMessageOptions;
+
+// w, x, y, z and translation.
+Result<Pose> PoseOf(const Eigen::Vector4d& wxyz, const Eigen::Vector3d& translation) {
+  const double norm = wxyz.norm();
+  if (!(std::abs(norm - 1) < 0.01) || !translation.allFinite())
+    return Fail("a pose is not finite, or its quaternion does not have unit length");
+  const Eigen::Quaterniond rotation(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  Pose pose = Pose::Identity();
+  pose.linear() = rotation.normalized().toRotationMatrix();
+  pose.translation() = translation;
+  return pose;
+}
+
+template <typename Position, typename Rotation>
+Result<Pose> RosPose(const Position& position, const Rotation& rotation) {
+  return PoseOf({rotation.w, rotation.x, rotation.y, rotation.z},
+                {position.x, position.y, position.z});
+}
+
+Result<ForeignMessage> OneEdge(std::string parent, std::string child, int64_t utime,
+                               const Result<Pose>& pose) {
+  if (!pose) return tl::unexpected(pose.error());
+  ForeignMessage message;
+  message.edges.push_back({std::move(parent), std::move(child), utime, *pose});
+  return message;
+}
+
+ForeignMessage OneImage(ForeignImage image, ImageRole role) {
+  ForeignMessage message;
+  (role == ImageRole::kDepth ? message.depth : message.color) = std::move(image);
+  return message;
+}
+
+// ---- DimOS: the types of ROS.
+
+/// An encoding of sensor_msgs.Image.
+struct RosEncoding {
+  const char* name;
+  PixelFormat format;
+  int pixel_bytes, value_bytes;
+};
+constexpr RosEncoding kRosEncodings[] = {
+    {"rgb8", PixelFormat::kRgb, 3, 1},        {"bgr8", PixelFormat::kBgr, 3, 1},
+    {"rgba8", PixelFormat::kRgba, 4, 1},      {"bgra8", PixelFormat::kBgra, 4, 1},
+    {"mono8", PixelFormat::kGrey, 1, 1},      {"mono16", PixelFormat::kDepth16, 2, 2},
+    {"16UC1", PixelFormat::kDepth16, 2, 2},   {"16SC1", PixelFormat::kDepth16, 2, 2},
+    {"32FC1", PixelFormat::kDepthFloat, 4, 4}, {"64FC1", PixelFormat::kDepthFloat, 8, 8}};
+
+// Makes the format what the pipeline knows: no signed depth, no doubles, no grey with 16 bits.
+void SimplifyRos(const std::string& encoding, ImageRole role, ForeignImage* image) {
+  if (encoding == "64FC1") image->bytes = FloatsOfDoubles(image->bytes);
+  if (encoding == "16SC1") ClearNegative(&image->bytes);
+  if (encoding == "mono16" && role == ImageRole::kColor) {
+    image->bytes = UpperBytes(image->bytes);
+    image->format = PixelFormat::kGrey;
+  }
+}
+
+bool IsDepthFormat(PixelFormat format) { return format >= PixelFormat::kDepth16; }
+
+Result<ForeignMessage> FromRosImage(foreign::sensor_msgs::Image& message, const Options& options) {
+  ForeignImage image{UtimeOf(message.header.stamp.sec, message.header.stamp.nsec),
+                     message.header.frame_id, message.width, message.height};
+  if (message.encoding == "jpeg" || message.encoding == "png") {
+    const bool depth = options.role == ImageRole::kDepth;
+    if (depth && message.encoding == "jpeg")
+      return Fail("Image.encoding is 'jpeg', which cannot hold depth");
+    image.format = message.encoding == "jpeg" ? PixelFormat::kJpeg
+                   : depth                    ? PixelFormat::kDepthPng
+                                              : PixelFormat::kPng;
+    image.bytes = std::move(message.data);
+    return OneImage(std::move(image), options.role);
+  }
+  const auto found = std::find_if(std::begin(kRosEncodings), std::end(kRosEncodings),
+                                  [&](const RosEncoding& e) { return message.encoding == e.name; });
+  if (found == std::end(kRosEncodings))
+    return Fail("Image.encoding '" + message.encoding + "' is unknown");
+  image.format = found->format;
+  Result<std::vector<uint8_t>> bytes =
+      TightRows({message.width, message.height, message.step, found->pixel_bytes,
+                 found->value_bytes, message.is_bigendian != 0, std::move(message.data)});
+  if (!bytes) return Fail("Image: " + bytes.error().message);
+  image.bytes = std::move(*bytes);
+  SimplifyRos(message.encoding, options.role, &image);
+  if (IsDepthFormat(image.format) != (options.role == ImageRole::kDepth)) {
+    return Fail("Image.encoding '" + message.encoding + "' is not one of " +
+                (options.role == ImageRole::kDepth ? "a depth image" : "a colour image"));
+  }
+  return OneImage(std::move(image), options.role);
+}
+
+Result<ForeignMessage> FromCameraInfo(foreign::sensor_msgs::CameraInfo& message, const Options&) {
+  if (message.binning_x > 1 || message.binning_y > 1)
+    return Fail("CameraInfo: images with binning are not supported");
+  ForeignCamera camera{message.width, message.height, message.K[0],
+                       message.K[4],  message.K[2],   message.K[5]};
+  if (const auto set = SetDistortion(message.distortion_model, message.D, &camera); !set)
+    return Fail("CameraInfo: " + set.error().message);
+  ForeignMessage result;
+  result.camera = std::move(camera);
+  return result;
+}
+
+Result<ForeignMessage> FromTf(foreign::tf2_msgs::TFMessage& message, const Options&) {
+  ForeignMessage result;
+  for (const auto& stamped : message.transforms) {
+    const Result<Pose> pose = RosPose(stamped.transform.translation, stamped.transform.rotation);
+    if (!pose) return Fail("TFMessage, '" + stamped.child_frame_id + "': " + pose.error().message);
+    result.edges.push_back({stamped.header.frame_id, stamped.child_frame_id,
+                            UtimeOf(stamped.header.stamp.sec, stamped.header.stamp.nsec), *pose});
+  }
+  return result;
+}
+
+Result<ForeignMessage> FromPoseStamped(foreign::geometry_msgs::PoseStamped& message,
+                                       const Options& options) {
+  return OneEdge(message.header.frame_id, options.body_frame,
+                 UtimeOf(message.header.stamp.sec, message.header.stamp.nsec),
+                 RosPose(message.pose.position, message.pose.orientation));
+}
+
+Result<ForeignMessage> FromOdometry(foreign::nav_msgs::Odometry& message, const Options& options) {
+  const std::string& child = message.child_frame_id;
+  return OneEdge(message.header.frame_id, child.empty() ? options.body_frame : child,
+                 UtimeOf(message.header.stamp.sec, message.header.stamp.nsec),
+                 RosPose(message.pose.pose.position, message.pose.pose.orientation));
+}
+
+// ---- Drake.
+
+enum DrakePixels { kDrakeRgb = 1, kDrakeBgr = 2, kDrakeRgba = 3, kDrakeDepth = 5, kDrakeLabel = 6 };
+enum DrakeChannels { kDrakeU8 = 1, kDrakeU16 = 3, kDrakeF32 = 6 };
+enum DrakeCompression { kDrakeRaw = 0, kDrakeZlib = 1, kDrakeJpeg = 2, kDrakePng = 3 };
+
+// The format of a raw image, and how many bytes a pixel has; 0 = unknown.
+std::pair<PixelFormat, int> DrakeFormat(const foreign::drake::lcmt_image& image) {
+  if (image.pixel_format == kDrakeDepth) {
+    if (image.channel_type == kDrakeU16) return {PixelFormat::kDepth16, 2};
+    if (image.channel_type == kDrakeF32) return {PixelFormat::kDepthFloat, 4};
+  } else if (image.channel_type == kDrakeU8) {
+    if (image.pixel_format == kDrakeRgb) return {PixelFormat::kRgb, 3};
+    if (image.pixel_format == kDrakeBgr) return {PixelFormat::kBgr, 3};
+    if (image.pixel_format == kDrakeRgba) return {PixelFormat::kRgba, 4};
+  }
+  return {PixelFormat::kRgb, 0};
+}
+
+Result<ForeignImage> FromDrakeImage(foreign::drake::lcmt_image& image, int64_t utime) {
+  ForeignImage result{utime, "", image.width, image.height};
+  const bool depth = image.pixel_format == kDrakeDepth;
+  const auto [format, pixel_bytes] = DrakeFormat(image);
+  if (pixel_bytes == 0) {
+    return Fail("lcmt_image: pixel_format " + std::to_string(image.pixel_format) +
+                " with channel_type " + std::to_string(image.channel_type) + " is unknown");
+  }
+  if (image.compression_method == kDrakeJpeg || image.compression_method == kDrakePng) {
+    if (depth && (image.compression_method == kDrakeJpeg || format != PixelFormat::kDepth16))
+      return Fail("lcmt_image: depth with this channel_type and compression_method is unknown");
+    result.format = image.compression_method == kDrakeJpeg ? PixelFormat::kJpeg
+                    : depth                                ? PixelFormat::kDepthPng
+                                                           : PixelFormat::kPng;
+    result.bytes = std::move(image.data);
+    return result;
+  }
+  if (image.compression_method != kDrakeRaw && image.compression_method != kDrakeZlib) {
+    return Fail("lcmt_image.compression_method " + std::to_string(image.compression_method) +
+                " is unknown");
+  }
+  result.format = format;
+  const int64_t row = int64_t{image.width} * pixel_bytes;
+  const int64_t step = image.row_stride == 0 ? row : image.row_stride;
+  if (image.compression_method == kDrakeZlib) {
+    if (format == PixelFormat::kDepth16 && step == row && image.bigendian == 0) {
+      result.format = PixelFormat::kDepth16Zlib;  // is passed on as it is
+      result.bytes = std::move(image.data);
+      return result;
+    }
+    if (step <= 0 || image.height <= 0) return Fail("lcmt_image: an impossible size");
+    auto plain = InflateZlib(image.data, static_cast<size_t>(step) * static_cast<size_t>(image.height));
+    if (!plain) return Fail("lcmt_image: " + plain.error().message);
+    image.data = std::move(*plain);
+  }
+  Result<std::vector<uint8_t>> bytes =
+      TightRows({image.width, image.height, step, pixel_bytes, depth ? pixel_bytes : 1,
+                 image.bigendian != 0, std::move(image.data)});
+  if (!bytes) return Fail("lcmt_image: " + bytes.error().message);
+  result.bytes = std::move(*bytes);
+  return result;
+}
+
+Result<ForeignMessage> FromImageArray(foreign::drake::lcmt_image_array& message, const Options&) {
+  ForeignMessage result;
+  for (foreign::drake::lcmt_image& image : message.images) {
+    if (image.pixel_format == kDrakeLabel) continue;
+    Result<ForeignImage> decoded = FromDrakeImage(image, message.header.utime);
+    if (!decoded) return tl::unexpected(decoded.error());
+    (image.pixel_format == kDrakeDepth ? result.depth : result.color) = std::move(*decoded);
+  }
+  return result;
+}
+
+Result<ForeignMessage> FromViewerDraw(foreign::drake::lcmt_viewer_draw& message,
+                                      const Options& options) {
+  ForeignMessage result;
+  for (size_t i = 0; i < message.link_name.size(); ++i) {
+    if (message.link_name[i] == options.root) continue;
+    const std::vector<float>& p = message.position[i];
+    const std::vector<float>& q = message.quaternion[i];
+    const Result<Pose> pose = PoseOf({q[0], q[1], q[2], q[3]}, {p[0], p[1], p[2]});
+    if (!pose) return Fail("lcmt_viewer_draw, '" + message.link_name[i] + "': " + pose.error().message);
+    result.edges.push_back({options.root, message.link_name[i], message.timestamp * 1000, *pose});
+  }
+  return result;
+}
+
+// ---- bot_core.
+
+enum BotPixels : int32_t {
+  kBotRgb = 859981650,
+  kBotBgr = 861030210,
+  kBotGrey = 1497715271,
+  kBotJpeg = 1196444237,
+  kBotGrey16 = 909199180,
+};
+enum BotImages { kBotLeft = 0, kBotDepth = 4, kBotDepthZipped = 6 };
+
+Result<ForeignImage> FromBotColor(foreign::bot_core::image_t& image) {
+  ForeignImage result{image.utime, "", image.width, image.height};
+  if (image.pixelformat == kBotJpeg) {
+    result.format = PixelFormat::kJpeg;
+    result.bytes = std::move(image.data);
+    return result;
+  }
+  int pixel_bytes = 3;
+  switch (image.pixelformat) {
+    case kBotRgb:
+      result.format = PixelFormat::kRgb;
+      break;
+    case kBotBgr:
+      result.format = PixelFormat::kBgr;
+      break;
+    case kBotGrey:
+      result.format = PixelFormat::kGrey;
+      pixel_bytes = 1;
+      break;
+    default:
+      return Fail("image_t.pixelformat " + std::to_string(image.pixelformat) + " is unknown");
+  }
+  Result<std::vector<uint8_t>> bytes = TightRows({image.width, image.height, image.row_stride,
+                                                  pixel_bytes, 1, false, std::move(image.data)});
+  if (!bytes) return Fail("image_t: " + bytes.error().message);
+  result.bytes = std::move(*bytes);
+  return result;
+}
+
+// The pixelformat of depth is not reliable.
+Result<ForeignImage> FromBotDepth(foreign::bot_core::image_t& image, bool zipped, int64_t utime) {
+  ForeignImage result{utime, "", image.width, image.height};
+  if (zipped) {
+    result.format = PixelFormat::kDepth16Zlib;
+    result.bytes = std::move(image.data);
+    return result;
+  }
+  result.format = PixelFormat::kDepth16;
+  Result<std::vector<uint8_t>> bytes =
+      TightRows({image.width, image.height, 0, 2, 2, false, std::move(image.data)});
+  if (!bytes) return Fail("image_t: " + bytes.error().message);
+  result.bytes = std::move(*bytes);
+  return result;
+}
+
+Result<ForeignMessage> FromImages(foreign::bot_core::images_t& message, const Options&) {
+  ForeignMessage result;
+  for (size_t i = 0; i < message.images.size(); ++i) {
+    const int type = message.image_types[i];
+    if (type == kBotLeft) {
+      Result<ForeignImage> color = FromBotColor(message.images[i]);
+      if (!color) return tl::unexpected(color.error());
+      result.color = std::move(*color);
+    } else if (type == kBotDepth || type == kBotDepthZipped) {
+      Result<ForeignImage> depth =
+          FromBotDepth(message.images[i], type == kBotDepthZipped, message.utime);
+      if (!depth) return tl::unexpected(depth.error());
+      result.depth = std::move(*depth);
+    }
+  }
+  // The colour image of the message belongs to the depth image, whatever its time.
+  if (result.color && result.depth && result.color->utime == 0) result.color->utime = message.utime;
+  return result;
+}
+
+Result<ForeignMessage> FromImage(foreign::bot_core::image_t& message, const Options& options) {
+  const bool depth = options.role == ImageRole::kDepth;
+  const bool zipped = message.data.size() != 2 * static_cast<size_t>(std::max(0, message.width)) *
+                                                 static_cast<size_t>(std::max(0, message.height));
+  Result<ForeignImage> image =
+      depth ? FromBotDepth(message, zipped, message.utime) : FromBotColor(message);
+  if (!image) return tl::unexpected(image.error());
+  return OneImage(std::move(*image), options.role);
+}
+
+Result<ForeignMessage> FromBotPose(foreign::bot_core::pose_t& message, const Options& options) {
+  const double* q = message.orientation;
+  return OneEdge(options.root, options.body_frame, message.utime,
+                 PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.pos)));
+}
+
+Result<ForeignMessage> FromRigidTransform(foreign::bot_core::rigid_transform_t& message,
+                                          const std::string& channel, const Options& options) {
+  const size_t to = channel.find("_TO_");
+  const double* q = message.quat;
+  return OneEdge(options.root, to == std::string::npos ? options.camera_frame : channel.substr(0, to),
+                 message.utime,
+                 PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.trans)));
+}
+
+// ---- All of them.
+
+constexpr size_t kMostBytes = 64 * kMegabyte;  // of a message with images
+constexpr size_t kMostPoseBytes = 4 * kMegabyte;
+
+using Reader = std::function<Result<ForeignMessage>(
+    std::span<const uint8_t>, const std::string& channel, const Options&)>;
+
+template <typename Message, typename Convert>
+Reader ReaderOf(size_t most_bytes, Convert convert) {
+  return [=](std::span<const uint8_t> bytes, const std::string&,
+             const Options& options) -> Result<ForeignMessage> {
+    Result<Message> message = Unpack<Message>(bytes, most_bytes);
+    if (!message) return tl::unexpected(message.error());
+    return convert(*message, options);
+  };
+}
+
+template <typename Message, typename Convert>
+void AddReader(size_t most_bytes, Convert convert, std::map<int64_t, Reader>* readers) {
+  readers->emplace(Message::getHash(), ReaderOf<Message>(most_bytes, convert));
+}
+
+std::map<int64_t, Reader> MakeReaders() {
+  std::map<int64_t, Reader> readers;
+  AddReader<foreign::sensor_msgs::Image>(kMostBytes, FromRosImage, &readers);
+  AddReader<foreign::sensor_msgs::CameraInfo>(kMostPoseBytes, FromCameraInfo, &readers);
+  AddReader<foreign::tf2_msgs::TFMessage>(kMostPoseBytes, FromTf, &readers);
+  AddReader<foreign::geometry_msgs::PoseStamped>(kMostPoseBytes, FromPoseStamped, &readers);
+  AddReader<foreign::nav_msgs::Odometry>(kMostPoseBytes, FromOdometry, &readers);
+  AddReader<foreign::drake::lcmt_image_array>(kMostBytes, FromImageArray, &readers);
+  AddReader<foreign::drake::lcmt_viewer_draw>(kMostPoseBytes, FromViewerDraw, &readers);
+  AddReader<foreign::bot_core::images_t>(kMostBytes, FromImages, &readers);
+  AddReader<foreign::bot_core::image_t>(kMostBytes, FromImage, &readers);
+  AddReader<foreign::bot_core::pose_t>(kMostPoseBytes, FromBotPose, &readers);
+  using Transform = foreign::bot_core::rigid_transform_t;
+  readers.emplace(Transform::getHash(),
+                  [](std::span<const uint8_t> bytes, const std::string& channel,
+                     const Options& options) -> Result<ForeignMessage> {
+                    Result<Transform> message = Unpack<Transform>(bytes, kMostPoseBytes);
+                    if (!message) return tl::unexpected(message.error());
+                    return FromRigidTransform(*message, channel, options);
+                  });
+  return readers;
+}
+
+}  // namespace
+
+int64_t UtimeOf(int32_t sec, int32_t nsec) {
+  return int64_t{sec} * 1'000'000 + (int64_t{nsec} + 500) / 1000;
+}
+
+Result<void> SetDistortion(const std::string& model, const std::vector<double>& coefficients,
+                           ForeignCamera* camera) {
+  camera->distortion = ForeignCamera::Distortion::kNone;
+  camera->coefficients.clear();
+  const bool zero = std::all_of(coefficients.begin(), coefficients.end(),
+                                [](double value) { return value == 0; });
+  if (zero || model == "none") return {};
+  const size_t count = coefficients.size();
+  const bool brown = model == "plumb_bob" || model == "rational_polynomial" || model.empty();
+  const bool fisheye = model == "equidistant" || model == "kannala_brandt4";
+  if (!brown && !fisheye) return Fail("the distortion_model '" + model + "' is unknown");
+  if (fisheye ? count != 4 : (count != 4 && count != 5 && count != 8)) {
+    return Fail("the distortion_model '" + model + "' has " + std::to_string(count) +
+                " coefficients, expected " + (fisheye ? "4" : "4, 5 or 8"));
+  }
+  camera->distortion = fisheye ? ForeignCamera::Distortion::kEquidistant
+                               : ForeignCamera::Distortion::kBrownConrady;
+  camera->coefficients = coefficients;
+  return {};
+}
+
+Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::string& channel,
+                                     const ForeignMessageOptions& options) {
+  static const std::map<int64_t, Reader> kReaders = MakeReaders();
+  if (bytes.size() < 8) return Fail("a message of " + std::to_string(bytes.size()) + " bytes");
+  const auto found = kReaders.find(envelope::ReadFingerprint(bytes));
+  if (found == kReaders.end())
+    return Fail("the type of the message is not one that the adapter reads");
+  return found->second(bytes, channel, options);
+}
+
+}  // namespace vismap

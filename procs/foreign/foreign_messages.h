@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "foreign/foreign_image.h"
+#include "foreign/frame_tree.h"
+
+namespace vismap {
+
+/// The optics of a camera as a robot's message or the config states them.
+struct ForeignCamera {
+  int width = 0, height = 0;
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  enum class Distortion { kNone, kBrownConrady, kEquidistant } distortion = Distortion::kNone;
+  std::vector<double> coefficients = {};
+  friend bool operator==(const ForeignCamera&, const ForeignCamera&) = default;
+};
+
+/// The distortion by the name of its model: "" and "none", "plumb_bob" (4, 5 or 8 coefficients),
+/// "rational_polynomial" (8), "equidistant" and "kannala_brandt4" (4). Coefficients that are all 0
+/// are none. Fails on other names and numbers of coefficients.
+Result<void> SetDistortion(const std::string& model, const std::vector<double>& coefficients,
+                           ForeignCamera* camera);
+
+/// What the images on a channel are, where the message does not say it.
+enum class ImageRole { kColor, kDepth };
+
+/// What a message says, as far as a map needs it.
+struct ForeignMessage {
+  std::optional<ForeignImage> color, depth;
+  std::optional<ForeignCamera> camera;
+  std::vector<EdgeSample> edges;
+};
+
+/// How messages are read that do not say everything themselves.
+struct ForeignMessageOptions {
+  ImageRole role = ImageRole::kColor;
+  std::string root;          ///< parent of poses that name none
+  std::string body_frame;    ///< child of poses of the robot that name none
+  std::string camera_frame;  ///< child of poses on channels that do not name one as A_TO_B
+};
+
+/// Decodes a message of DimOS (Image, CameraInfo, TFMessage, PoseStamped, Odometry), Drake (image
+/// array, viewer draw) or bot_core (images, image, pose, rigid transform); the fingerprint says
+/// which. Fails on other types, and, naming the field, on what cannot be used.
+Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::string& channel,
+                                     const ForeignMessageOptions& options);
+
+/// Time of a stamp [us], rounded: DimOS sends stamps through float seconds.
+int64_t UtimeOf(int32_t sec, int32_t nsec);
+
+}  // namespace vismap

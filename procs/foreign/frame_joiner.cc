@@ -1,0 +1,332 @@
+#include "foreign/frame_joiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "foreign/mount.h"
+#include "foreign/presets.h"
+
+namespace vismap {
+namespace {
+
+int64_t Microseconds(double ms) { return static_cast<int64_t>(std::llround(ms * 1000)); }
+
+// A number in a reason, as the config has it: 20 and not 20.000000.
+std::string Milliseconds(double ms) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g ms", ms);
+  return text;
+}
+
+std::string PixelsText(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+Result<FrameJoiner> FrameJoiner::Create(const AdapterOptions& options, Sink sink,
+                                        bool keep_pixels) {
+  if (const auto complete = CheckComplete(options); !complete)
+    return tl::unexpected(complete.error());
+  ForeignCamera camera;
+  if (const auto set = SetDistortion(options.distortion_model, options.distortion, &camera); !set)
+    return Fail("adapter.distortion: " + set.error().message);
+  FrameJoiner joiner(options, std::move(sink), keep_pixels);
+  for (const std::string& text : options.mounts) {
+    const Result<Mount> mount = ParseMount(text);
+    joiner.tree_.AddMount(mount->parent, mount->child, mount->T_parent_child);
+  }
+  return joiner;
+}
+
+FrameJoiner::FrameJoiner(const AdapterOptions& options, Sink sink, bool keep_pixels)
+    : options_(options),
+      sink_(std::move(sink)),
+      keep_pixels_(keep_pixels),
+      tree_({options.lookup, Microseconds(options.max_gap_ms)}) {}
+
+// Whether the channel is the one of the pattern, which then stands for this channel alone.
+bool FrameJoiner::LockChannel(std::string* pattern, const std::string& channel) const {
+  if (!ChannelMatches(*pattern, channel)) return false;
+  *pattern = channel;
+  return true;
+}
+
+Result<void> FrameJoiner::Add(const std::string& channel, std::span<const uint8_t> bytes,
+                              int64_t received, int64_t number) {
+  const bool color = LockChannel(&options_.color_channel, channel);
+  const bool depth = LockChannel(&options_.depth_channel, channel);
+  const bool other = channel == options_.intrinsics_channel ||
+                     channel == options_.depth_intrinsics_channel ||
+                     std::find(options_.pose_channels.begin(), options_.pose_channels.end(),
+                               channel) != options_.pose_channels.end();
+  if (!color && !depth && !other) return {};
+  ++received_[channel];
+  Result<ForeignMessage> message =
+      DecodeForeign(bytes, channel,
+                    {depth && !color ? ImageRole::kDepth : ImageRole::kColor, options_.root,
+                     options_.body_frame, options_.camera_frame});
+  if (!message) {
+    Drop(channel + ": " + message.error().message);
+    return Fail(channel + ": " + message.error().message);
+  }
+  if (message->camera && channel == options_.intrinsics_channel) color_camera_ = message->camera;
+  if (message->camera && channel == options_.depth_intrinsics_channel)
+    depth_camera_ = message->camera;
+  for (const EdgeSample& edge : message->edges) tree_.Add(edge, received);
+  AddImages(std::move(*message), received, number);
+  Advance(received);
+  return {};
+}
+
+// Sets what the receiver knows about an image.
+Result<void> FrameJoiner::Prepare(ForeignImage* image, bool is_color, int64_t received,
+                                  int64_t number) {
+  image->message = number;
+  if (options_.time == ImageTime::kReceived) image->utime = received;
+  if (image->utime < 0) return Fail("the time of an image is negative");
+  if (!keep_pixels_) {
+    image->bytes.clear();
+    image->bytes.shrink_to_fit();
+  } else if (is_color && options_.swap_red_blue) {
+    Result<ForeignImage> swapped = SwapRedBlue(std::move(*image));
+    if (!swapped) return Fail("a colour image cannot be decoded: " + swapped.error().message);
+    *image = std::move(*swapped);
+  }
+  return {};
+}
+
+void FrameJoiner::AddImages(ForeignMessage message, int64_t received, int64_t number) {
+  if (options_.color_channel == kNoChannel) message.color.reset();
+  for (auto* image : {&message.color, &message.depth}) {
+    if (!*image) continue;
+    if (const auto prepared = Prepare(&**image, image == &message.color, received, number);
+        !prepared) {
+      Drop(prepared.error().message);
+      image->reset();
+    }
+  }
+  if (message.color && message.depth) {
+    // Drivers send the last colour image that they have, which may be old.
+    if (std::abs(message.color->utime - message.depth->utime) >
+        Microseconds(options_.pair_within_ms))
+      message.color->utime = message.depth->utime;
+    AddPair({std::move(message.color), std::move(*message.depth), received});
+  } else if (message.color) {
+    AddColor(std::move(*message.color), received);
+  } else if (message.depth) {
+    waiting_bytes_ += message.depth->bytes.size();
+    depths_.push_back({std::move(*message.depth), received});
+  }
+  BoundBytes();
+}
+
+void FrameJoiner::AddColor(ForeignImage image, int64_t received) {
+  const int64_t gap = image.utime - last_color_utime_;
+  if (last_color_utime_ >= 0 && gap > 0)
+    least_color_gap_ = least_color_gap_ == 0 ? gap : std::min(least_color_gap_, gap);
+  last_color_utime_ = image.utime;
+  waiting_bytes_ += image.bytes.size();
+  colors_.push_back({std::move(image), received});
+}
+
+void FrameJoiner::AddPair(Pair pair) {
+  waiting_bytes_ += pair.depth.bytes.size() + (pair.color ? pair.color->bytes.size() : 0);
+  pairs_.push_back(std::move(pair));
+}
+
+void FrameJoiner::BoundBytes() {
+  const size_t most = static_cast<size_t>(options_.queue_mb) << 20;
+  while (waiting_bytes_ > most) {
+    if (!pairs_.empty()) {
+      const Pair& first = pairs_.front();
+      waiting_bytes_ -= first.depth.bytes.size() + (first.color ? first.color->bytes.size() : 0);
+      pairs_.pop_front();
+    } else {
+      std::deque<Waiting>& images = depths_.empty() ? colors_ : depths_;
+      waiting_bytes_ -= images.front().image.bytes.size();
+      images.pop_front();
+    }
+    Drop("more images waited than adapter.queue_mb allows");
+  }
+}
+
+void FrameJoiner::Advance(int64_t now) {
+  now_ = std::max(now_, now);
+  while (PairFirstDepth(now_) || JoinFirstPair(now_)) {
+  }
+  DropOldColors();
+}
+
+void FrameJoiner::Finish() {
+  finished_ = true;
+  Advance(now_);
+}
+
+void FrameJoiner::DropOldColors() {
+  const int64_t wait = Microseconds(options_.wait_ms + options_.pair_within_ms);
+  while (!colors_.empty() && (finished_ || now_ - colors_.front().received > wait)) {
+    waiting_bytes_ -= colors_.front().image.bytes.size();
+    colors_.pop_front();
+    Drop("no depth image within " + Milliseconds(options_.pair_within_ms) +
+         " of the colour image (adapter.pair_within_ms)");
+  }
+}
+
+// Finds the colour image of the first depth image, or drops that. Returns false when both have to
+// wait.
+bool FrameJoiner::PairFirstDepth(int64_t now) {
+  if (depths_.empty()) return false;
+  Waiting& depth = depths_.front();
+  const auto take = [&](std::optional<ForeignImage> color, int64_t received) {
+    waiting_bytes_ -= depth.image.bytes.size() + (color ? color->bytes.size() : 0);
+    AddPair({std::move(color), std::move(depth.image), std::max(received, depth.received)});
+    depths_.pop_front();
+    return true;
+  };
+  if (options_.color_channel == kNoChannel) return take(std::nullopt, 0);
+
+  const auto distance = [&](const Waiting& color) {
+    return std::abs(color.image.utime - depth.image.utime);
+  };
+  const auto nearest = std::min_element(
+      colors_.begin(), colors_.end(),
+      [&](const Waiting& a, const Waiting& b) { return distance(a) < distance(b); });
+  const bool fits =
+      nearest != colors_.end() && distance(*nearest) <= Microseconds(options_.pair_within_ms);
+  const bool passed = !colors_.empty() && colors_.back().image.utime >= depth.image.utime;
+  // No colour image that is still to come can be nearer.
+  const bool surely = fits && least_color_gap_ > 0 && 2 * distance(*nearest) <= least_color_gap_;
+  const bool last_chance = finished_ || now - depth.received > Microseconds(options_.wait_ms);
+  if (fits && (passed || surely || last_chance)) {
+    for (auto skipped = colors_.begin(); skipped != nearest; ++skipped) {
+      waiting_bytes_ -= skipped->image.bytes.size();
+      Drop("no depth image within " + Milliseconds(options_.pair_within_ms) +
+           " of the colour image (adapter.pair_within_ms)");
+    }
+    Waiting color = std::move(*nearest);
+    colors_.erase(colors_.begin(), nearest + 1);
+    return take(std::move(color.image), color.received);
+  }
+  if (!passed && !last_chance) return false;
+  waiting_bytes_ -= depth.image.bytes.size();
+  depths_.pop_front();
+  Drop("no colour image within " + Milliseconds(options_.pair_within_ms) +
+       " of the depth image (adapter.pair_within_ms, adapter.color_channel)");
+  return true;
+}
+
+// Hands out the first pair as a frame, or drops it. Returns false when it has to wait.
+bool FrameJoiner::JoinFirstPair(int64_t now) {
+  if (pairs_.empty()) return false;
+  Pair& pair = pairs_.front();
+  ForeignFrame frame;
+  const Missing missing = Complete(pair, now, &frame);
+  const bool whole = missing.why.empty();
+  const bool give_up =
+      missing.never || finished_ || now - pair.received > Microseconds(missing.wait_ms);
+  if (!whole && !give_up) return false;
+  waiting_bytes_ -= pair.depth.bytes.size() + (pair.color ? pair.color->bytes.size() : 0);
+  if (whole) {
+    frame.utime = pair.utime();
+    frame.received = pair.received;
+    frame.color = std::move(pair.color);
+    frame.depth = std::move(pair.depth);
+    last_utime_ = frame.utime;
+    ++frames_;
+  } else {
+    Drop(missing.why);
+  }
+  pairs_.pop_front();
+  if (whole) sink_(std::move(frame));
+  return true;
+}
+
+FrameJoiner::Missing FrameJoiner::Complete(const Pair& pair, int64_t now,
+                                           ForeignFrame* frame) const {
+  if (last_utime_ == pair.utime()) {
+    return {
+        "the image has the time of the image before it; for a driver that sends no time, set "
+        "adapter.time to RECEIVED",
+        true};
+  }
+  frame->depth_registered = IsRegistered(pair);
+  if (Missing missing = FindCameras(pair, frame); !missing.why.empty()) return missing;
+  return FindPoses(pair, now, frame);
+}
+
+bool FrameJoiner::IsRegistered(const Pair& pair) const {
+  if (!pair.color) return true;
+  if (options_.registered != DepthIsRegistered::kByFrameId)
+    return options_.registered == DepthIsRegistered::kYes;
+  return pair.color->frame_id == pair.depth.frame_id;
+}
+
+// The intrinsics for an image, from the config or the last message.
+std::optional<ForeignCamera> FrameJoiner::ColorCamera(const ForeignImage& image) const {
+  if (options_.intrinsics.empty()) return color_camera_;
+  ForeignCamera camera{image.width,
+                       image.height,
+                       options_.intrinsics[0],
+                       options_.intrinsics[1],
+                       options_.intrinsics[2],
+                       options_.intrinsics[3]};
+  if (!SetDistortion(options_.distortion_model, options_.distortion, &camera)) return std::nullopt;
+  return camera;
+}
+
+FrameJoiner::Missing FrameJoiner::FindCameras(const Pair& pair, ForeignFrame* frame) const {
+  const auto misfit = [](const ForeignCamera& camera, const ForeignImage& image) -> Missing {
+    if (camera.width == image.width && camera.height == image.height) return {};
+    return {"the intrinsics are for images of " + PixelsText(camera.width, camera.height) +
+                ", the image has " + PixelsText(image.width, image.height),
+            true};
+  };
+  const ForeignImage& main = pair.color ? *pair.color : pair.depth;
+  const std::optional<ForeignCamera> camera = ColorCamera(main);
+  if (!camera) {
+    return {"no intrinsics came on " + options_.intrinsics_channel +
+                " (adapter.intrinsics_channel; or give adapter.intrinsics)",
+            false, options_.intrinsics_wait_ms};
+  }
+  if (Missing missing = misfit(*camera, main); !missing.why.empty()) return missing;
+  frame->color_camera = frame->depth_camera = *camera;
+  if (frame->depth_registered) {
+    if (pair.depth.width == main.width && pair.depth.height == main.height) return {};
+    return {"depth has " + PixelsText(pair.depth.width, pair.depth.height) + " pixels and colour " +
+                PixelsText(main.width, main.height) +
+                ", so depth is not registered to colour (adapter.registered)",
+            true};
+  }
+  if (!depth_camera_) {
+    return {
+        "depth is not registered to colour, and no intrinsics of the depth camera came "
+        "(adapter.depth_intrinsics_channel, adapter.registered)",
+        false, options_.intrinsics_wait_ms};
+  }
+  frame->depth_camera = *depth_camera_;
+  return misfit(*depth_camera_, pair.depth);
+}
+
+FrameJoiner::Missing FrameJoiner::FindPoses(const Pair& pair, int64_t now,
+                                            ForeignFrame* frame) const {
+  const ForeignImage& main = pair.color ? *pair.color : pair.depth;
+  const std::string& camera = options_.camera_frame.empty() ? main.frame_id : options_.camera_frame;
+  if (camera.empty()) return {"the images name no frame; set adapter.camera_frame", true};
+  const auto find = [&](const std::string& target, const std::string& source,
+                        Pose* pose) -> Missing {
+    FrameTree::Answer answer = tree_.Find(target, source, pair.utime(), now);
+    *pose = answer.pose;
+    if (answer.state == FrameTree::State::kFound) return {};
+    return {std::move(answer.why), answer.state == FrameTree::State::kNever, options_.wait_ms};
+  };
+  if (Missing missing = find(options_.root, camera, &frame->T_W_C); !missing.why.empty())
+    return missing;
+  if (frame->depth_registered) return {};
+  return find(camera, pair.depth.frame_id, &frame->T_color_depth);
+}
+
+}  // namespace vismap

@@ -1,0 +1,94 @@
+#include "foreign/frame_tree.h"
+
+#include <algorithm>
+
+namespace vismap {
+namespace {
+
+constexpr size_t kMostFrames = 4096;
+constexpr size_t kDeepest = 64;
+
+std::string EdgeText(const std::string& parent, const std::string& child) {
+  return "from '" + parent + "' to '" + child + "'";
+}
+
+}  // namespace
+
+void FrameTree::AddMount(const std::string& parent, const std::string& child,
+                         const Pose& T_parent_child) {
+  edges_[child] = {parent, PoseTrack::Fixed(T_parent_child), true};
+}
+
+void FrameTree::Add(const EdgeSample& sample, int64_t received) {
+  if (edges_.size() >= kMostFrames && !edges_.contains(sample.child)) return;
+  Edge& edge = edges_[sample.child];
+  if (edge.mount) return;
+  if (edge.parent != sample.parent) edge = {sample.parent, {}, false};
+  edge.track.Add(sample.utime, sample.T_parent_child, received);
+}
+
+// The frame itself, its parent, and so on.
+std::vector<std::string> FrameTree::PathToRoot(const std::string& frame) const {
+  std::vector<std::string> path = {frame};
+  while (path.size() < kDeepest) {
+    const auto found = edges_.find(path.back());
+    if (found == edges_.end()) break;
+    path.push_back(found->second.parent);
+  }
+  return path;
+}
+
+// T_path[end]_path[0].
+FrameTree::Answer FrameTree::UpTo(const std::vector<std::string>& path, size_t end, int64_t utime,
+                                  int64_t now) const {
+  Answer answer{State::kFound};
+  for (size_t i = 0; i < end; ++i) {
+    const Edge& edge = edges_.at(path[i]);
+    const PoseTrack::Answer at = edge.track.At(utime, now, options_);
+    const std::string name = EdgeText(edge.parent, path[i]);
+    switch (at.found) {
+      case PoseTrack::Found::kPose:
+        answer.pose = at.pose * answer.pose;
+        break;
+      case PoseTrack::Found::kLater:
+        return {State::kWaiting, {}, "no pose " + name + " came that is later than the image"};
+      case PoseTrack::Found::kTooOld:
+        return {State::kNever, {}, "the image is older than all poses " + name};
+      case PoseTrack::Found::kGap:
+        return {State::kNever, {}, "the poses " + name + " around the image are too far apart in "
+                                   "time (adapter.max_gap_ms)"};
+    }
+  }
+  return answer;
+}
+
+FrameTree::Answer FrameTree::Find(const std::string& target, const std::string& source,
+                                  int64_t utime, int64_t now) const {
+  const std::vector<std::string> up = PathToRoot(source), down = PathToRoot(target);
+  for (size_t i = 0; i < up.size(); ++i) {
+    const auto shared = std::find(down.begin(), down.end(), up[i]);
+    if (shared == down.end()) continue;
+    const Answer from_source = UpTo(up, i, utime, now);
+    if (from_source.state != State::kFound) return from_source;
+    const Answer from_target =
+        UpTo(down, static_cast<size_t>(shared - down.begin()), utime, now);
+    if (from_target.state != State::kFound) return from_target;
+    return {State::kFound, from_target.pose.inverse() * from_source.pose};
+  }
+  return {State::kWaiting, {}, "no poses connect the frame '" + source + "' with '" + target +
+                               "' (adapter.root, adapter.camera_frame, adapter.mounts); known "
+                               "frames: " + FramesText()};
+}
+
+std::string FrameTree::FramesText() const {
+  constexpr size_t kShown = 20;
+  std::string text;
+  size_t shown = 0;
+  for (const auto& [child, edge] : edges_) {
+    if (shown++ == kShown) return text + ", ...";
+    text += (text.empty() ? "" : ", ") + child;
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace vismap

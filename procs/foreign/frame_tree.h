@@ -1,0 +1,62 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "foreign/pose_track.h"
+
+namespace vismap {
+
+/// The pose of a child in its parent at one time.
+struct EdgeSample {
+  std::string parent, child;
+  int64_t utime = 0;  ///< [us]
+  Pose T_parent_child = Pose::Identity();
+};
+
+/// A tree of coordinate frames that move against each other, as tf and bot-frames have it: every
+/// frame has one parent. It keeps at most 4096 frames.
+class FrameTree {
+ public:
+  enum class State {
+    kFound,    ///< `pose` is set
+    kWaiting,  ///< `why` may pass with the next messages
+    kNever,    ///< `why` will not pass
+  };
+  struct Answer {
+    State state = State::kWaiting;
+    Pose pose = Pose::Identity();
+    std::string why = {};  ///< a sentence
+  };
+
+  explicit FrameTree(const PoseLookupOptions& options) : options_(options) {}
+
+  /// Adds an edge that holds at all times and that no message replaces.
+  void AddMount(const std::string& parent, const std::string& child, const Pose& T_parent_child);
+  /// Adds what a message said that was received at `received` [us]. A frame that gets another
+  /// parent forgets the one before.
+  void Add(const EdgeSample& sample, int64_t received);
+
+  /// T_target_source at a time. `now`: the receiver's time [us].
+  Answer Find(const std::string& target, const std::string& source, int64_t utime,
+              int64_t now) const;
+
+  /// Names of the frames that have a parent, for messages; the first twenty.
+  std::string FramesText() const;
+
+ private:
+  struct Edge {
+    std::string parent;
+    PoseTrack track;
+    bool mount = false;
+  };
+  std::vector<std::string> PathToRoot(const std::string& frame) const;
+  Answer UpTo(const std::vector<std::string>& path, size_t end, int64_t utime, int64_t now) const;
+
+  PoseLookupOptions options_;
+  std::map<std::string, Edge> edges_;  // by child
+};
+
+}  // namespace vismap

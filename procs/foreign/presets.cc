@@ -1,0 +1,141 @@
+#include "foreign/presets.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "foreign/mount.h"
+
+namespace vismap {
+namespace {
+
+AdapterOptions Dimos() {
+  AdapterOptions options;
+  options.color_channel = "/color_image#sensor_msgs.Image";
+  options.depth_channel = "/depth_image#sensor_msgs.Image";
+  options.intrinsics_channel = "/camera_info#sensor_msgs.CameraInfo";
+  options.depth_intrinsics_channel = "/depth_camera_info#sensor_msgs.CameraInfo";
+  options.pose_channels = {"/tf#tf2_msgs.TFMessage"};
+  options.root = "world";
+  options.body_frame = "base_link";
+  return options;
+}
+
+AdapterOptions Botcore() {
+  AdapterOptions options;
+  options.color_channel = options.depth_channel = "OPENNI_FRAME";
+  options.pose_channels = {"OPENNI_FRAME_LEFT_TO_LOCAL"};
+  options.root = "local";
+  options.camera_frame = "OPENNI_FRAME_LEFT";
+  options.body_frame = "body";
+  return options;
+}
+
+AdapterOptions Drake() {
+  AdapterOptions options;
+  options.color_channel = options.depth_channel = "DRAKE_RGBD_CAMERA_IMAGES_*";
+  options.pose_channels = {"DRAKE_VIEWER_DRAW"};
+  options.root = "world";
+  options.body_frame = "base_link";
+  return options;
+}
+
+AdapterOptions OfPreset(AdapterPreset preset) {
+  switch (preset) {
+    case AdapterPreset::kDimos:
+      return Dimos();
+    case AdapterPreset::kBotcore:
+      return Botcore();
+    case AdapterPreset::kDrake:
+      return Drake();
+    case AdapterPreset::kAuto:
+    case AdapterPreset::kNone:
+      break;
+  }
+  return {};
+}
+
+bool EndsWithStar(std::string_view pattern) { return pattern.ends_with('*'); }
+
+}  // namespace
+
+AdapterOptions WithPreset(AdapterOptions options) {
+  const AdapterOptions preset = OfPreset(options.preset);
+  const auto set = [&](auto AdapterOptions::*key) {
+    if ((options.*key).empty()) options.*key = preset.*key;
+  };
+  set(&AdapterOptions::color_channel);
+  set(&AdapterOptions::depth_channel);
+  if (options.intrinsics.empty()) set(&AdapterOptions::intrinsics_channel);
+  set(&AdapterOptions::depth_intrinsics_channel);
+  set(&AdapterOptions::pose_channels);
+  set(&AdapterOptions::root);
+  set(&AdapterOptions::camera_frame);
+  set(&AdapterOptions::body_frame);
+  return options;
+}
+
+AdapterPreset FindPreset(const std::set<std::string>& channels) {
+  for (const AdapterPreset preset :
+       {AdapterPreset::kDimos, AdapterPreset::kBotcore, AdapterPreset::kDrake}) {
+    const std::string depth = OfPreset(preset).depth_channel;
+    if (std::any_of(channels.begin(), channels.end(),
+                    [&](const std::string& channel) { return ChannelMatches(depth, channel); }))
+      return preset;
+  }
+  return AdapterPreset::kAuto;
+}
+
+Result<void> CheckComplete(const AdapterOptions& options) {
+  if (options.depth_channel.empty()) {
+    return Fail(
+        "adapter.depth_channel is not set; give it, or adapter.preset (DIMOS, BOTCORE or "
+        "DRAKE)");
+  }
+  if (options.color_channel.empty())
+    return Fail("adapter.color_channel is not set; \"none\" stands for a camera without colour");
+  if (options.intrinsics.empty() && options.intrinsics_channel.empty()) {
+    return Fail(
+        "adapter.intrinsics is not set: give fx, fy, cx, cy of the camera in pixels, since "
+        "no message has them");
+  }
+  if (options.root.empty())
+    return Fail("adapter.root is not set: the frame in which the camera moves");
+  if (options.pose_channels.empty()) return Fail("adapter.pose_channels is not set");
+  if (options.camera_frame.empty() && options.preset == AdapterPreset::kDrake) {
+    return Fail(
+        "adapter.camera_frame is not set: the link of the camera's optical frame, or the "
+        "frame of a mount in adapter.mounts");
+  }
+  for (const std::string& mount : options.mounts) {
+    if (const auto parsed = ParseMount(mount); !parsed)
+      return Fail("adapter.mounts: " + parsed.error().message);
+  }
+  return {};
+}
+
+bool ChannelMatches(const std::string& pattern, const std::string& channel) {
+  if (!EndsWithStar(pattern)) return channel == pattern;
+  return channel.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1));
+}
+
+std::string ChannelExpression(const std::string& pattern) {
+  constexpr std::string_view kSpecial = ".+?()[]{}|^$\\*";
+  std::string expression;
+  const size_t plain = EndsWithStar(pattern) ? pattern.size() - 1 : pattern.size();
+  for (size_t i = 0; i < plain; ++i) {
+    if (kSpecial.find(pattern[i]) != std::string_view::npos) expression += '\\';
+    expression += pattern[i];
+  }
+  return plain < pattern.size() ? expression + ".*" : expression;
+}
+
+std::set<std::string> ChannelsOf(const AdapterOptions& options) {
+  std::set<std::string> channels(options.pose_channels.begin(), options.pose_channels.end());
+  channels.insert({options.color_channel, options.depth_channel, options.intrinsics_channel,
+                   options.depth_intrinsics_channel});
+  channels.erase("");
+  channels.erase(kNoChannel);
+  return channels;
+}
+
+}  // namespace vismap

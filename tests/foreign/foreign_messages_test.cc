@@ -1,0 +1,148 @@
+#include "foreign/foreign_messages.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "foreign/presets.h"
+#include "support/foreign_builder.h"
+
+namespace vismap {
+namespace {
+
+using namespace foreign_test;  // NOLINT
+using ::testing::HasSubstr;
+
+constexpr ImageRole kDepth = ImageRole::kDepth, kColor = ImageRole::kColor;
+
+Result<ForeignMessage> DecodedRos(const std::string& encoding, const Bytes& data, int step,
+                                  ImageRole role, bool big_endian = false) {
+  foreign::sensor_msgs::Image image = RosImage(1000, encoding, data, step);
+  image.width = 2;
+  image.height = 2;
+  image.is_bigendian = big_endian ? 1 : 0;
+  return DecodeForeign(Pack(image), "images", {role, "world", "body", ""});
+}
+
+TEST(ForeignMessages, RoundStampsThatWereTruncated) {
+  EXPECT_EQ(UtimeOf(1760000000, 33'332'999), 1'760'000'000'033'333);
+  EXPECT_EQ(UtimeOf(0, 0), 0);
+}
+
+TEST(ForeignMessages, RemoveThePaddingOfRows) {
+  const auto message = DecodedRos("16UC1", {1, 0, 2, 0, 9, 9, 3, 0, 4, 0, 9, 9}, 6, kDepth);
+  ASSERT_TRUE(message) << message.error().message;
+  EXPECT_EQ(message->depth->bytes, Bytes({1, 0, 2, 0, 3, 0, 4, 0}));
+}
+
+TEST(ForeignMessages, MakeBigEndianDepthLittle) {
+  const auto message = DecodedRos("16UC1", {0, 1, 0, 2, 0, 3, 0, 4}, 4, kDepth, true);
+  ASSERT_TRUE(message) << message.error().message;
+  EXPECT_EQ(message->depth->bytes, Bytes({1, 0, 2, 0, 3, 0, 4, 0}));
+}
+
+TEST(ForeignMessages, KnowTheEncodingsOfDimos) {
+  const std::pair<const char*, PixelFormat> colors[] = {
+      {"rgb8", PixelFormat::kRgb},   {"bgr8", PixelFormat::kBgr},   {"rgba8", PixelFormat::kRgba},
+      {"bgra8", PixelFormat::kBgra}, {"mono8", PixelFormat::kGrey}, {"mono16", PixelFormat::kGrey}};
+  for (const auto& [name, format] : colors) {
+    const auto message = DecodedRos(name, Bytes(16), 0, kColor);
+    ASSERT_TRUE(message) << name << ": " << message.error().message;
+    EXPECT_EQ(message->color->format, format) << name;
+  }
+  for (const char* name : {"16UC1", "mono16", "16SC1"}) {
+    const auto message = DecodedRos(name, Bytes(8), 0, kDepth);
+    ASSERT_TRUE(message) << name;
+    EXPECT_EQ(message->depth->format, PixelFormat::kDepth16) << name;
+  }
+  const auto doubles = DecodedRos("64FC1", Bytes(32), 0, kDepth);
+  ASSERT_TRUE(doubles);
+  EXPECT_EQ(doubles->depth->format, PixelFormat::kDepthFloat);
+  EXPECT_EQ(doubles->depth->bytes.size(), 16u);
+}
+
+TEST(ForeignMessages, RejectWhatIsNoImageOfItsRole) {
+  EXPECT_FALSE(DecodedRos("rgb8", Bytes(12), 0, kDepth));
+  EXPECT_FALSE(DecodedRos("32FC1", Bytes(16), 0, kColor));
+  EXPECT_FALSE(DecodedRos("jpeg", Bytes(16), 0, kDepth));
+  EXPECT_FALSE(DecodedRos("bayer_rggb8", Bytes(16), 0, kColor));
+  EXPECT_FALSE(DecodedRos("rgb8", Bytes(11), 0, kColor)) << "too short";
+  EXPECT_FALSE(DecodedRos("rgb8", Bytes(12), 5, kColor)) << "rows too short";
+  EXPECT_FALSE(DecodedRos("rgb8", Bytes(12), -6, kColor));
+}
+
+TEST(ForeignMessages, RejectPosesThatAreNone) {
+  Pose pose = Pose::Identity();
+  foreign::geometry_msgs::TransformStamped stamped = Transform(0, "a", "b", pose);
+  stamped.transform.rotation.w = 0.5;
+  EXPECT_FALSE(DecodeForeign(Tf({stamped}), "tf", {}));
+  stamped.transform.rotation.w = 1;
+  stamped.transform.translation.x = std::nan("");
+  EXPECT_FALSE(DecodeForeign(Tf({stamped}), "tf", {}));
+}
+
+TEST(ForeignMessages, ReadDistortion) {
+  ForeignCamera camera;
+  ASSERT_TRUE(SetDistortion("plumb_bob", {0.1, 0, 0, 0, 0}, &camera));
+  EXPECT_EQ(camera.distortion, ForeignCamera::Distortion::kBrownConrady);
+  ASSERT_TRUE(SetDistortion("equidistant", {0.1, 0, 0, 0}, &camera));
+  EXPECT_EQ(camera.distortion, ForeignCamera::Distortion::kEquidistant);
+  ASSERT_TRUE(SetDistortion("plumb_bob", {0, 0, 0, 0, 0}, &camera));
+  EXPECT_EQ(camera.distortion, ForeignCamera::Distortion::kNone);
+  EXPECT_TRUE(camera.coefficients.empty());
+  EXPECT_FALSE(SetDistortion("plumb_bob", {0.1, 0}, &camera));
+  EXPECT_FALSE(SetDistortion("equidistant", {0.1, 0, 0, 0, 0}, &camera));
+  EXPECT_FALSE(SetDistortion("thin_prism", {0.1, 0, 0, 0}, &camera));
+}
+
+TEST(ForeignMessages, TakeTheFrameOfATransformFromItsChannel) {
+  const auto named =
+      DecodeForeign(BotTransform(5, BodyAt(0)), "CAMERA_TO_LOCAL", {kColor, "local", "body", "x"});
+  ASSERT_TRUE(named);
+  EXPECT_EQ(named->edges.at(0).child, "CAMERA");
+  EXPECT_EQ(named->edges.at(0).parent, "local");
+  const auto other =
+      DecodeForeign(BotTransform(5, BodyAt(0)), "POSE", {kColor, "local", "body", "x"});
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->edges.at(0).child, "x");
+}
+
+TEST(ForeignImage, DamagedZlibIsAnError) {
+  Bytes packed = Zipped(Bytes(100, 7));
+  EXPECT_EQ(*InflateZlib(packed, 100), Bytes(100, 7));
+  EXPECT_FALSE(InflateZlib(packed, 99));
+  EXPECT_FALSE(InflateZlib(packed, 101));
+  packed.resize(packed.size() / 2);
+  EXPECT_FALSE(InflateZlib(packed, 100));
+}
+
+TEST(ForeignImage, NegativeDepthIsNone) {
+  Bytes values = {1, 0, 0xff, 0xff, 0, 0x80};
+  ClearNegative(&values);
+  EXPECT_EQ(values, Bytes({1, 0, 0, 0, 0, 0}));
+}
+
+TEST(Presets, AreFoundByTheChannelsOfALog) {
+  EXPECT_EQ(FindPreset({kDepthChannel, kTfChannel}), AdapterPreset::kDimos);
+  EXPECT_EQ(FindPreset({"OPENNI_FRAME"}), AdapterPreset::kBotcore);
+  EXPECT_EQ(FindPreset({"DRAKE_RGBD_CAMERA_IMAGES_wrist"}), AdapterPreset::kDrake);
+  EXPECT_EQ(FindPreset({"RGBD_FRAME"}), AdapterPreset::kAuto);
+}
+
+TEST(Presets, SetOnlyWhatIsNotGiven) {
+  AdapterOptions options;
+  options.preset = AdapterPreset::kDimos;
+  options.root = "map";
+  const AdapterOptions complete = WithPreset(options);
+  EXPECT_EQ(complete.root, "map");
+  EXPECT_EQ(complete.depth_channel, kDepthChannel);
+}
+
+TEST(Presets, AStarStandsForAnyEnding) {
+  EXPECT_TRUE(ChannelMatches("A_*", "A_b"));
+  EXPECT_FALSE(ChannelMatches("A_*", "B_A_"));
+  EXPECT_FALSE(ChannelMatches("A_", "A_b"));
+  EXPECT_EQ(ChannelExpression("/a.b#c*"), "/a\\.b#c.*");
+}
+
+}  // namespace
+}  // namespace vismap

@@ -1,0 +1,314 @@
+#include "foreign/frame_joiner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "foreign/frame_message.h"
+#include "foreign/presets.h"
+#include "support/foreign_builder.h"
+#include "wire/rgbd_frame.h"
+
+namespace vismap {
+namespace {
+
+using namespace foreign_test;  // NOLINT
+using ::testing::HasSubstr;
+
+constexpr int64_t kStart = 1'760'000'000'000'000;
+
+AdapterOptions DimosOptions() {
+  AdapterOptions options;
+  options.preset = AdapterPreset::kDimos;
+  return WithPreset(options);
+}
+
+/// A joiner, and the frames that came out of it.
+struct Joined {
+  explicit Joined(const AdapterOptions& options)
+      : joiner(*FrameJoiner::Create(
+            options, [this](ForeignFrame&& frame) { frames.push_back(std::move(frame)); })) {}
+  void Add(const std::string& channel, const Bytes& bytes, int64_t received) {
+    const Result<void> added = joiner.Add(channel, bytes, received);
+    EXPECT_TRUE(added) << added.error().message;
+  }
+  std::vector<ForeignFrame> frames;
+  FrameJoiner joiner;
+};
+
+Bytes Mounts(int64_t utime) {
+  return Tf({Transform(utime, "base_link", "optical", OpticalInBody())});
+}
+Bytes Body(int64_t utime) {
+  return Tf({Transform(utime, "world", "base_link", BodyAt(utime - kStart))});
+}
+
+/// A second of a DimOS robot: images at 10 Hz, odometry at 50 Hz, mounts after the images.
+void AddSecond(Joined* joined, int64_t depth_delay = 750) {
+  joined->Add(kInfoChannel, CameraInfo(kStart), kStart);
+  for (int tick = -1; tick <= 51; ++tick) {
+    const int64_t now = kStart + tick * 20'000 + 6000;
+    joined->Add(kTfChannel, Body(now), now);
+    if (tick % 5 != 0 || tick < 0 || tick >= 50) continue;
+    const int64_t utime = kStart + tick * 20'000 + 10'000;
+    joined->Add(kColorChannel, ColorImage(utime), utime);
+    joined->Add(kDepthChannel, DepthImage(utime + depth_delay), utime + depth_delay);
+    joined->Add(kTfChannel, Mounts(utime + depth_delay), utime + depth_delay + 10);
+  }
+}
+
+TEST(FrameJoiner, JoinsImagesIntrinsicsAndPosesOfDimos) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  joined.joiner.Finish();
+  ASSERT_EQ(joined.frames.size(), 10u) << joined.joiner.dropped().Text();
+  EXPECT_EQ(joined.joiner.dropped().total(), 0) << joined.joiner.dropped().Text();
+  for (const ForeignFrame& frame : joined.frames) {
+    const Pose expected = BodyAt(frame.utime - kStart) * OpticalInBody();
+    EXPECT_LT((frame.T_W_C.translation() - expected.translation()).norm(), 1e-4);
+    EXPECT_LT(Eigen::AngleAxisd(frame.T_W_C.rotation().transpose() * expected.rotation()).angle(),
+              1e-4);
+    EXPECT_TRUE(frame.depth_registered);
+    EXPECT_EQ(frame.color_camera.fx, kSmallCamera.fx);
+    EXPECT_EQ(frame.color_camera.distortion, ForeignCamera::Distortion::kNone);
+    EXPECT_EQ(frame.depth.utime, frame.utime + 750);
+  }
+}
+
+TEST(FrameJoiner, PassesPixelsOnUnchanged) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  ASSERT_FALSE(joined.frames.empty());
+  const rgbd_frame_t message = ToMessage(std::move(joined.frames.front()), joined.joiner.options());
+  const Result<SensorFrame> frame = Decode(message);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->depth, SmallSensorFrame().depth);
+  EXPECT_EQ(frame->color, SmallColorBytes());
+  EXPECT_EQ(frame->color_encoding, ColorEncoding::kRgb);
+}
+
+TEST(FrameJoiner, HandsOutAFrameAsSoonAsTheLaterPoseIsThere) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  const size_t before = joined.frames.size();
+  const int64_t utime = kStart + 1'100'000;
+  joined.Add(kTfChannel, Body(utime - 4000), utime - 4000);
+  joined.Add(kColorChannel, ColorImage(utime), utime);
+  joined.Add(kDepthChannel, DepthImage(utime), utime);
+  EXPECT_EQ(joined.frames.size(), before);
+  joined.Add(kTfChannel, Body(utime + 5000), utime + 5000);
+  EXPECT_EQ(joined.frames.size(), before + 1);
+}
+
+TEST(FrameJoiner, GivesAFrameUpWhenNoLaterPoseComes) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  const size_t before = joined.frames.size();
+  const int64_t utime = kStart + 2'000'000;
+  joined.Add(kColorChannel, ColorImage(utime), utime);
+  joined.Add(kDepthChannel, DepthImage(utime), utime);
+  joined.joiner.Advance(utime + 199'000);
+  EXPECT_EQ(joined.joiner.waiting(), 1);
+  joined.joiner.Advance(utime + 201'000);
+  EXPECT_EQ(joined.joiner.waiting(), 0);
+  EXPECT_EQ(joined.frames.size(), before);
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("from 'world' to 'base_link'"));
+}
+
+TEST(FrameJoiner, CountsDepthWithoutColorAndColorWithoutDepth) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  const int64_t utime = kStart + 1'010'000;
+  joined.Add(kDepthChannel, DepthImage(utime), utime);
+  joined.Add(kColorChannel, ColorImage(utime + 50'000), utime + 50'000);
+  joined.joiner.Advance(utime + 2'000'000);
+  EXPECT_EQ(joined.joiner.dropped().total(), 2);
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("no colour image within 20 ms"));
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("no depth image within 20 ms"));
+}
+
+TEST(FrameJoiner, SaysThatIntrinsicsAreMissing) {
+  Joined joined(DimosOptions());
+  joined.Add(kColorChannel, ColorImage(kStart), kStart);
+  joined.Add(kDepthChannel, DepthImage(kStart), kStart);
+  joined.Add(kColorChannel, ColorImage(kStart + 100'000), kStart + 100'000);
+  joined.joiner.Advance(kStart + 1'400'000);
+  EXPECT_EQ(joined.joiner.waiting(), 1) << "they may come a second late";
+  joined.joiner.Advance(kStart + 1'600'001);
+  EXPECT_EQ(joined.joiner.waiting(), 0);
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("no intrinsics came on /camera_info"));
+}
+
+TEST(FrameJoiner, RejectsIntrinsicsOfAnotherSize) {
+  AdapterOptions options = DimosOptions();
+  Joined joined(options);
+  foreign::sensor_msgs::CameraInfo info{};
+  ASSERT_GT(info.decode(CameraInfo(kStart).data(), 0, 4096), 0);
+  info.width = 1280;
+  joined.Add(kInfoChannel, Pack(info), kStart);
+  joined.Add(kColorChannel, ColorImage(kStart), kStart);
+  joined.Add(kDepthChannel, DepthImage(kStart), kStart);
+  joined.joiner.Finish();
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("for images of 1280x48"));
+}
+
+TEST(FrameJoiner, BoundsTheBytesOfWhatWaits) {
+  AdapterOptions options = DimosOptions();
+  options.queue_mb = 1;
+  options.wait_ms = 60'000;
+  options.intrinsics_wait_ms = 60'000;
+  Joined joined(options);
+  for (int i = 0; i < 200; ++i) {
+    const int64_t utime = kStart + i * 1000;
+    joined.Add(kColorChannel, ColorImage(utime), utime);
+    joined.Add(kDepthChannel, DepthImage(utime), utime);
+  }
+  const auto pair = static_cast<int64_t>(SmallColorBytes().size() + SmallDepthBytes().size());
+  EXPECT_LE(joined.joiner.waiting(), (1 << 20) / pair);
+  EXPECT_GT(joined.joiner.waiting(), (1 << 20) / pair - 3);
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("adapter.queue_mb"));
+}
+
+TEST(FrameJoiner, TakesTheTimeOfReceiptWhenTold) {
+  AdapterOptions options = DimosOptions();
+  options.time = ImageTime::kReceived;
+  Joined joined(options);
+  AddSecond(&joined);
+  const size_t before = joined.frames.size();
+  for (int i = 0; i < 2; ++i) {
+    const int64_t now = kStart + 1'060'000 + 40'000 * i;
+    joined.Add(kTfChannel, Body(now - 5000), now - 5000);
+    joined.Add(kColorChannel, ColorImage(0), now);
+    joined.Add(kDepthChannel, DepthImage(0), now + 10);
+    joined.Add(kTfChannel, Body(now + 5000), now + 5000);
+  }
+  ASSERT_EQ(joined.frames.size(), before + 2);
+  EXPECT_EQ(joined.frames.back().utime, kStart + 1'100'000);
+}
+
+TEST(FrameJoiner, DropsImagesOfOneTimeAndSaysWhatToDo) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  const int64_t utime = joined.frames.back().utime;
+  joined.Add(kColorChannel, ColorImage(utime), utime + 100'000);
+  joined.Add(kDepthChannel, DepthImage(utime), utime + 100'000);
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("set adapter.time to RECEIVED"));
+}
+
+TEST(FrameJoiner, ReportsMessagesThatCannotBeUsed) {
+  Joined joined(DimosOptions());
+  Bytes damaged = ColorImage(kStart);
+  damaged.resize(damaged.size() / 2);
+  EXPECT_FALSE(joined.joiner.Add(kColorChannel, damaged, kStart));
+  EXPECT_FALSE(joined.joiner.Add(kDepthChannel, {}, kStart));
+  EXPECT_FALSE(joined.joiner.Add(kDepthChannel, ColorImage(kStart), kStart));
+  EXPECT_TRUE(joined.joiner.Add("/other#sensor_msgs.Image", damaged, kStart));
+  EXPECT_EQ(joined.joiner.dropped().total(), 3);
+}
+
+TEST(FrameJoiner, SetsTheDepthCameraBesideTheColorCamera) {
+  AdapterOptions options = DimosOptions();
+  Joined joined(options);
+  AddSecond(&joined);
+  const size_t before = joined.frames.size();
+  joined.Add(options.depth_intrinsics_channel, CameraInfo(kStart), kStart + 1'020'000);
+  Pose T_body_depth = OpticalInBody();
+  T_body_depth.translation().y() += 0.05;
+  for (int i = 0; i < 2; ++i) {
+    joined.Add(kTfChannel, Tf({Transform(kStart + i, "base_link", "depth_optical", T_body_depth)}),
+               kStart + 1'021'000);
+  }
+  const int64_t utime = kStart + 1'020'000;
+  joined.Add(kColorChannel, ColorImage(utime), utime);
+  joined.Add(kDepthChannel, DepthImage(utime, "depth_optical"), utime);
+  joined.Add(kTfChannel, Body(utime + 5000), utime + 5000);
+  ASSERT_EQ(joined.frames.size(), before + 1) << joined.joiner.dropped().Text();
+  const ForeignFrame& frame = joined.frames.back();
+  EXPECT_FALSE(frame.depth_registered);
+  EXPECT_TRUE(frame.T_color_depth.isApprox(OpticalInBody().inverse() * T_body_depth, 1e-9));
+}
+
+TEST(FrameJoiner, ReadsDrakeFromTimeZero) {
+  AdapterOptions options;
+  options.preset = AdapterPreset::kDrake;
+  options.intrinsics = {52, 52, 31.5, 23.5};
+  options.camera_frame = "camera::optical";
+  Joined joined(WithPreset(options));
+  for (int tick = 0; tick < 64; ++tick) {
+    const int64_t utime = tick * 15'625;
+    joined.Add("DRAKE_VIEWER_DRAW",
+               DrakeDraw(utime, "camera::optical", BodyAt(utime) * OpticalInBody()), utime);
+    if (tick % 6 == 0) joined.Add("DRAKE_RGBD_CAMERA_IMAGES_a", DrakeImages(utime), utime);
+    if (tick % 6 == 0) joined.Add("DRAKE_RGBD_CAMERA_IMAGES_b", DrakeImages(utime), utime);
+  }
+  joined.joiner.Finish();
+  ASSERT_GE(joined.frames.size(), 10u) << joined.joiner.dropped().Text();
+  EXPECT_EQ(joined.frames[0].utime, 0);
+  EXPECT_EQ(joined.joiner.options().depth_channel, "DRAKE_RGBD_CAMERA_IMAGES_a");
+  EXPECT_EQ(joined.frames[1].color->format, PixelFormat::kRgba);
+  EXPECT_EQ(joined.frames[1].depth.format, PixelFormat::kDepth16Zlib);
+  for (const ForeignFrame& frame : joined.frames) {
+    const Pose expected = BodyAt(frame.utime) * OpticalInBody();
+    EXPECT_LT((frame.T_W_C.translation() - expected.translation()).norm(), 1e-3);
+  }
+  const Result<SensorFrame> decoded =
+      Decode(ToMessage(std::move(joined.frames[1]), joined.joiner.options()));
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  EXPECT_EQ(decoded->depth, SmallSensorFrame().depth);
+}
+
+TEST(FrameJoiner, ReadsBotCoreThroughTransformAndThroughBodyWithAMount) {
+  for (const bool through_body : {false, true}) {
+    AdapterOptions options;
+    options.preset = AdapterPreset::kBotcore;
+    options.intrinsics = {52, 52, 31.5, 23.5};
+    if (through_body) {
+      options.pose_channels = {"POSE_BODY"};
+      options.mounts = {"body OPENNI_FRAME_LEFT 0.2 0.02 0.3 0.5 -0.5 0.5 -0.5"};
+    }
+    Joined joined(WithPreset(options));
+    for (int tick = 0; tick < 100; ++tick) {
+      const int64_t utime = kStart + tick * 10'000;
+      const Pose body = BodyAt(utime - kStart);
+      joined.Add("POSE_BODY", BotPose(utime, body), utime);
+      joined.Add("OPENNI_FRAME_LEFT_TO_LOCAL", BotTransform(utime, body * OpticalInBody()), utime);
+      if (tick % 10 == 5) joined.Add("OPENNI_FRAME", BotImages(utime + 3000, utime + 4000), utime);
+    }
+    joined.joiner.Finish();
+    ASSERT_EQ(joined.frames.size(), 10u) << joined.joiner.dropped().Text();
+    for (const ForeignFrame& frame : joined.frames) {
+      const Pose expected = BodyAt(frame.utime - kStart) * OpticalInBody();
+      EXPECT_TRUE(frame.T_W_C.isApprox(expected, 1e-4)) << through_body;
+    }
+  }
+}
+
+TEST(FrameJoiner, SwapsRedAndBlueWhenTold) {
+  AdapterOptions options = DimosOptions();
+  options.swap_red_blue = true;
+  Joined joined(options);
+  AddSecond(&joined);
+  ASSERT_FALSE(joined.frames.empty());
+  EXPECT_EQ(joined.frames[0].color->format, PixelFormat::kBgr);
+}
+
+TEST(FrameJoiner, NamesTheKeyThatIsMissing) {
+  const auto error = [](AdapterOptions options) {
+    const Result<FrameJoiner> joiner =
+        FrameJoiner::Create(WithPreset(options), [](ForeignFrame&&) {});
+    return joiner ? "" : joiner.error().message;
+  };
+  AdapterOptions options;
+  EXPECT_THAT(error(options), HasSubstr("adapter.depth_channel"));
+  options.preset = AdapterPreset::kBotcore;
+  EXPECT_THAT(error(options), HasSubstr("adapter.intrinsics is not set"));
+  options.preset = AdapterPreset::kDrake;
+  options.intrinsics = {1, 1, 1, 1};
+  EXPECT_THAT(error(options), HasSubstr("adapter.camera_frame"));
+  options.camera_frame = "link";
+  EXPECT_EQ(error(options), "");
+  options.mounts = {"a b 1 2 3"};
+  EXPECT_THAT(error(options), HasSubstr("adapter.mounts"));
+}
+
+}  // namespace
+}  // namespace vismap
