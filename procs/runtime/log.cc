@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -48,9 +49,13 @@ spdlog::level::level_enum ToSpdlog(LogLevel level) {
   return spdlog::level::err;
 }
 
+LogFormat log_format = LogFormat::kText;
+
 /// Writes a sentence as one line, since it may have text from the bus in it.
 void Write(LogLevel level, std::string_view sentence) {
-  Logger().log(ToSpdlog(level), "{}", PrintableText(sentence, kMaxLine));
+  const std::string line = log_format == LogFormat::kJson ? JsonLogLine(level, sentence)
+                                                          : PrintableText(sentence, kMaxLine);
+  Logger().log(ToSpdlog(level), "{}", line);
 }
 
 std::string LeftOut(int64_t count, const char* what) {
@@ -96,9 +101,22 @@ Past& PastOf(const std::string& key, Clock::time_point now, std::map<std::string
 
 }  // namespace
 
-void SetUpLog(const std::string& process, LogLevel level) {
-  Logger().set_pattern("%^%-7l%$ " + process + " %Y-%m-%d %H:%M:%S.%e %v");
+void SetUpLog(const std::string& process, LogLevel level, LogFormat format) {
+  log_format = format;
+  Logger().set_pattern(
+      format == LogFormat::kJson ? "%v" : "%^%-7l%$ " + process + " %Y-%m-%d %H:%M:%S.%e %v");
   Logger().set_level(ToSpdlog(level));
+}
+
+std::string JsonLogLine(LogLevel level, std::string_view sentence) {
+  constexpr std::array<const char*, 4> kNames = {"debug", "info", "warning", "error"};
+  std::string line =
+      std::string("{\"level\":\"") + kNames.at(static_cast<size_t>(level)) + "\",\"message\":\"";
+  for (const char c : PrintableText(sentence, kMaxLine)) {
+    if (c == '"' || c == '\\') line += '\\';
+    line += c;
+  }
+  return line + "\"}";
 }
 
 void LogDebug(std::string_view sentence) { WriteWithinBudget(LogLevel::kDebug, sentence); }

@@ -28,6 +28,7 @@ struct Arguments {
   CommonOptions common;
   bool print_config = false;
   LogLevel log_level = LogLevel::kInfo;
+  LogFormat log_format = LogFormat::kText;
 };
 
 void AddCommonOptions(CommandLine& line, Arguments* arguments) {
@@ -47,6 +48,9 @@ void AddCommonOptions(CommandLine& line, Arguments* arguments) {
                {"warning", LogLevel::kWarning},
                {"error", LogLevel::kError}},
               "Lowest level of log messages to write");
+  line.Choice("--log-format", &arguments->log_format,
+              {{"text", LogFormat::kText}, {"json", LogFormat::kJson}},
+              "json: one object per line, with level and message");
 }
 
 Result<std::string> ReadConfig(const std::string& path) {
@@ -137,7 +141,7 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   if (const std::optional<ExitCode> end = line.Parse(argc, argv)) return static_cast<int>(*end);
   line.Apply();
   if (arguments.common.name.empty()) arguments.common.name = spec.name;
-  SetUpLog(arguments.common.name, arguments.log_level);
+  SetUpLog(arguments.common.name, arguments.log_level, arguments.log_format);
 
   const Result<std::string> config = Configure(spec, line, arguments.common);
   if (!config) return Report(ExitWith(ExitCode::kUsage, config.error().message));

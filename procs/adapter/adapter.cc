@@ -1,0 +1,101 @@
+#include "adapter/adapter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/format.h"
+#include "foreign/frame_message.h"
+#include "foreign/presets.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+
+namespace vismap {
+namespace {
+
+constexpr double kTurn = 0.01;         // [s]
+constexpr double kStatusPeriod = 0.5;  // [s]
+constexpr double kSilence = 5;         // [s]
+constexpr double kTellDropsFor = 10;   // [s]
+
+}  // namespace
+
+Result<std::unique_ptr<Adapter>> Adapter::Create(const AdapterOptions& options, Bus* bus,
+                                                 Status* status, RobotBus* robot) {
+  std::unique_ptr<Adapter> adapter(new Adapter(options, bus, status, robot));
+  Result<FrameJoiner> joiner = FrameJoiner::Create(
+      options, [made = adapter.get()](ForeignFrame&& frame) { made->Publish(std::move(frame)); });
+  if (!joiner) return tl::unexpected(joiner.error());
+  adapter->joiner_ = std::make_unique<FrameJoiner>(std::move(*joiner));
+  adapter->outputs_ = std::make_unique<MapOutputs>(options, bus, status, robot);
+  return adapter;
+}
+
+// The wall clock at the start, and from there on a clock that never jumps.
+int64_t Adapter::Now() const {
+  return start_wall_ + static_cast<int64_t>((MonotonicSeconds() - start_) * 1e6);
+}
+
+void Adapter::Run() {
+  start_wall_ = WallUtime();
+  start_ = MonotonicSeconds();
+  bus_->Every(kStatusPeriod, [this] { UpdateStatus(); });
+  status_->Set(ProcessState::kReady);
+  while (!bus_->stop_requested()) {
+    robot_->Spin(kTurn, [&](const std::string& channel, std::span<const uint8_t> data) {
+      const Result<void> added = joiner_->Add(channel, data, Now());
+      if (!added) LogWarningRateLimited(channel, added.error().message);
+    });
+    joiner_->Advance(Now());
+    bus_->Spin(0);
+  }
+  joiner_->Finish();
+}
+
+void Adapter::Publish(ForeignFrame&& frame) {
+  status_->AddTiming("waiting for poses", static_cast<double>(Now() - frame.received) / 1e3);
+  const StageTimer timer(status_, "publishing");
+  const int64_t utime = frame.utime;
+  bus_->Publish(kRgbdFrameChannel, ToMessage(std::move(frame), options_));
+  status_->SetCounter("newest_utime.camera" + std::to_string(options_.camera_id), utime);
+}
+
+std::vector<std::string> Adapter::SilentChannels() const {
+  std::vector<std::string> sentences;
+  if (MonotonicSeconds() - start_ < kSilence) return sentences;
+  std::set<std::string> channels = ChannelsOf(joiner_->options());
+  channels.erase(options_.depth_intrinsics_channel);  // is not always needed
+  for (const std::string& channel : channels) {
+    if (joiner_->received().contains(channel)) continue;
+    sentences.push_back("no message came on " + channel + " at " + robot_->url() +
+                        "; start its publisher, or correct the section adapter of the config");
+  }
+  return sentences;
+}
+
+void Adapter::UpdateStatus() {
+  const int64_t dropped = joiner_->dropped().total(), frames = joiner_->frames();
+  status_->SetCounter("frames", frames);
+  status_->SetCounter("images_dropped", dropped);
+  status_->SetCounter("frames_waiting", joiner_->waiting());
+  status_->SetCounter("robot_reconnects", robot_->reconnects());
+  if (dropped != std::exchange(dropped_before_, dropped)) last_drop_ = MonotonicSeconds();
+  const bool tell = MonotonicSeconds() - last_drop_ < kTellDropsFor;
+  std::optional<std::string> finding;
+  if (tell) {
+    finding = FormatCount(dropped, "image or message", "images or messages") +
+              " became no frame (" + FormatCount(frames, "frame") +
+              " did): " + joiner_->dropped().Text();
+  }
+  status_->SetFinding("dropped", finding);
+  std::vector<std::string> silent = SilentChannels();
+  if (!robot_->connected())
+    silent = {"there is no connection to the robot's bus at " + robot_->url()};
+  status_->SetFindings("channels", silent);
+  if (frames > 0) {
+    status_->Set(ProcessState::kRunning);
+  } else {
+    status_->Set(ProcessState::kWaiting, silent.empty() ? "no frame yet" : silent.front());
+  }
+}
+
+}  // namespace vismap

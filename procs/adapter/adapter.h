@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "adapter/map_outputs.h"
+#include "adapter/robot_bus.h"
+#include "foreign/frame_joiner.h"
+#include "runtime/bus.h"
+#include "runtime/pacer.h"
+#include "runtime/status.h"
+
+namespace vismap {
+
+/// Reads images and poses of other programs from the robot's bus, and publishes them as RGBD_FRAME
+/// with a STATUS that says what is dropped and what to do. Gives the map back, see MapOutputs.
+class Adapter {
+ public:
+  /// For options with their preset. `bus`, `status` and `robot` must outlive it. Fails as
+  /// FrameJoiner::Create does.
+  static Result<std::unique_ptr<Adapter>> Create(const AdapterOptions& options, Bus* bus,
+                                                 Status* status, RobotBus* robot);
+
+  /// Handles what arrives until stop is requested.
+  void Run();
+
+ private:
+  Adapter(const AdapterOptions& options, Bus* bus, Status* status, RobotBus* robot)
+      : options_(options), bus_(bus), status_(status), robot_(robot) {}
+  int64_t Now() const;
+  void Publish(ForeignFrame&& frame);
+  void UpdateStatus();
+  std::vector<std::string> SilentChannels() const;
+
+  AdapterOptions options_;
+  Bus* bus_;
+  Status* status_;
+  RobotBus* robot_;
+  std::unique_ptr<FrameJoiner> joiner_;
+  std::unique_ptr<MapOutputs> outputs_;
+  int64_t start_wall_ = 0;
+  double start_ = 0;
+  int64_t dropped_before_ = 0;
+  double last_drop_ = -1e9;
+};
+
+}  // namespace vismap

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+
+#include "base/result.h"
+#include "runtime/transport.h"
+
+namespace vismap {
+
+/// The bus of a robot, whose messages are not ours: bytes on channels. It connects again when a hub
+/// was restarted. For use by one thread.
+class RobotBus {
+ public:
+  /// `channels`: regular expressions to subscribe to. Waits up to `timeout` [s] for a hub. Fails
+  /// when the URL is wrong or nothing answers.
+  static Result<std::unique_ptr<RobotBus>> Open(const std::string& url,
+                                                const std::set<std::string>& channels,
+                                                double timeout, const StopSignal* stop);
+
+  /// Waits up to `timeout` [s] for a message, and hands what has arrived to `sink`, at most 64
+  /// messages.
+  void Spin(double timeout, const Transport::Sink& sink);
+  /// Returns false when there is no connection.
+  bool Publish(const std::string& channel, std::span<const uint8_t> data);
+
+  bool connected() const { return transport_ && transport_->connected(); }
+  const std::string& url() const { return url_.text; }
+  int64_t reconnects() const { return reconnects_; }
+
+ private:
+  RobotBus(LcmUrl url, std::set<std::string> channels, const StopSignal* stop)
+      : url_(std::move(url)), channels_(std::move(channels)), stop_(stop) {}
+  Result<void> Connect();
+  void KeepConnected();
+
+  LcmUrl url_;
+  std::set<std::string> channels_;
+  const StopSignal* stop_;
+  std::unique_ptr<Transport> transport_;
+  double next_attempt_ = 0;  // MonotonicSeconds
+  int64_t reconnects_ = 0;
+};
+
+}  // namespace vismap

@@ -1,0 +1,197 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+#include <vismap/frame_commit_t.hpp>
+#include <vismap/process_status_t.hpp>
+
+#include "codecs/color_codec.h"
+#include "logs/log_writer.h"
+#include "logs/recording.h"
+#include "process/room_pipeline.h"
+#include "runtime/clock.h"
+#include "support/foreign_builder.h"
+
+// vismap-adapter and logs of other robots' programs: the same messages give the same map, live and
+// offline.
+
+namespace vismap {
+namespace {
+
+using namespace foreign_test;  // NOLINT
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr char kAdapterRoom[] = "synthetic:room?frames=10&width=160";
+
+/// A message of a robot.
+struct RobotMessage {
+  int64_t time = 0;  // [us]
+  std::string channel;
+  Bytes bytes;
+};
+
+Bytes RawImage(const FrameHeader& header, const std::string& encoding, Bytes data) {
+  foreign::sensor_msgs::Image image{};
+  image.header = RosHeader(header.utime, "optical");
+  image.width = header.camera.width;
+  image.height = header.camera.height;
+  image.encoding = encoding;
+  image.step = static_cast<int32_t>(data.size()) / image.height;
+  image.data = std::move(data);
+  image.data_length = static_cast<int32_t>(image.data.size());
+  return Pack(image);
+}
+
+template <typename T>
+Bytes BytesOf(const Image<T>& image) {
+  Bytes bytes(image.size() * sizeof(T));
+  std::memcpy(bytes.data(), image.data(), bytes.size());
+  return bytes;
+}
+
+Bytes InfoOf(const FrameHeader& header) {
+  foreign::sensor_msgs::CameraInfo info{};
+  info.header = RosHeader(header.utime, "optical");
+  info.width = header.camera.width;
+  info.height = header.camera.height;
+  info.K[0] = header.camera.fx;
+  info.K[4] = header.camera.fy;
+  info.K[2] = header.camera.cx;
+  info.K[5] = header.camera.cy;
+  return Pack(info);
+}
+
+/// The built-in room as a DimOS robot sends it: the pose before and after each image.
+std::vector<RobotMessage> RoomOfDimos() {
+  const Result<Recording> room = OpenRecording(kAdapterRoom, "");
+  std::vector<RobotMessage> messages;
+  for (size_t i = 0; i < (*room).dataset->size(); ++i) {
+    const Result<SensorFrame> frame = room->dataset->Read(i);
+    const FrameHeader& header = frame->header;
+    const auto pose = [&](int64_t utime) {
+      messages.push_back(
+          {utime, kTfChannel, Tf({Transform(utime, "world", "optical", header.T_W_C)})});
+    };
+    if (i == 0) messages.push_back({header.utime - 9000, kInfoChannel, InfoOf(header)});
+    pose(header.utime - 8000);
+    const Result<Image<Rgb8>> color = DecodeJpeg(frame->color);
+    messages.push_back({header.utime, kColorChannel, RawImage(header, "rgb8", BytesOf(*color))});
+    messages.push_back(
+        {header.utime + 1, kDepthChannel, RawImage(header, "16UC1", BytesOf(frame->depth))});
+    pose(header.utime + 7000);
+  }
+  return messages;
+}
+
+std::string WriteLogOf(const std::vector<RobotMessage>& messages,
+                       const std::filesystem::path& path) {
+  LogWriter writer = *LogWriter::Create(path);
+  for (const RobotMessage& message : messages)
+    writer.Add(message.time, message.channel, message.bytes);
+  EXPECT_TRUE(writer.Finish());
+  return path.string();
+}
+
+std::string OfflineHash(const std::string& log, const std::filesystem::path& folder) {
+  ChildProcess mapper(
+      "offline-mapper",
+      {"--dataset", log, "--detections", "none", "--out", (folder / "out").string()}, folder);
+  EXPECT_EQ(mapper.WaitForExit(), 0) << mapper.StandardError();
+  const std::string text = mapper.StandardOutput();
+  const size_t at = text.find("map hash ");
+  return at == std::string::npos ? "" : text.substr(at + 9, 32);
+}
+
+/// Sends messages on the bus as lcm-logplayer does: byte for byte.
+void Play(const std::vector<RobotMessage>& messages, const std::string& url) {
+  const auto transport = OpenTcpqTransport(ParseLcmUrl(url)->hub, nullptr);
+  ASSERT_TRUE(transport) << transport.error().message;
+  for (const RobotMessage& message : messages) {
+    EXPECT_TRUE((*transport)->Publish(message.channel, message.bytes));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+TEST(Adapter, MapsARobotLiveAsItsLogOffline) {
+  const std::vector<RobotMessage> messages = RoomOfDimos();
+  ProcessBus processes;
+  const std::string log = WriteLogOf(messages, processes.folder() / "robot.lcmlog");
+  const std::string offline = OfflineHash(log, processes.folder());
+  ASSERT_EQ(offline.size(), 32u);
+
+  const std::string converted = (processes.folder() / "ours.lcmlog").string();
+  ChildProcess convert("log", {"convert", log, "--out", converted}, processes.folder());
+  EXPECT_EQ(convert.WaitForExit(), 0) << convert.StandardError();
+  EXPECT_EQ(OfflineHash(converted, processes.folder()), offline);
+
+  int integrated = 0;
+  processes.bus().Subscribe<frame_commit_t>(kMapCommitChannel, [&](const frame_commit_t& commit) {
+    if (commit.status == frame_commit_t::STATUS_INTEGRATED) ++integrated;
+  });
+  const auto server = processes.Start("map-server");
+  const auto segmenter = processes.Start("depth-segmenter", {"--detections", "none"});
+  // As DimOS starts it.
+  const auto adapter =
+      processes.Start("adapter", {"--color_image", kColorChannel, "--depth_image", kDepthChannel,
+                                  "--camera_info", kInfoChannel, "--preset", "dimos",
+                                  "--swap_red_blue", "false", "--log-format", "json"});
+  ASSERT_TRUE(processes.WaitForReady({"map-server", "depth-segmenter", "adapter"}));
+  Play(messages, processes.url());
+  EXPECT_TRUE(processes.SpinUntil([&] { return integrated == 10; }));
+  EXPECT_EQ(ServerStatistic(&processes, "hash"), offline);
+
+  const double start = MonotonicSeconds();
+  adapter->Signal(SIGTERM);
+  EXPECT_EQ(adapter->WaitForExit(), 0);
+  EXPECT_LT(MonotonicSeconds() - start, 2) << "DimOS kills it then";
+  std::istringstream lines(adapter->StandardError());
+  for (std::string line; std::getline(lines, line);) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << line;
+    EXPECT_TRUE(json.contains("level") && json.contains("message")) << line;
+  }
+}
+
+TEST(Adapter, SaysInItsStatusWhatIsDroppedAndWhatToDo) {
+  std::vector<RobotMessage> messages = RoomOfDimos();
+  std::erase_if(messages,
+                [](const RobotMessage& message) { return message.channel == kTfChannel; });
+  ProcessBus processes;
+  std::vector<std::string> findings;
+  processes.bus().Subscribe<process_status_t>(kStatusChannel, [&](const process_status_t& status) {
+    if (status.process == "adapter") findings = status.findings;
+  });
+  const auto adapter = processes.Start("adapter", {"--preset", "dimos"});
+  ASSERT_TRUE(processes.WaitForReady({"adapter"}));
+  Play(messages, processes.url());
+  EXPECT_TRUE(processes.SpinUntil([&] { return findings.size() == 2; }));
+  EXPECT_THAT(findings, Contains(HasSubstr("no poses connect the frame 'optical' with 'world'")));
+  EXPECT_THAT(findings, Contains(HasSubstr("no message came on /tf#tf2_msgs.TFMessage")));
+}
+
+TEST(Adapter, PrintsEveryDefaultOfItsPreset) {
+  const TempFolder folder;
+  ChildProcess adapter("adapter", {"--preset", "dimos", "--print-config"}, folder.path());
+  EXPECT_EQ(adapter.WaitForExit(), 0) << adapter.StandardError();
+  const std::string text = adapter.StandardOutput();
+  for (const char* part : {"preset: DIMOS", "depth_channel: \"/depth_image#sensor_msgs.Image\"",
+                           "pose_channels: \"/tf#tf2_msgs.TFMessage\"", "root: \"world\"",
+                           "pair_within_ms: 20", "wait_ms: 200"})
+    EXPECT_THAT(text, HasSubstr(part));
+  ChildProcess nothing("adapter", {"--print-config"}, folder.path());
+  EXPECT_EQ(nothing.WaitForExit(), 0);
+}
+
+TEST(Adapter, IsToldWhatToConfigure) {
+  ProcessBus processes;
+  const auto adapter = processes.Start("adapter");
+  EXPECT_EQ(adapter->WaitForExit(), 2);
+  EXPECT_THAT(adapter->StandardError(), HasSubstr("adapter.preset"));
+}
+
+}  // namespace
+}  // namespace vismap
