@@ -61,7 +61,9 @@ Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
 /// The map as an OctoMap `.bt` stream. A leaf is occupied when any of its voxels is occupied, free
 /// when none is occupied and enough voxels are free, else unknown. OctoMap has 32768 leaves from
 /// the origin along each axis; what lies beyond is left out. Fails on a resolution that is no
-/// multiple of the voxel size, and when all of the map lies beyond.
+/// multiple of the voxel size, on bounds that are not finite or empty, when all of the map lies
+/// beyond, and when unknown space shall be occupied in a box whose sides have more than 2^26
+/// leaves.
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
 
 /// Writes the stream to a file, see WriteFileAtomically; the folder must exist.

@@ -48,6 +48,23 @@ OccupancyBox CellsOf(const Eigen::AlignedBox3d& bounds_W, double resolution) {
           {cell(max.x()), cell(max.y()), cell(max.z())}};
 }
 
+Result<void> CheckBounds(const Eigen::AlignedBox3d& bounds_W) {
+  if (bounds_W.min().allFinite() && bounds_W.max().allFinite() && !bounds_W.isEmpty()) return {};
+  return Fail("octree bounds: expected finite numbers, and no minimum above its maximum");
+}
+
+// A closed tree has nodes for all cells along the sides of its box, also where the map has nothing.
+Result<void> CheckClosed(const OccupancyBox& box, double resolution) {
+  constexpr double kMostCells = 1 << 26;  // 400 m x 400 m with leaves of 5 cm
+  const double x = box.max.x - box.min.x, y = box.max.y - box.min.y, z = box.max.z - box.min.z;
+  if (2 * (x * y + y * z + z * x) <= kMostCells) return {};
+  return Fail(
+      "octree: the box of " + ShortestText(x * resolution) + " m x " +
+      ShortestText(y * resolution) + " m x " + ShortestText(z * resolution) +
+      " m is too large to write unknown space as occupied; expected a smaller box or larger "
+      "leaves (octree.resolution_m)");
+}
+
 Eigen::AlignedBox3d MetersOf(const OccupancyBox& box, double resolution) {
   return {Eigen::Vector3d(box.min.x, box.min.y, box.min.z) * resolution,
           Eigen::Vector3d(box.max.x, box.max.y, box.max.z) * resolution};
@@ -130,7 +147,15 @@ Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, double resol
                                         const std::optional<Eigen::AlignedBox3d>& bounds_W) {
   if (!unreachable_.empty() && cubes_.empty())
     return Fail("octree: all of the map lies" + BeyondReach(resolution));
+  if (bounds_W) {
+    if (const Result<void> checked = CheckBounds(*bounds_W); !checked)
+      return tl::unexpected(checked.error());
+  }
   const std::optional<OccupancyBox> box = bounds_W ? CellsOf(*bounds_W, resolution) : KnownCells();
+  if (box && unknown == UnknownPolicy::kOccupied) {
+    if (const Result<void> checked = CheckClosed(*box, resolution); !checked)
+      return tl::unexpected(checked.error());
+  }
   EncodeChanged(leaves, box.value_or(OccupancyBox{}), unknown);
   std::vector<PlacedSubtree> parts;
   parts.reserve(cubes_.size());

@@ -6,6 +6,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <utility>
 
 #include "base/file.h"
 #include "freespace/octomap_reference.h"
@@ -47,6 +49,28 @@ TEST(EncodeOctree, BoundsCutTheTreeAndAreClosedWhollyEvenBeyondTheMap) {
     ASSERT_TRUE(octree);
     EXPECT_EQ(Text(octree->bytes), OctomapBytes(leaves, 0.05, unknown, box));
     EXPECT_TRUE(octree->bounds_W.isApprox(bounds_W, 1e-9));
+  }
+}
+
+TEST(EncodeOctree, BoundsThatAreImpossibleOrTooLargeAreErrors) {
+  const OccupancyMap leaves = RandomOccupancy(77, 120);
+  const auto encode = [&](double low, double high, UnknownPolicy unknown) {
+    return EncodeOctree(
+        leaves, 0.05, unknown,
+        Eigen::AlignedBox3d(Eigen::Vector3d(low, low, low), Eigen::Vector3d(high, high, high)));
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
+    for (const auto& [low, high] : {std::pair(nan, nan), {-infinity, infinity}, {1.0, -1.0}})
+      EXPECT_THAT(encode(low, high, unknown).error().message, HasSubstr("octree bounds"));
+  }
+  for (const double reach : {999.97, 1e300}) {
+    EXPECT_THAT(encode(-reach, reach, UnknownPolicy::kOccupied).error().message,
+                HasSubstr("too large to write unknown space as occupied"));
+    const Result<OctreeBytes> open = encode(-reach, reach, UnknownPolicy::kAbsent);
+    ASSERT_TRUE(open) << open.error().message;
+    EXPECT_EQ(open->bytes, EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt)->bytes);
   }
 }
 

@@ -1,9 +1,12 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <set>
 #include <thread>
 #include <vismap/map_reply_t.hpp>
@@ -217,6 +220,27 @@ TEST_F(Requests, DamagedFilesDoNotKeepTheServerFromStarting) {
   }
   for (int i = 1; i <= 3; ++i)
     EXPECT_TRUE(fs::exists(path.string() + ".unusable-" + std::to_string(i)));
+}
+
+TEST_F(Requests, OctreesOfAnyBoxAreAnsweredOrRefused) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto server = StartServer();
+  Map(3);
+  for (const double reach : {1000.0, 1e9, 1e300, kInfinity, std::nan(""), -1.0}) {
+    for (const int8_t unknown : {map_request_t::UNKNOWN_ABSENT, map_request_t::UNKNOWN_OCCUPIED}) {
+      map_request_t request = Request(next_id_++, "octree");
+      request.has_bbx = 1;
+      request.unknown = unknown;
+      std::fill_n(request.bbx_min_W, 3, -reach);
+      std::fill_n(request.bbx_max_W, 3, reach);
+      bus().Publish(kMapRequestChannel, request);
+      ASSERT_TRUE(SpinUntil([&] { return replies_.contains(request.request_id); })) << reach;
+      const bool answered =
+          unknown == map_request_t::UNKNOWN_ABSENT && std::isfinite(reach) && reach > 0;
+      EXPECT_EQ(replies_[request.request_id].ok, answered) << reach;
+    }
+  }
+  ExpectPeakBelow(300, "map-server", server->pid());
 }
 
 TEST_F(Requests, AreAnsweredBeforeFramesThatWait) {
