@@ -15,6 +15,9 @@ namespace {
 // A block is packed only after this many frames without a change to it.
 constexpr uint32_t kPackAfter = 5;
 constexpr size_t kBytesPerMegabyte = size_t{1} << 20;
+// Each pair of labels under masks takes time and memory, so a frame with very many would stop the
+// mapping. A detector finds a hundred objects at most.
+constexpr size_t kMostMaskedLabels = 1000;
 
 // Adds the frame to the counts F, Phi and Psi of the paper (Sec. III-D). Phi and Psi grow by the
 // detection's score times the overlap of mask and segment.
@@ -42,9 +45,9 @@ void CountEvidence(const SegmentedFrame& frame, const FrameAssociation& associat
   }
 }
 
-// Splits instances of which the masks of this frame show two objects.
-void SeparateObjects(const SegmentedFrame& frame, const FrameAssociation& association,
-                     double split_frames, LabelTable& labels, MapDelta& delta) {
+// The labels under the masks of the frame.
+std::vector<MaskedLabel> FindMaskedLabels(const SegmentedFrame& frame,
+                                          const FrameAssociation& association) {
   std::vector<MaskedLabel> seen;
   for (size_t s = 0; s < frame.segments.size(); ++s) {
     const FrameAssociation::Segment& match = association.segments[s];
@@ -52,7 +55,7 @@ void SeparateObjects(const SegmentedFrame& frame, const FrameAssociation& associ
     const FrameSegment& segment = frame.segments[s];
     seen.push_back({match.label, segment.detection, segment.score * segment.overlap});
   }
-  delta.split = SplitInstances(seen, split_frames, &labels);
+  return seen;
 }
 
 struct WorkItem {
@@ -230,12 +233,20 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   MapDelta delta;
   delta.revision = map->revision;
   const DepthPyramid pyramid(frame.frame.depth);
+  const std::vector<MaskedLabel> masked = FindMaskedLabels(frame, association);
+  if (masked.size() > kMostMaskedLabels) {
+    delta.refused = "the frame has " + std::to_string(masked.size()) +
+                    " segments under masks; at most " + std::to_string(kMostMaskedLabels) +
+                    " can be mapped";
+    return delta;
+  }
   std::vector<WorkItem> work = FindWork(header, pyramid, options, map, &delta);
   if (!delta.refused.empty()) return delta;
 
   const MaskCuts cuts(association, map->labels, options.mask_evidence);
   CountEvidence(frame, association, map->labels);
-  SeparateObjects(frame, association, options.split_frames, map->labels, delta);
+  // Splits instances of which the masks of this frame show two objects.
+  delta.split = SplitInstances(masked, options.split_frames, &map->labels);
 
   std::vector<SegmentLabel> labels;
   for (const FrameAssociation::Segment& segment : association.segments)

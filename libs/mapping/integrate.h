@@ -18,7 +18,8 @@ namespace vismap {
 
 /// What one frame changed in the map.
 struct MapDelta {
-  /// Why the map was not changed at all: one sentence; empty = the frame was integrated.
+  /// Why the map was not changed at all: one sentence; empty = the frame was integrated. Beyond the
+  /// limits of IntegrationOptions, a frame is refused when more than 1000 segments are under masks.
   std::string refused;
   int64_t revision = 0;  ///< of the map after the frame
   /// Blocks whose surface, votes or free space changed, ascending.

@@ -48,6 +48,37 @@ TEST(MapLimits, AFrameThatWouldChangeTooManyBlocksIsRefusedAndChangesNothing) {
   EXPECT_NE(HashMap(map), hash);
 }
 
+/// A wall of small square segments, all of them under one mask.
+SegmentedFrame ManySegments(int side) {
+  SegmentedFrame frame = LookAtWall(1.5);
+  const int columns = frame.image.index.width() / side, rows = frame.image.index.height() / side;
+  frame.image.segment_count = columns * rows;
+  frame.segments.assign(static_cast<size_t>(columns * rows), FrameSegment{});
+  for (int v = 0; v < rows * side; ++v) {
+    for (int u = 0; u < columns * side; ++u) {
+      const int segment = v / side * columns + u / side;
+      frame.image.index(v, u) = static_cast<SegmentIndex>(segment);
+      testing_support::Detect(segment, 0, ClassId{62}, frame);
+      ++frame.segments[static_cast<size_t>(segment)].pixels;
+    }
+  }
+  return frame;
+}
+
+TEST(MapLimits, AFrameOfVeryManySegmentsUnderMasksIsRefused) {
+  for (const bool many : {false, true}) {
+    SemanticMap map({0.01, 4});
+    const SegmentedFrame frame = ManySegments(many ? 4 : 8);
+    const FrameAssociation association =
+        Associate(frame, {map.voxels, map.labels}, {.min_overlap_points = 5});
+    const MapDelta delta = IntegrateFrame(frame, association, {}, &map);
+    EXPECT_EQ(map.revision, many ? 0 : 1);
+    EXPECT_EQ(map.labels.bonds().pairs().size(), many ? 0u : 300u * 299 / 2);
+    EXPECT_EQ(delta.refused,
+              many ? "the frame has 1200 segments under masks; at most 1000 can be mapped" : "");
+  }
+}
+
 TEST(MapLimits, WhatAFrameWouldChangeIsFoundInBoundedTimeAndMemory) {
   SegmentedFrame frame = Noise(1);
   frame.frame.header.camera.fx = frame.frame.header.camera.fy = 22;  // the widest view allowed
