@@ -10,6 +10,12 @@
 
 namespace vismap {
 
+namespace {
+// Records are handled for so long at a time [s]: a pattern of channels takes much more time to
+// compile than its bytes take to arrive, and other connections must not wait for it.
+constexpr double kLongestRead = 0.002;
+}  // namespace
+
 QueuedConnection::QueuedConnection(size_t max_message_bytes, const QueueLimits& limits)
     : reader_(TcpqMagic::kHub, max_message_bytes), queue_(limits) {}
 
@@ -23,10 +29,11 @@ void QueuedConnection::Open(Socket socket, RecordReader reader, std::vector<uint
 
 Result<void> QueuedConnection::Read(size_t max_bytes,
                                     const std::function<void(TcpqRecord)>& on_record) {
-  Result<void> read = reader_.ReadFrom(socket_.fd(), max_bytes, [&](TcpqRecord record) {
+  const auto handle = [&](TcpqRecord record) {
     complete_since_ = MonotonicSeconds();
     on_record(std::move(record));
-  });
+  };
+  Result<void> read = reader_.ReadFrom(socket_.fd(), max_bytes, handle, kLongestRead);
   if (!reader_.has_part()) complete_since_ = MonotonicSeconds();
   if (!read) Close();
   return read;

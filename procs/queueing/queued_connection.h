@@ -25,8 +25,8 @@ class QueuedConnection {
   int fd() const { return socket_.fd(); }
   void Close() { socket_.Close(); }
 
-  /// Reads what has arrived, about `max_bytes` at most. Closes the connection and fails when the
-  /// other end has closed it (message "") or violates the protocol.
+  /// Reads what has arrived, about `max_bytes` at most, and for 2 ms at most. Closes the connection
+  /// and fails when the other end has closed it (message "") or violates the protocol.
   Result<void> Read(size_t max_bytes, const std::function<void(TcpqRecord)>& on_record);
 
   /// See MessageQueue::Add.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/format.h"
+#include "runtime/clock.h"
 
 namespace vismap {
 namespace {
@@ -75,8 +76,11 @@ void RecordReader::Expect(Stage stage, size_t bytes) {
 }
 
 Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
-                                    const std::function<void(TcpqRecord)>& on_record) {
+                                    const std::function<void(TcpqRecord)>& on_record,
+                                    double max_seconds) {
+  const double end = MonotonicSeconds() + max_seconds;
   for (size_t taken = 0; taken < max_bytes;) {
+    if (have_ == 0 && taken > 0 && MonotonicSeconds() >= end) return {};
     const size_t step = std::min(need_ - have_, std::clamp(have_, kLeastGrowth, kMostGrowth));
     if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
     const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -64,9 +65,10 @@ class RecordReader {
   size_t missing_bytes() const { return need_ - have_; }
 
   /// Reads about `max_bytes` at most from a non-blocking socket and calls `on_record` for each
-  /// complete record. Fails when the other side has closed the connection (message "") and when the
-  /// bytes violate the protocol.
-  Result<void> ReadFrom(int fd, size_t max_bytes, const std::function<void(TcpqRecord)>& on_record);
+  /// complete record. Begins no new record after `max_seconds`. Fails when the other side has
+  /// closed the connection (message "") and when the bytes violate the protocol.
+  Result<void> ReadFrom(int fd, size_t max_bytes, const std::function<void(TcpqRecord)>& on_record,
+                        double max_seconds = std::numeric_limits<double>::infinity());
 
  private:
   enum class Stage { kHello, kHead, kName, kDataSize, kData };

@@ -42,6 +42,10 @@ class RawClient {
     EXPECT_EQ(send(socket_.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(bytes.size()));
   }
+  /// Sends as much as the buffers of the system take.
+  void SendWhatFits(const std::vector<uint8_t>& bytes) {
+    EXPECT_GT(send(socket_.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT), 100'000);
+  }
   /// Reads 20 bytes every 10 ms for some seconds.
   void ReadSlowly(double seconds) {
     std::array<uint8_t, 20> bytes{};
@@ -71,6 +75,28 @@ double SecondsToPublish(Bus* bus, int count) {
   for (int i = 0; i < count; ++i) EXPECT_TRUE(bus->Publish(kMapDeltaChannel, Delta(i, kMegabyte)));
   Settle(bus);
   return MonotonicSeconds() - start;
+}
+
+TEST(HostileClient, SubscriptionsThatTakeLongDoNotStopTheHub) {
+  RunningHub hub(HubOptions{});
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  int received = 0;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t&) { ++received; });
+  Settle(reader.get());
+  RawClient flood(hub);
+  flood.Send(TcpqHello(TcpqMagic::kClient));
+  std::vector<uint8_t> records = TcpqSubscribe("(?:a?){300}b");
+  std::vector<uint8_t> unsubscribe = records;
+  unsubscribe[3] = static_cast<uint8_t>(TcpqRecord::Kind::kUnsubscribe);
+  records.insert(records.end(), unsubscribe.begin(), unsubscribe.end());
+  while (records.size() < 2 * kMegabyte)
+    records.insert(records.end(), records.begin(), records.end());
+  flood.SendWhatFits(records);
+  const double start = MonotonicSeconds();
+  EXPECT_TRUE(sender->Publish(kMapDeltaChannel, Delta(1, 100)));
+  while (received == 0 && MonotonicSeconds() < start + kDeadline) reader->Spin(0.05);
+  EXPECT_EQ(received, 1);
+  EXPECT_LT(MonotonicSeconds() - start, 3);
 }
 
 TEST(HostileClient, AReaderThatIsNotCriticalMakesNoPublisherWait) {
