@@ -14,6 +14,7 @@ namespace {
 constexpr size_t kMaxTimings = 10000;  // per stage and STATUS
 constexpr size_t kMaxFindings = 16;    // of a STATUS, which has a largest size
 constexpr size_t kMaxFindingLength = 1500;
+constexpr size_t kMaxSubjects = 64;  // of findings; names from the bus may be part of a subject
 
 double Median(std::vector<double>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
@@ -88,7 +89,8 @@ int64_t Status::counter(const std::string& name) const {
 }
 
 void Status::SetFindings(const std::string& subject, std::vector<std::string> sentences) {
-  std::vector<std::string>& known = findings_[subject];
+  const bool fits = findings_.contains(subject) || findings_.size() < kMaxSubjects;
+  std::vector<std::string>& known = findings_[fits ? subject : "others"];
   if (sentences.size() > known.size()) {
     for (size_t i = 0; i < sentences.size(); ++i)
       LogWarningRateLimited("finding " + subject + std::to_string(i), sentences[i]);
@@ -128,9 +130,13 @@ void Status::Publish() {
     values.clear();
   }
   message.n_timings = static_cast<int32_t>(message.timing_names.size());
-  for (const std::string& finding : findings()) {
-    if (message.findings.size() == kMaxFindings) break;
-    message.findings.push_back(PrintableText(finding, kMaxFindingLength));
+  const std::vector<std::string> all = findings();
+  const size_t shown = all.size() > kMaxFindings ? kMaxFindings - 1 : all.size();
+  for (size_t i = 0; i < shown; ++i)
+    message.findings.push_back(PrintableText(all[i], kMaxFindingLength));
+  if (shown < all.size()) {
+    message.findings.push_back("there are " + std::to_string(all.size() - shown) +
+                               " more findings; the log of this process has them");
   }
   message.n_findings = static_cast<int32_t>(message.findings.size());
   bus_->Publish(kStatusChannel, message);

@@ -41,7 +41,9 @@ class Status {
   int64_t counter(const std::string& name) const;
   /// Replaces what is wrong or suspect about one subject, such as "poses", one sentence each; empty
   /// = nothing. The next STATUS has it, and vismap-doctor repeats it and does not call such a
-  /// system healthy. It is logged when a subject gets more sentences than before.
+  /// system healthy. It is logged when a subject gets more sentences than before. A STATUS has at
+  /// most 16 sentences and says how many more there are; there are at most 64 subjects, and further
+  /// ones count as one.
   void SetFindings(const std::string& subject, std::vector<std::string> sentences);
   void SetFinding(const std::string& subject, const std::optional<std::string>& sentence);
   /// All sentences, by subject.

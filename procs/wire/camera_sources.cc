@@ -10,13 +10,13 @@ constexpr const char* kPhrase = " is published by more than one process, ";
 
 std::optional<std::string> CameraSources::Add(CameraId camera, const std::string& source,
                                               int64_t seq, double now) {
-  std::map<std::string, Source>& sources = heard_[camera];
-  size_ -= std::erase_if(
-      sources, [&](const auto& entry) { return now - entry.second.last_heard > kSilence; });
-  if (!sources.contains(source)) {
-    if (size_ >= kMaxSources) return std::nullopt;
-    ++size_;
-  }
+  const auto known = heard_.find(camera);
+  if (known != heard_.end()) ForgetSilent(now, &known->second);
+  const bool is_new = known == heard_.end() || !known->second.contains(source);
+  if (is_new && size_ >= kMaxSources) ForgetAllSilent(now);
+  if (is_new && size_ >= kMaxSources) return std::nullopt;
+  size_ += is_new ? 1 : 0;
+  Sources& sources = heard_[camera];
   Source& of_source = sources[source];
   of_source.steps_back += seq <= of_source.seq ? 1 : 0;
   of_source.seq = seq;
@@ -30,6 +30,16 @@ std::optional<std::string> CameraSources::Add(CameraId camera, const std::string
   return "camera " + std::to_string(Raw(camera)) + kPhrase + names +
          ": of frames with equal utimes only one is mapped; give each process a camera id of its "
          "own (--camera-id)";
+}
+
+void CameraSources::ForgetSilent(double now, Sources* sources) {
+  size_ -= std::erase_if(
+      *sources, [&](const auto& entry) { return now - entry.second.last_heard > kSilence; });
+}
+
+void CameraSources::ForgetAllSilent(double now) {
+  for (auto& [camera, sources] : heard_) ForgetSilent(now, &sources);
+  std::erase_if(heard_, [](const auto& entry) { return entry.second.empty(); });
 }
 
 bool IsAboutSharedCamera(const std::string& finding, const std::string& source) {

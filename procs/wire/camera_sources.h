@@ -16,22 +16,28 @@ class CameraSources {
  public:
   /// A source that was silent for so long no longer counts [s].
   static constexpr double kSilence = 5;
+  /// So many sources are known at a time; further ones are not watched.
+  static constexpr size_t kMaxSources = 256;
 
   /// Adds a frame that `source` has published as its message number `seq` and that was received at
   /// time `now` [s]. Returns a sentence for STATUS when another process publishes frames of this
   /// camera, too. It may have the same name: then the numbers go back again and again.
   std::optional<std::string> Add(CameraId camera, const std::string& source, int64_t seq,
                                  double now);
+  size_t cameras() const { return heard_.size(); }  ///< of which sources are known
 
  private:
-  static constexpr size_t kMaxSources = 256;
   struct Source {
     double last_heard = 0;  // [s]
     int64_t seq = -1;
     int steps_back = 0;  // of seq; one restart is one step
   };
-  std::map<CameraId, std::map<std::string, Source>> heard_;
-  size_t size_ = 0;
+  using Sources = std::map<std::string, Source>;
+  void ForgetSilent(double now, Sources* sources);
+  void ForgetAllSilent(double now);
+
+  std::map<CameraId, Sources> heard_;  // has at most kMaxSources cameras
+  size_t size_ = 0;                    // sources of all cameras
 };
 
 /// Whether `finding` is a sentence of CameraSources about frames of this source.

@@ -46,5 +46,15 @@ TEST(CameraSources, NamesAreBounded) {
   }
 }
 
+TEST(CameraSources, ManyCamerasThatHaveGoneTakeNoRoomFromNewOnes) {
+  CameraSources sources;
+  for (int i = 0; i < 100000; ++i) sources.Add(CameraId{i}, "flood", i, 1);
+  EXPECT_LE(sources.cameras(), CameraSources::kMaxSources);
+  const double later = 2 + CameraSources::kSilence;
+  EXPECT_EQ(sources.Add(CameraId{7}, "left", 0, later), std::nullopt);
+  EXPECT_THAT(sources.Add(CameraId{7}, "right", 0, later), Optional(HasSubstr("camera 7")));
+  EXPECT_EQ(sources.cameras(), 1u);
+}
+
 }  // namespace
 }  // namespace vismap
