@@ -7,10 +7,11 @@
 namespace vismap {
 namespace {
 
-constexpr int64_t kFewest = 3;            // fewer distances say nothing
-constexpr int64_t kShortest = 500;        // [us]: no camera takes 2000 images a second
-constexpr int64_t kLongest = 15'000'000;  // [us] between the frames of a sequence
-constexpr double kManyBackward = 0.2;     // of the frames
+constexpr int64_t kFewest = 3;                        // fewer distances say nothing
+constexpr int64_t kShortest = 500;                    // [us]: no camera takes 2000 images a second
+constexpr int64_t kLongest = 15'000'000;              // [us] between the frames of a sequence
+constexpr double kManyBackward = 0.2;                 // of the frames
+constexpr int64_t kYear2200 = 7'258'118'400'000'000;  // [us since 1970]
 
 }  // namespace
 
@@ -51,6 +52,10 @@ std::optional<std::string> TimeCheck::Finding() const {
     return FormatCount(backward_, "frame") + " of " + FormatCount(frames_) +
            " had an older utime than the frame before; are they in the order in which they were "
            "taken?";
+  }
+  if (last_ > kYear2200) {
+    return "the utime of the last frame, " + std::to_string(last_) +
+           ", is after the year 2200; is it in microseconds, and not in nanoseconds?";
   }
   const int64_t median = Median();
   if (median == 0 || (median >= kShortest && median <= kLongest)) return std::nullopt;

@@ -14,7 +14,8 @@ class TimeCheck {
   void Add(int64_t utime);
 
   /// One sentence when frames have the time of the frame before, when time runs backward in many of
-  /// them, or when their distance is usual in another unit than microseconds.
+  /// them, when the last time is after the year 2200, or when their distance is usual in another
+  /// unit than microseconds.
   std::optional<std::string> Finding() const;
 
  private:

@@ -39,6 +39,15 @@ TEST(TimeCheck, TellsOtherUnits) {
   EXPECT_EQ(FindingAtSteps(33, 3), std::nullopt) << "too few frames";
 }
 
+TEST(TimeCheck, NanosecondsOfAFastCameraAreTold) {
+  TimeCheck check;  // at 60 Hz, 16'666'667 ns could be the microseconds of a slow camera
+  for (int i = 0; i < 10; ++i) check.Add(1'764'500'000'000'000'000 + 16'666'667 * int64_t{i});
+  EXPECT_THAT(check.Finding(), Optional(AllOf(HasSubstr("2200"), HasSubstr("nanoseconds"))));
+  TimeCheck now;
+  for (int i = 0; i < 10; ++i) now.Add(1'764'500'000'000'000 + 16'667 * i);
+  EXPECT_EQ(now.Finding(), std::nullopt);
+}
+
 TEST(TimeCheck, TellsThatTimeRunsBackward) {
   EXPECT_THAT(FindingAtSteps(-33), Optional(HasSubstr("older utime")));
 }
