@@ -43,6 +43,6 @@ Result<void> CreateFolder(const std::filesystem::path& folder);
 /// a device is never waited for) or is larger than `max_bytes`; the Error names the path and the
 /// reason.
 Result<std::vector<uint8_t>> ReadFileBytes(const std::filesystem::path& path,
-                                           uint64_t max_bytes = uint64_t{1} << 34);
+                                           uint64_t max_bytes = uint64_t{1} << 30);
 
 }  // namespace vismap

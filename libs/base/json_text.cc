@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/byte_order_mark.h"
+#include "base/format.h"
 
 namespace vismap {
 namespace {
@@ -21,10 +22,17 @@ std::string PlaceOf(std::string_view text, size_t offset) {
          std::to_string(before.size() - line_begin + 1);
 }
 
-// Counts brackets outside of strings; a text that is no JSON is left to the parser.
-Result<void> CheckNesting(std::string_view text) {
+// What a value of nlohmann::json needs at most, with the spare room of a growing array [bytes].
+constexpr size_t kValueBytes = 48;
+constexpr size_t kContainerBytes = 64;  // more than that for an array or an object
+constexpr size_t kKeyBytes = 96;        // more than that for a key of an object
+
+// Counts brackets, commas and colons outside of strings; a text that is no JSON is left to the
+// parser.
+Result<void> CheckSize(std::string_view text, size_t max_memory) {
   int depth = 0;
   bool in_string = false;
+  size_t memory = text.size();  // for its strings
   for (size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (in_string) {
@@ -32,7 +40,10 @@ Result<void> CheckNesting(std::string_view text) {
       if (c == '"') in_string = false;
     } else if (c == '"') {
       in_string = true;
+    } else if (c == ',' || c == ':') {
+      memory += c == ',' ? kValueBytes : kKeyBytes;
     } else if (c == '[' || c == '{') {
+      memory += kContainerBytes + kValueBytes;
       if (++depth > kMaxNesting) {
         return Fail(PlaceOf(text, i) + ": nested deeper than " + std::to_string(kMaxNesting) +
                     " levels");
@@ -41,15 +52,18 @@ Result<void> CheckNesting(std::string_view text) {
       --depth;
     }
   }
-  return {};
+  if (memory <= max_memory) return {};
+  return Fail("expected values that need at most " + FormatBytes(max_memory) +
+              " of memory, found values for about " + FormatBytes(memory));
 }
 
 }  // namespace
 
 template <typename Json>
-Result<Json> ParseJson(std::string_view text) {
+Result<Json> ParseJson(std::string_view text, size_t max_memory) {
   text = WithoutByteOrderMark(text);
-  if (Result<void> checked = CheckNesting(text); !checked) return tl::unexpected(checked.error());
+  if (const Result<void> checked = CheckSize(text, max_memory); !checked)
+    return tl::unexpected(checked.error());
   try {
     return Json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
@@ -59,8 +73,8 @@ Result<Json> ParseJson(std::string_view text) {
   }
 }
 
-template Result<nlohmann::json> ParseJson<nlohmann::json>(std::string_view);
-template Result<nlohmann::ordered_json> ParseJson<nlohmann::ordered_json>(std::string_view);
+template Result<nlohmann::json> ParseJson<nlohmann::json>(std::string_view, size_t);
+template Result<nlohmann::ordered_json> ParseJson<nlohmann::ordered_json>(std::string_view, size_t);
 
 std::string DescribeJson(const nlohmann::json& value) {
   if (value.is_object()) return "an object";

@@ -12,6 +12,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 29;
+
 /// A detection of the file. Its mask stays run-length encoded, which needs far less memory.
 struct Entry {
   ClassId class_id = ClassId::kUnknown;
@@ -152,7 +154,7 @@ Result<std::pair<int64_t, Entry>> ParseEntry(const Json& object) {
 }  // namespace
 
 Result<std::unique_ptr<DetectionSource>> LoadCocoResults(const std::string& path) {
-  const Result<std::string> text = ReadTextFile(path);
+  const Result<std::string> text = ReadTextFile(path, kMaxFileBytes);
   if (!text) return Fail(text.error().message);
   const Result<Json> parsed = ParseJson(*text);
   if (!parsed) return Fail(path + ": " + parsed.error().message);

@@ -139,7 +139,7 @@ Result<InstanceTable> ParseJsonTable(const std::string& text) {
   for (size_t i = 0; i < root.size(); ++i) {
     const std::string where = "entry " + std::to_string(i) + ": ";
     if (!root[i].is_object())
-      return Fail(where + "expected an object, found " + root[i].dump().substr(0, 40));
+      return Fail(where + "expected an object, found " + DescribeJson(root[i]));
     Row row;
     for (const auto& [key, value] : root[i].items()) {
       if (value.is_number()) row[key] = value.get<double>();

@@ -39,7 +39,7 @@ Result<ReplicaCamera> ReadReplicaCamera(const fs::path& folder) {
     const auto value = camera->find(key);
     if (value == camera->end() || !value->is_number() || std::abs(value->get<double>()) > 1e6) {
       return Fail(path.string() + ": camera." + key + ": expected a number, found " +
-                  (value == camera->end() ? "no such key" : value->dump().substr(0, 40)));
+                  (value == camera->end() ? "no such key" : DescribeJson(*value)));
     }
   }
   const double scale = (*camera)["scale"].get<double>();

@@ -11,7 +11,6 @@
 namespace vismap {
 namespace {
 
-constexpr uint64_t kMaxTextBytes = uint64_t{1} << 30;
 constexpr std::string_view kBlanks = " \t\r,";
 
 std::vector<std::string_view> SplitWords(std::string_view line) {
@@ -26,8 +25,8 @@ std::vector<std::string_view> SplitWords(std::string_view line) {
 
 }  // namespace
 
-Result<std::string> ReadTextFile(const std::filesystem::path& path) {
-  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, kMaxTextBytes);
+Result<std::string> ReadTextFile(const std::filesystem::path& path, uint64_t max_bytes) {
+  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(path, max_bytes);
   if (!bytes) return Fail(bytes.error().message);
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))

@@ -12,8 +12,12 @@
 
 namespace vismap {
 
-/// Reads a text file of at most 1 GiB. Fails, naming the file, if it cannot be read.
-Result<std::string> ReadTextFile(const std::filesystem::path& path);
+/// Size of the largest list of images, poses or numbers that is read [bytes]: millions of lines.
+inline constexpr uint64_t kMaxTextBytes = uint64_t{1} << 27;
+
+/// Reads a text file. Fails, naming the file, if it cannot be read or is larger than `max_bytes`.
+Result<std::string> ReadTextFile(const std::filesystem::path& path,
+                                 uint64_t max_bytes = kMaxTextBytes);
 
 /// A line of a text file, split into words at blanks and commas.
 struct TextLine {

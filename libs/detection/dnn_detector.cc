@@ -35,7 +35,7 @@ Result<ClassTable> ClassesOf(const DnnDetectorOptions& options) {
 Result<InputSize> InputSizeOf(const DnnDetectorOptions& options) {
   if (options.input_size_px > 0) return InputSize{options.input_size_px, options.input_size_px};
   if (!options.graph.empty()) return InputSize{};
-  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(options.model);
+  const Result<std::vector<uint8_t>> bytes = ReadFileBytes(options.model, UINT32_MAX);  // checked
   if (!bytes) return tl::unexpected(bytes.error());
   const std::vector<int> shape = OnnxImageShape(*bytes);
   return shape.empty() ? InputSize{} : InputSize{shape[3], shape[2]};

@@ -29,10 +29,17 @@ Result<void> CatchExceptions(const std::string& what, const Action& action) {
   }
 }
 
+// The largest file of a network: the formats are protobuf, which ends there [bytes].
+constexpr uintmax_t kMaxFileBytes = (uintmax_t{1} << 31) - 1;
+
 Result<void> CheckFile(const std::string& path) {
   std::error_code error;
-  if (std::filesystem::is_regular_file(path, error)) return {};
-  return Fail(path + ": no such file; expected a network");
+  if (!std::filesystem::is_regular_file(path, error))
+    return Fail(path + ": no such file; expected a network");
+  const uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error || bytes <= kMaxFileBytes) return {};
+  return Fail(path + ": expected a network of at most " + std::to_string(kMaxFileBytes) +
+              " bytes, found " + std::to_string(bytes));
 }
 
 Tensor FromMat(const cv::Mat& mat) {

@@ -15,7 +15,7 @@ class Network {
  public:
   /// Loads an ONNX file, or, if `graph` is given or `model` ends in .pb, a network of TensorFlow.
   /// `threads` sets the number of threads of all networks in the process; 0 = all processors.
-  /// Fails, naming the file, if it is missing or cannot be read.
+  /// Fails, naming the file, if it is missing, larger than 2 GB or cannot be read.
   static Result<Network> Load(const std::string& model, const std::string& graph, int threads);
   ~Network();
   Network(Network&&) noexcept;

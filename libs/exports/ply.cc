@@ -85,7 +85,8 @@ bool StartsLikeOurPly(std::istream& file) {
 }
 
 Result<PlyFile> ReadPly(const std::filesystem::path& path) {
-  const auto bytes = ReadFileBytes(path);
+  constexpr uint64_t kMaxPlyBytes = uint64_t{1} << 31;
+  const auto bytes = ReadFileBytes(path, kMaxPlyBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   return DecodePly(*bytes, path.string());
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <istream>
 #include <map>
@@ -19,6 +20,12 @@ struct PlyInfo {
   friend bool operator==(const PlyInfo&, const PlyInfo&) = default;
 };
 
+/// The largest mesh that is read. With the defaults it needs 4 GB.
+struct PlyLimits {
+  uint64_t vertices = uint64_t{1} << 26;
+  uint64_t triangles = uint64_t{1} << 27;
+};
+
 struct PlyFile {
   Mesh mesh;
   PlyInfo info;
@@ -32,10 +39,11 @@ std::vector<uint8_t> EncodePly(const Mesh& mesh, const PlyInfo& info);
 /// Reads a binary little-endian PLY. Properties may have any order and any number type. Unknown
 /// elements and properties are skipped; missing properties keep their defaults, but x, y and z are
 /// required. Polygons become fans of triangles. `label` is read as segment if there is no
-/// `segment`, and `vertex_index` like `vertex_indices`. Fails if the file is truncated, if an index
-/// is out of range, or if an id is not a whole number of its type. `name` is the file's name in
-/// errors.
-Result<PlyFile> DecodePly(std::span<const uint8_t> bytes, const std::string& name);
+/// `segment`, and `vertex_index` like `vertex_indices`. Fails if the file is truncated, if two
+/// elements have the same name, if an index is out of range, if an id is not a whole number of its
+/// type, or if the mesh is larger than the limits. `name` is the file's name in errors.
+Result<PlyFile> DecodePly(std::span<const uint8_t> bytes, const std::string& name,
+                          const PlyLimits& limits = {});
 
 /// Writes EncodePly to a file (see WriteFileAtomically).
 Result<void> WritePly(const std::filesystem::path& path, const Mesh& mesh, const PlyInfo& info);
@@ -43,7 +51,7 @@ Result<void> WritePly(const std::filesystem::path& path, const Mesh& mesh, const
 /// Whether a file begins as EncodePly begins one: its header has the properties in our order.
 bool StartsLikeOurPly(std::istream& file);
 
-/// Reads a PLY file (see DecodePly). Fails with the name of the file.
+/// Reads a PLY file (see DecodePly). Fails, naming the file, also when it is larger than 2 GiB.
 Result<PlyFile> ReadPly(const std::filesystem::path& path);
 
 }  // namespace vismap

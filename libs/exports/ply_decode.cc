@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -87,6 +88,8 @@ struct Element {
   std::vector<Property> properties{};
 };
 
+constexpr int kMaxHeaderLines = 100'000;  // there may be a comment for each class
+
 struct PlyHeader {
   std::vector<Element> elements;
   PlyInfo info;
@@ -121,6 +124,12 @@ std::optional<Property> ParseProperty(std::istringstream& words) {
   return property;
 }
 
+// Two elements of one name are refused: faces would refer to vertices that the second one replaces.
+bool HasElement(const PlyHeader& header, const std::string& name) {
+  return std::any_of(header.elements.begin(), header.elements.end(),
+                     [&](const Element& element) { return element.name == name; });
+}
+
 // Parses one line of the header. Returns false if it is not valid.
 bool ParseLine(const std::string& line, PlyHeader* header) {
   std::istringstream words(line);
@@ -137,6 +146,7 @@ bool ParseLine(const std::string& line, PlyHeader* header) {
   if (key == "element") {
     Element element;
     if (!(words >> element.name >> element.count)) return false;
+    if (HasElement(*header, element.name)) return false;
     header->elements.push_back(element);
     return true;
   }
@@ -149,6 +159,9 @@ bool ParseLine(const std::string& line, PlyHeader* header) {
 Result<PlyHeader> ParseHeader(std::span<const uint8_t> bytes, const std::string& name) {
   PlyHeader header;
   for (int number = 1; header.size < bytes.size(); ++number) {
+    if (number > kMaxHeaderLines)
+      return Fail(name + ": expected a PLY header of at most " + std::to_string(kMaxHeaderLines) +
+                  " lines");
     std::string line;
     while (header.size < bytes.size() && bytes[header.size] != '\n') {
       line.push_back(static_cast<char>(bytes[header.size++]));
@@ -326,8 +339,8 @@ bool AppendPolygon(const std::vector<double>& corners, Mesh* mesh) {
   return true;
 }
 
-Result<void> ReadFaces(const Element& element, const std::string& name, Cursor* cursor,
-                       Mesh* mesh) {
+Result<void> ReadFaces(const Element& element, const std::string& name, uint64_t most_triangles,
+                       Cursor* cursor, Mesh* mesh) {
   size_t column = Find(element, "vertex_indices", true);
   if (column == kMissing) column = Find(element, "vertex_index", true);
   if (column == kMissing)
@@ -341,6 +354,10 @@ Result<void> ReadFaces(const Element& element, const std::string& name, Cursor* 
     if (!AppendPolygon(record[column], mesh)) {
       return Fail(name + ": face " + std::to_string(i) + ": expected vertex indices below " +
                   std::to_string(mesh->vertices.size()) + ", found one out of range");
+    }
+    if (mesh->triangles.size() > most_triangles) {
+      return Fail(name + ": expected at most " + std::to_string(most_triangles) +
+                  " triangles, found more");
     }
   }
   return {};
@@ -357,29 +374,37 @@ Result<void> SkipElement(const Element& element, const std::string& name, Cursor
   return {};
 }
 
-Result<void> ReadElement(const Element& element, const std::string& name, Cursor* cursor,
-                         Mesh* mesh) {
+Result<void> ReadElement(const Element& element, const std::string& name, const PlyLimits& limits,
+                         Cursor* cursor, Mesh* mesh) {
   const uint64_t smallest = MinimumSize(element);
   // The file is too short for so many entries.
   if (smallest > 0 && element.count > cursor->left() / smallest) {
     return Fail(name + ": expected " + std::to_string(element.count) + " entries of element '" +
                 element.name + "', found only " + std::to_string(cursor->left()) + " bytes");
   }
-  if (element.name == "vertex") return ReadVertices(element, name, cursor, mesh);
-  if (element.name == "face" && element.count > 0) return ReadFaces(element, name, cursor, mesh);
+  if (element.name == "vertex") {
+    if (element.count > limits.vertices) {
+      return Fail(name + ": expected at most " + std::to_string(limits.vertices) +
+                  " vertices, found " + std::to_string(element.count));
+    }
+    return ReadVertices(element, name, cursor, mesh);
+  }
+  if (element.name == "face" && element.count > 0)
+    return ReadFaces(element, name, limits.triangles, cursor, mesh);
   return SkipElement(element, name, cursor);
 }
 
 }  // namespace
 
-Result<PlyFile> DecodePly(std::span<const uint8_t> bytes, const std::string& name) {
+Result<PlyFile> DecodePly(std::span<const uint8_t> bytes, const std::string& name,
+                          const PlyLimits& limits) {
   const auto header = ParseHeader(bytes, name);
   if (!header) return tl::unexpected(header.error());
   PlyFile file;
   file.info = header->info;
   Cursor cursor(bytes.subspan(header->size));
   for (const Element& element : header->elements) {
-    const auto read = ReadElement(element, name, &cursor, &file.mesh);
+    const auto read = ReadElement(element, name, limits, &cursor, &file.mesh);
     if (!read) return tl::unexpected(read.error());
   }
   return file;

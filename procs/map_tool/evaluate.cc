@@ -27,7 +27,8 @@ struct MapInput {
 
 // Reads the score of each instance from an objects.json.
 Result<std::map<InstanceId, double>> ReadScores(const fs::path& path) {
-  const auto bytes = ReadFileBytes(path);
+  constexpr uint64_t kMaxObjectsBytes = uint64_t{1} << 28;
+  const auto bytes = ReadFileBytes(path, kMaxObjectsBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   std::map<InstanceId, double> scores;
   try {

@@ -36,6 +36,19 @@ TEST(ParseJson, DeepNestingIsRefused) {
   EXPECT_NE(ErrorOf(objects), "none");
 }
 
+TEST(ParseJson, MoreValuesThanMemoryAreRefused) {
+  std::string arrays = "[[]";
+  for (int i = 0; i < 1000; ++i) arrays += ",[]";
+  arrays += "]";
+  EXPECT_TRUE(ParseJson(arrays, 1 << 20));
+  const auto refused = ParseJson(arrays, 100'000);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "expected values that need at most 100 kB of memory, found values for about 163 kB");
+  EXPECT_FALSE(ParseJson("{\"a\":0,\"b\":0,\"c\":0}", 400));
+  EXPECT_TRUE(ParseJson("\"" + std::string(300, ',') + "\"", 400)) << "commas in a text";
+}
+
 TEST(DescribeJson, IsShortAndWithoutControlCharacters) {
   EXPECT_EQ(DescribeJson(-3), "-3");
   EXPECT_EQ(DescribeJson(nullptr), "null");

@@ -117,6 +117,10 @@ TEST(DnnDetector, LoadSaysWhatIsWrong) {
   EXPECT_THAT(ErrorOf(options), AllOf(HasSubstr("text.pb"), HasSubstr("cannot be read")));
   options.graph = (folder / "none.pbtxt").string();
   EXPECT_THAT(ErrorOf(options), HasSubstr("none.pbtxt: no such file"));
+  std::filesystem::resize_file(folder / "text.onnx", uintmax_t{1} << 40);  // a sparse file
+  options = model.Options();
+  options.model = (folder / "text.onnx").string();
+  EXPECT_THAT(ErrorOf(options), HasSubstr("text.onnx: expected a network of at most"));
   options = model.Options();
   options.class_names = (folder / "four.txt").string();
   EXPECT_THAT(ErrorOf(options),

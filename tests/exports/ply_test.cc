@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "support/mesh_checks.h"
+#include "support/temp_folder.h"
 
 namespace vismap {
 namespace {
@@ -115,6 +116,40 @@ TEST(Ply, SaysWhatIsWrong) {
   mesh.triangles[1][2] = 5;
   EXPECT_EQ(message(EncodePly(mesh, {})),
             "a.ply: face 1: expected vertex indices below 5, found one out of range");
+}
+
+TEST(Ply, TwoElementsOfOneNameAreAnError) {
+  // Else the face would refer to vertices that are no longer there.
+  std::vector<uint8_t> bytes = Bytes(
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty char x\nproperty char y\n"
+      "property char z\nelement face 1\nproperty list uchar uchar vertex_indices\n"
+      "element vertex 0\nproperty char x\nproperty char y\nproperty char z\nend_header\n");
+  bytes.resize(bytes.size() + 9);
+  for (const int byte : {3, 0, 1, 2}) bytes.push_back(static_cast<uint8_t>(byte));
+  const auto file = DecodePly(bytes, "a.ply");
+  ASSERT_FALSE(file);
+  EXPECT_NE(file.error().message.find("found 'element vertex 0'"), std::string::npos);
+}
+
+TEST(Ply, LargeMeshesAreRefused) {
+  const auto bytes = EncodePly(SmallMesh(), {});
+  EXPECT_TRUE(DecodePly(bytes, "a.ply", {.vertices = 5, .triangles = 3}));
+  EXPECT_EQ(DecodePly(bytes, "a.ply", {.vertices = 4}).error().message,
+            "a.ply: expected at most 4 vertices, found 5");
+  EXPECT_EQ(DecodePly(bytes, "a.ply", {.triangles = 2}).error().message,
+            "a.ply: expected at most 2 triangles, found more");
+  std::string header = "ply\n";
+  for (int i = 0; i < 100'000; ++i) header += "comment\n";
+  EXPECT_NE(DecodePly(Bytes(header), "a.ply").error().message.find("at most 100000 lines"),
+            std::string::npos);
+}
+
+TEST(Ply, LargeFilesAreRefusedBeforeTheyAreRead) {
+  const TempFolder folder;
+  folder.Write("large.ply", "ply\n");
+  std::filesystem::resize_file(folder / "large.ply", uintmax_t{1} << 40);  // a sparse file
+  const std::string error = ReadPly(folder / "large.ply").error().message;
+  EXPECT_NE(error.find("large.ply: expected at most 2147483648 bytes"), std::string::npos) << error;
 }
 
 TEST(Ply, EveryTruncationIsAnError) {
