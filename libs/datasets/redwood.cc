@@ -73,8 +73,14 @@ Result<RedwoodCamera> ReadRedwoodJson(const fs::path& path) {
                 ": expected {\"width\", \"height\", \"intrinsic_matrix\": 9 numbers}");
   }
   RedwoodCamera parameters;
-  parameters.camera.camera = {size("width"), size("height"), matrix[0],
-                              matrix[4],     matrix[6],      matrix[7]};
+  // Other tools write it row by row; then the principal point is in the third column.
+  const bool by_rows = matrix[6] == 0 && matrix[7] == 0;
+  parameters.camera.camera = {size("width"),
+                              size("height"),
+                              matrix[0],
+                              matrix[4],
+                              by_rows ? matrix[2] : matrix[6],
+                              by_rows ? matrix[5] : matrix[7]};
   parameters.camera.source = path.string();
   return parameters;
 }
