@@ -232,7 +232,7 @@ void Segmenter::LeaveOut(const std::string& reason) {
                      LeftOutText(left_out_, status_.counter("frames") + left_out_.total()));
 }
 
-// Logs the intrinsics of a new camera, and which process publishes them.
+// Tells in STATUS when several processes publish frames of one camera.
 void Segmenter::CheckSource(const FrameHeader& header, const rgbd_frame_t& message) {
   const std::string subject = "sources of camera " + std::to_string(Raw(header.camera_id));
   if (const auto shared =
@@ -240,6 +240,7 @@ void Segmenter::CheckSource(const FrameHeader& header, const rgbd_frame_t& messa
     status_.SetFinding(subject, shared);
 }
 
+// Logs the intrinsics of a new camera, and which process publishes them.
 void Segmenter::TellCamera(const FrameHeader& header, const std::string& source) {
   if (cameras_.size() >= kMaxCameras || !cameras_.insert(header.camera_id).second) return;
   LogInfo("camera " + std::to_string(Raw(header.camera_id)) + ": " + CameraText(header.camera) +

@@ -55,8 +55,8 @@ Result<ChannelPatterns> CriticalOf(const HubOptions& options) {
   return names;
 }
 
-// Requests, answers and commits are for those who are there: who subscribes later would take them
-// for answers to what it has sent itself.
+// Whether a message is also delivered to clients that subscribe later. Requests, replies and
+// commits are not: such a client would take them for replies to its own messages.
 bool IsForLateReaders(const std::string& channel) {
   return channel != kMapRequestChannel.name && channel != kMapReplyChannel.name &&
          channel != kMapCommitChannel.name;
