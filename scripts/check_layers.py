@@ -37,6 +37,7 @@ LIBS = {
 PROCS = {
     "wire": ["rectify", "exports"],
     "runtime": ["wire"],
+    "client": ["runtime"],
     "requests": ["runtime"],
     "foreign": ["wire", "config"],
     "logs": ["wire", "simulation", "plausibility", "foreign"],

@@ -50,7 +50,8 @@ install(PROGRAMS ${PROJECT_SOURCE_DIR}/procs/examples/camera_driver.py DESTINATI
 # Debian's own files of documentation.
 configure_file(${CMAKE_CURRENT_LIST_DIR}/deb/changelog.in ${PROJECT_BINARY_DIR}/deb/changelog @ONLY)
 execute_process(COMMAND gzip -9nf ${PROJECT_BINARY_DIR}/deb/changelog COMMAND_ERROR_IS_FATAL ANY)
-foreach(PACKAGE_COMPONENT vismap:deploy vismap-dev:dev python3-vismap:python)
+foreach(PACKAGE_COMPONENT vismap:deploy libvismap-client${PROJECT_VERSION_MAJOR}:client vismap-dev:dev
+        python3-vismap:python)
   string(REPLACE ":" ";" PAIR ${PACKAGE_COMPONENT})
   list(GET PAIR 0 PACKAGE)
   list(GET PAIR 1 COMPONENT)
@@ -58,23 +59,48 @@ foreach(PACKAGE_COMPONENT vismap:deploy vismap-dev:dev python3-vismap:python)
   install(FILES ${PROJECT_BINARY_DIR}/deb/changelog.gz DESTINATION ${DOC}/${PACKAGE} COMPONENT ${COMPONENT})
 endforeach()
 
-# For other programs on our bus: find_package(vismap) gives vismap::lcmtypes, pkg-config the same as "vismap".
+# For other programs on our bus: find_package(vismap) gives vismap::lcmtypes and vismap::client, pkg-config the same as
+# "vismap" and "vismap-client".
 install(TARGETS vismap_lcmtypes EXPORT vismapTargets)
-install(EXPORT vismapTargets NAMESPACE vismap:: DESTINATION ${CMAKE_INSTALL_DATADIR}/cmake/vismap COMPONENT dev)
+install(TARGETS vismap_client EXPORT vismapTargets LIBRARY COMPONENT client NAMELINK_COMPONENT dev)
+install(FILES ${PROJECT_SOURCE_DIR}/procs/client/client.h DESTINATION include/vismap COMPONENT dev)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/procs/examples DESTINATION ${DOC}/vismap-dev COMPONENT dev)
+install(EXPORT vismapTargets NAMESPACE vismap:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/vismap COMPONENT dev)
 include(CMakePackageConfigHelpers)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake COMPATIBILITY SameMinorVersion
-                                 ARCH_INDEPENDENT)
-install(FILES ${CMAKE_CURRENT_LIST_DIR}/vismapConfig.cmake ${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake
-        ${CMAKE_CURRENT_LIST_DIR}/FindLcmAny.cmake DESTINATION ${CMAKE_INSTALL_DATADIR}/cmake/vismap COMPONENT dev)
-configure_file(${CMAKE_CURRENT_LIST_DIR}/vismap.pc.in ${PROJECT_BINARY_DIR}/vismap.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/vismap.pc DESTINATION ${CMAKE_INSTALL_DATADIR}/pkgconfig COMPONENT dev)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/vismapConfig.cmake.in ${PROJECT_BINARY_DIR}/vismapConfig.cmake
+                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/vismap)
+install(FILES ${PROJECT_BINARY_DIR}/vismapConfig.cmake ${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake
+        ${CMAKE_CURRENT_LIST_DIR}/FindLcmAny.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/vismap COMPONENT dev)
+foreach(MODULE vismap vismap-client)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${MODULE}.pc.in ${PROJECT_BINARY_DIR}/${MODULE}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${MODULE}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endforeach()
+
+# Habits of a Debian system: completion in bash, and manual pages, which help2man makes of --help.
+set(COMPLETION ${PROJECT_BINARY_DIR}/completion)
+set(MANUAL ${PROJECT_BINARY_DIR}/manual)
+file(MAKE_DIRECTORY ${COMPLETION} ${MANUAL})
+get_property(PROGRAMS GLOBAL PROPERTY VISMAP_PROGRAMS)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/deb/completion.bash ${COMPLETION}/vismap COPYONLY)
+install(FILES ${COMPLETION}/vismap DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT deploy)
+foreach(PROGRAM ${PROGRAMS} vismap-launch vismap-deploy-check)
+  file(CREATE_LINK vismap ${COMPLETION}/${PROGRAM} SYMBOLIC)
+  install(FILES ${COMPLETION}/${PROGRAM} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+          COMPONENT deploy)
+endforeach()
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+add_custom_target(manual COMMAND Python3::Interpreter -B ${PROJECT_SOURCE_DIR}/scripts/man_pages.py
+                  ${PROJECT_BINARY_DIR}/bin ${PROJECT_SOURCE_DIR}/scripts ${MANUAL} ${PROJECT_VERSION}
+                  DEPENDS ${PROGRAMS} COMMENT "Manual pages" VERBATIM)
+install(DIRECTORY ${MANUAL}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT deploy)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME vismap)
 set(CPACK_PACKAGE_CONTACT "the vismap authors <vismap@packages.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};vismap;ALL;/")
-set(CPACK_COMPONENTS_ALL runtime deploy dev python)
+set(CPACK_COMPONENTS_ALL runtime deploy client dev python)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -89,12 +115,17 @@ set(CPACK_DEBIAN_ROBOT_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_RECOMMENDS "python3, nftables, systemd, liblcm-bin")
 set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/postinst ${CMAKE_CURRENT_LIST_DIR}/deb/prerm
     ${PROJECT_BINARY_DIR}/deb/conffiles)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libvismap-client${PROJECT_VERSION_MAJOR})
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "The library with which other programs publish and subscribe on the bus of
+vismap.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)  # and the trigger for ldconfig
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME vismap-dev)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "The .lcm files, C++ headers made of them that are safe against messages of
-anybody, and their CMake and pkg-config files.")
-set(CPACK_DEBIAN_DEV_PACKAGE_ARCHITECTURE all)
+anybody, a client library, and their CMake and pkg-config files.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "liblcm-dev, liblcm-bin")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libvismap-client${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), liblcm-dev, liblcm-bin")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-vismap)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "The Python package vismap: publish frames of a camera from arrays, read
 the live map, its objects and free space as numpy arrays, save and load maps,
@@ -111,9 +142,11 @@ file(WRITE ${PROJECT_BINARY_DIR}/deb/conffiles "${CONFFILES}\n")
 
 include(CPack)
 cpack_add_component_group(robot)
+cpack_add_component_group(library)
 cpack_add_component_group(dev)
 cpack_add_component_group(python)
 cpack_add_component(runtime GROUP robot)
 cpack_add_component(deploy GROUP robot)
+cpack_add_component(client GROUP library)
 cpack_add_component(dev GROUP dev)
 cpack_add_component(python GROUP python)

@@ -47,6 +47,7 @@ function(vismap_process NAME)
   vismap_use_pch(vismap-${NAME} procs)
   set_target_properties(vismap-${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
   add_dependencies(processes vismap-${NAME})
+  set_property(GLOBAL APPEND PROPERTY VISMAP_PROGRAMS vismap-${NAME})
   install(TARGETS vismap-${NAME} COMPONENT runtime)
 endfunction()
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Builds the Debian packages, unpacks them, and uses them. Usage: packages_test.py BUILD_FOLDER"""
+import gzip
 import os
 import pathlib
 import re
@@ -51,8 +52,8 @@ class PackagesTest(unittest.TestCase):
         self.addCleanup(process.terminate)
         return process.stdout.readline().strip()
 
-    def test_there_are_three(self):
-        self.assertEqual(set(self.packages), {"vismap", "vismap-dev", "python3-vismap"})
+    def test_there_are_four(self):
+        self.assertEqual(set(self.packages), {"vismap", "libvismap-client0", "vismap-dev", "python3-vismap"})
 
     def test_control_fields(self):
         depends = self.field("vismap", "Depends")
@@ -60,8 +61,9 @@ class PackagesTest(unittest.TestCase):
             self.assertIn(library, depends)
         self.assertNotIn("-dev", depends)
         self.assertEqual(self.field("vismap", "Architecture"), call("dpkg", "--print-architecture").strip())
-        self.assertEqual(self.field("vismap-dev", "Architecture"), "all")
-        self.assertIn("liblcm-dev", self.field("vismap-dev", "Depends"))
+        for library in ("libvismap-client0", "liblcm-dev"):
+            self.assertIn(library, self.field("vismap-dev", "Depends"))
+        self.assertIn("liblcm1", self.field("libvismap-client0", "Depends"))
         self.assertEqual(self.field("python3-vismap", "Architecture"), "all")
         self.assertIn("python3-numpy", self.field("python3-vismap", "Depends"))
         for package in self.packages:
@@ -105,6 +107,37 @@ class PackagesTest(unittest.TestCase):
         call(self.root / "usr/bin/vismap-launch", self.root / "usr/share/vismap/launch/room.pmd", "--check", "--bin",
              self.root / "usr/bin")
 
+    def commands(self):
+        return sorted(path.name for path in (self.root / "usr/bin").iterdir())
+
+    def test_every_command_has_a_manual_page(self):
+        for command in self.commands():
+            with gzip.open(self.root / f"usr/share/man/man1/{command}.1.gz", "rt") as file:
+                page = file.read()
+            self.assertRegex(page, rf"\.SH NAME\n{command} \\- [a-z]", command)
+            self.assertIn("\\-\\-help", page, command)
+            shown = call("man", "--warnings", "-l", self.root / f"usr/share/man/man1/{command}.1.gz",
+                         env={**os.environ, "MANPAGER": "cat", "LC_ALL": "C.UTF-8"}) if shutil.which("man") else ""
+            self.assertTrue(not shown or "--help" in shown, command)
+        with gzip.open(self.root / "usr/share/man/man1/vismap-map.1.gz", "rt") as file:
+            self.assertIn("--object", file.read().replace("\\-", "-"), "the options of its subcommands")
+
+    def complete(self, *words):
+        """What bash offers after these words, of which the last one is being typed."""
+        script = self.root / f"usr/share/bash-completion/completions/{words[0]}"
+        line = (f". {script}; COMP_WORDS=({' '.join(repr(word) for word in words)}); COMP_CWORD={len(words) - 1}; "
+                "_vismap; printf '%s\\n' \"${COMPREPLY[@]}\"")
+        path = f"{self.root}/usr/bin:{os.environ['PATH']}"
+        return call("bash", "-c", line, env={**os.environ, "PATH": path}).split()
+
+    def test_bash_completes_options_verbs_and_choices(self):
+        for command in self.commands():
+            self.assertIn("--help", self.complete(command, "--h"), command)
+        self.assertEqual(self.complete("vismap-map", "ren"), ["render"])
+        self.assertEqual(self.complete("vismap-map", "export", "--obj"), ["--object"])
+        self.assertEqual(self.complete("vismap-hub", "--log-level", "w"), ["warning"])
+        self.assertEqual(self.complete("vismap-hub", "--nothing-like-this"), [])
+
     def test_links_between_documents_work(self):
         folder = self.root / "usr/share/doc/vismap"
         documents = list(folder.rglob("*.md"))
@@ -139,7 +172,7 @@ class PackagesTest(unittest.TestCase):
             call("sh", "-n", control / script)
 
     def test_another_program_by_pkg_config(self):
-        environment = {**os.environ, "PKG_CONFIG_PATH": str(self.root / "usr/share/pkgconfig"),
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(self.root / "usr/lib/pkgconfig"),
                        "PKG_CONFIG_SYSROOT_DIR": str(self.root)}
         flags = call("pkg-config", "--cflags", "--libs", "vismap", env=environment).split()
         program = pathlib.Path(self.temporary.name) / "by-pkg-config"
@@ -154,6 +187,21 @@ class PackagesTest(unittest.TestCase):
         flags = (build / "CMakeFiles/consumer.dir/flags.make").read_text()
         self.assertIn(f"{self.root}/usr/include", flags)
         self.assertNotIn(str(BUILD), flags)
+
+    def test_the_camera_driver_publishes_frames_that_a_segmenter_takes(self):
+        build = pathlib.Path(self.temporary.name) / "examples"
+        call("cmake", "-S", self.root / "usr/share/doc/vismap-dev/examples", "-B", build,
+             f"-DCMAKE_PREFIX_PATH={self.root}/usr")
+        call("cmake", "--build", build)
+        url = self.hub()
+        segmenter = subprocess.Popen([self.root / "usr/bin/vismap-depth-segmenter", "--lcm-url", url, "--detections",
+                                      "none"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(segmenter.stderr.close)
+        self.addCleanup(segmenter.wait)
+        self.addCleanup(segmenter.terminate)
+        self.assertEqual(call(build / "camera_driver", url, "3", timeout=60).strip(), "unsent frames: 0")
+        doctor = call(self.root / "usr/bin/vismap-doctor", "--lcm-url", url, "--json", timeout=60)
+        print(doctor)
 
 
 if __name__ == "__main__":

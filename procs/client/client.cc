@@ -1,0 +1,133 @@
+#include "client/client.h"
+
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vismap/detections_t.hpp>
+#include <vismap/frame_commit_t.hpp>
+#include <vismap/map_delta_t.hpp>
+#include <vismap/map_reply_t.hpp>
+#include <vismap/map_request_t.hpp>
+#include <vismap/mesh_delta_t.hpp>
+#include <vismap/object_list_t.hpp>
+#include <vismap/octree_t.hpp>
+#include <vismap/process_status_t.hpp>
+#include <vismap/rgbd_frame_t.hpp>
+#include <vismap/segmented_frame_t.hpp>
+
+#include "runtime/bus.h"
+#include "runtime/status.h"
+
+namespace vismap {
+namespace {
+
+std::unique_ptr<Bus> OpenBus(const ClientOptions& options) {
+  BusOptions bus;
+  if (!options.url.empty()) bus.url = options.url;
+  bus.source = options.name;
+  bus.connect_timeout = options.connect_timeout_s;
+  Result<std::unique_ptr<Bus>> opened = Bus::Open(bus);
+  if (!opened) throw std::runtime_error(opened.error().message);
+  return std::move(*opened);
+}
+
+template <typename Message>
+constexpr std::string_view kChannelOf = {};
+template <>
+constexpr std::string_view kChannelOf<rgbd_frame_t> = "RGBD_FRAME";
+template <>
+constexpr std::string_view kChannelOf<detections_t> = "DETECTIONS";
+template <>
+constexpr std::string_view kChannelOf<segmented_frame_t> = "SEGMENTED_FRAME";
+template <>
+constexpr std::string_view kChannelOf<frame_commit_t> = "MAP_COMMIT";
+template <>
+constexpr std::string_view kChannelOf<map_delta_t> = "MAP_DELTA";
+template <>
+constexpr std::string_view kChannelOf<mesh_delta_t> = "MESH_DELTA";
+template <>
+constexpr std::string_view kChannelOf<object_list_t> = "OBJECTS";
+template <>
+constexpr std::string_view kChannelOf<octree_t> = "OCTOMAP";
+template <>
+constexpr std::string_view kChannelOf<map_request_t> = "MAP_REQUEST";
+template <>
+constexpr std::string_view kChannelOf<map_reply_t> = "MAP_REPLY";
+template <>
+constexpr std::string_view kChannelOf<process_status_t> = "STATUS";
+
+template <typename Message>
+Channel ChannelFor(const std::string& name) {
+  for (const Channel& channel : kAllChannels) {
+    if (name == channel.name && name == kChannelOf<Message>) return channel;
+  }
+  throw std::invalid_argument("channel " + name + ": vismap's " + Message::getTypeName() +
+                              " is on channel " + std::string(kChannelOf<Message>));
+}
+
+}  // namespace
+
+struct Client::Parts {
+  explicit Parts(const ClientOptions& options)
+      : bus(OpenBus(options)), status(bus.get(), options.name) {
+    status.Set(ProcessState::kReady);
+  }
+
+  std::unique_ptr<Bus> bus;
+  Status status;
+};
+
+Client::Client(const ClientOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+Client::~Client() { parts_->status.Set(ProcessState::kStopping); }
+
+template <typename Message>
+void Client::Subscribe(const std::string& channel, std::function<void(const Message&)> handler,
+                       bool latest) {
+  parts_->bus->Subscribe<Message>(ChannelFor<Message>(channel), std::move(handler),
+                                  latest ? Delivery::kLatest : Delivery::kEvery);
+}
+
+template <typename Message>
+bool Client::Publish(const std::string& channel, Message message) {
+  return parts_->bus->Publish(ChannelFor<Message>(channel), std::move(message));
+}
+
+bool Client::Handle(double timeout_s) { return parts_->bus->Spin(timeout_s); }
+bool Client::connected() const { return parts_->bus->connected(); }
+
+ClientCounters Client::counters(const std::string& channel) const {
+  const auto found = parts_->bus->counters().find(channel);
+  if (found == parts_->bus->counters().end()) return {};
+  const ChannelCounters& totals = found->second;
+  return {totals.received, totals.rejected, totals.lost, totals.unsent};
+}
+
+void Client::SetRunning() { parts_->status.Set(ProcessState::kRunning); }
+void Client::SetWaiting(const std::string& sentence) {
+  parts_->status.Set(ProcessState::kWaiting, sentence);
+}
+void Client::Count(const std::string& counter, int64_t amount) {
+  parts_->status.Count(counter, amount);
+}
+void Client::SetFindings(const std::string& subject, const std::vector<std::string>& sentences) {
+  parts_->status.SetFindings(subject, sentences);
+}
+
+#define VISMAP_CLIENT_MESSAGE(Message)                                                 \
+  template void Client::Subscribe<Message>(const std::string&,                         \
+                                           std::function<void(const Message&)>, bool); \
+  template bool Client::Publish<Message>(const std::string&, Message);
+VISMAP_CLIENT_MESSAGE(rgbd_frame_t)
+VISMAP_CLIENT_MESSAGE(detections_t)
+VISMAP_CLIENT_MESSAGE(segmented_frame_t)
+VISMAP_CLIENT_MESSAGE(frame_commit_t)
+VISMAP_CLIENT_MESSAGE(map_delta_t)
+VISMAP_CLIENT_MESSAGE(mesh_delta_t)
+VISMAP_CLIENT_MESSAGE(object_list_t)
+VISMAP_CLIENT_MESSAGE(octree_t)
+VISMAP_CLIENT_MESSAGE(map_request_t)
+VISMAP_CLIENT_MESSAGE(map_reply_t)
+VISMAP_CLIENT_MESSAGE(process_status_t)
+#undef VISMAP_CLIENT_MESSAGE
+
+}  // namespace vismap
