@@ -51,8 +51,7 @@ FrameMapper::FrameMapper(LiveMap* map, const VismapConfig& config, Bus* bus, Sta
       kSegmentedFrameChannel,
       [this](const segmented_frame_t& message) { return OnFrame(message); });
   bus_.Subscribe<process_status_t>(
-      kStatusChannel,
-      [this](const process_status_t& told) { lag_.Seen(told, MonotonicSeconds()); },
+      kStatusChannel, [this](const process_status_t& told) { lag_.Seen(told, MonotonicSeconds()); },
       Delivery::kUrgent);
   bus_.Every(kTrimPeriod, [this] {
     DropBeyondLimits();
@@ -108,7 +107,8 @@ void FrameMapper::TellLag() {
   status_.SetCounter("lag_ms", static_cast<int64_t>(data * 1e3));
   status_.SetCounter("lag_wait_ms", static_cast<int64_t>(waited * 1e3));
   std::optional<std::string> finding;
-  if (data > kToldLag && waited > kToldLag) {
+  behind_ = data > kToldLag && waited > kToldLag;
+  if (behind_) {
     finding = "the map is " + FormatDuration(data) +
               " behind the camera; the oldest frame that is not in it has waited for " +
               FormatDuration(waited);
@@ -162,7 +162,7 @@ Result<void> FrameMapper::MapMessage(const segmented_frame_t& message) {
   }
   status_.Set(ProcessState::kRunning, map_.StatusMessage());
   bus_.Publish(kMapCommitChannel, MapOrRefuse(message, *frame));
-  map_.PublishAndSaveIfDue();
+  map_.PublishAndSaveIfDue(side_share());
   return {};
 }
 

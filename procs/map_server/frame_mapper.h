@@ -29,6 +29,9 @@ class FrameMapper {
   /// Integrates one frame that is ready. Only needed with Overload::kNewest: else frames are
   /// integrated when they arrive. Returns false when there is none.
   Result<bool> MapNext();
+  /// The share of the time that each kind of work beside the frames may take: the usual one, or
+  /// less while the map is behind the cameras.
+  double side_share() const { return behind_ ? kShareWhenBehind : kUsualShare; }
   bool has_ready() const { return !ready_.empty(); }
   /// What became of the frames of this process: one sentence.
   std::string Summary() const;
@@ -55,6 +58,7 @@ class FrameMapper {
   Overload overload_;
   std::deque<segmented_frame_t> ready_;  // wait for no other frame
   FrameLag lag_;
+  bool behind_ = false;             // so far that STATUS tells
   int64_t far_parts_revision_ = 0;  // of the map, when they were told last
   HoldLimits limits_;               // of the frames that wait
   FrameIntake intake_;

@@ -79,9 +79,9 @@ MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
   return mapped;
 }
 
-void LiveMap::PublishAndSaveIfDue() {
-  publisher_.PublishIfDue(*session_);
-  store_.SaveIfDue(*session_);
+void LiveMap::PublishAndSaveIfDue(double share) {
+  publisher_.PublishIfDue(*session_, share);
+  store_.SaveIfDue(*session_, share);
 }
 
 }  // namespace vismap

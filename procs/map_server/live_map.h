@@ -23,8 +23,9 @@ class LiveMap {
   /// Integrates a frame that the map does not contain, enters it in the journal, and publishes the
   /// space that it changed. Does none of it when the map refuses the frame, see MapDelta::refused.
   MappedFrame Integrate(const SegmentedFrame& frame);
-  /// Publishes surface and objects and saves the map, if they have changed and are due.
-  void PublishAndSaveIfDue();
+  /// Publishes surface and objects and saves the map, if they have changed and are due. Each takes
+  /// at most `share` of the time.
+  void PublishAndSaveIfDue(double share);
   /// Repeats the last state of each stream now and then.
   void Repeat() { publisher_.Repeat(*session_); }
   /// Publishes everything anew.

@@ -26,10 +26,10 @@ void MapPublisher::PublishFrame(const MapSession& session, const MapDelta& delta
   });
 }
 
-void MapPublisher::PublishIfDue(const MapSession& session) {
-  if (mesh_.has_changes()) mesh_pacer_.RunIfDue([&] { PublishMesh(session); });
+void MapPublisher::PublishIfDue(const MapSession& session, double share) {
+  if (mesh_.has_changes()) mesh_pacer_.RunIfDue([&] { PublishMesh(session); }, share);
   if (objects_.has_changes(session.map()))
-    objects_pacer_.RunIfDue([&] { PublishObjects(session); });
+    objects_pacer_.RunIfDue([&] { PublishObjects(session); }, share);
 }
 
 void MapPublisher::PublishMesh(const MapSession& session) {

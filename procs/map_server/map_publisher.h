@@ -18,7 +18,7 @@ struct PublishPeriods {
 };
 
 /// Publishes a map: free and occupied space after every frame, surface and objects now and then,
-/// never so often that they take more than a fifth of the time.
+/// never so often that they take more than a share of the time.
 class MapPublisher {
  public:
   /// `watch` measures the stages "publishing", "meshing" and "objects". `bus` must outlive it.
@@ -29,8 +29,9 @@ class MapPublisher {
   void Start(const MapSession& session);
   /// Publishes the space that a frame changed. The surface that it changed follows later.
   void PublishFrame(const MapSession& session, const MapDelta& delta);
-  /// Publishes surface and objects if they have changed and are due.
-  void PublishIfDue(const MapSession& session);
+  /// Publishes surface and objects if they have changed and are due. Each takes at most `share` of
+  /// the time.
+  void PublishIfDue(const MapSession& session, double share = kUsualShare);
   void PublishMesh(const MapSession& session);
   /// Publishes everything anew.
   void PublishAll(const MapSession& session);

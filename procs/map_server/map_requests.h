@@ -13,6 +13,9 @@ class MapRequests {
   /// Subscribes to MAP_REQUEST. All must outlive it.
   MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, Status* status);
 
+  /// See RequestServer::SetShare.
+  void SetShare(double share) { server_.SetShare(share); }
+
  private:
   Result<Answer> Save(const map_request_t& request);
   Result<Answer> Load(const map_request_t& request);

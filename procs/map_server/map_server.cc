@@ -15,7 +15,8 @@ MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
       frames_(&map_, config, bus, status),
       requests_(config, &map_, bus, status) {
   bus->Every(kTimerPeriod, [this] {
-    map_.PublishAndSaveIfDue();
+    requests_.SetShare(frames_.side_share());
+    map_.PublishAndSaveIfDue(frames_.side_share());
     map_.Repeat();
   });
 }

@@ -64,17 +64,18 @@ Result<std::string> MapStore::SaveTo(const std::filesystem::path& path, const Ma
          ", map hash " + saved->map_hash;
 }
 
-void MapStore::SaveIfDue(const MapSession& session) {
+void MapStore::SaveIfDue(const MapSession& session, double share) {
   if (!saves_periodically_ || session.map().revision == 0 ||
       saved_.HasRevision(path_, session.map().revision) || SavedMaps::WouldLose(session, path_)) {
     return;
   }
-  save_pacer_.RunIfDue([&] {
+  const auto save = [&] {
     const Result<std::string> saved = Save(session);
     std::optional<std::string> trouble;
     if (!saved) trouble = "the map is not saved: " + saved.error().message;
     status_->SetFinding("saving", trouble);
-  });
+  };
+  save_pacer_.RunIfDue(save, share);
 }
 
 Result<std::string> MapStore::SaveAtEnd(const MapSession& session) {

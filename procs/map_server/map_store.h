@@ -41,9 +41,9 @@ class MapStore {
   Result<std::string> Save(const MapSession& session);
   /// Saves the map for a client under this name, see MapFolder.
   Result<std::string> SaveNamed(const MapSession& session, const std::string& name);
-  /// Saves the map as configured if it has changed and the period is over. A failure is a finding
-  /// in STATUS.
-  void SaveIfDue(const MapSession& session);
+  /// Saves the map as configured if it has changed and the period is over. It takes at most `share`
+  /// of the time. A failure is a finding in STATUS.
+  void SaveIfDue(const MapSession& session, double share = kUsualShare);
   /// Saves the map when the server ends. An empty map leaves an older file as it is.
   Result<std::string> SaveAtEnd(const MapSession& session);
 

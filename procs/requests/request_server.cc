@@ -17,7 +17,6 @@ constexpr size_t kLargestPayload = kMapReplyChannel.max_bytes - kMegabyte;  // [
 constexpr size_t kMaxSource = 200, kMaxVerb = 50;  // of texts that are repeated in replies [bytes]
 // Without other messages for so long, requests are carried out without a pause [s].
 constexpr double kIdle = 0.5;
-constexpr double kPausePerSecond = 4;  // after a request, per second that it took
 constexpr double kServePeriod = 0.02;  // between two looks at the waiting requests [s]
 
 size_t SizeOf(const map_reply_t& reply) {
@@ -93,7 +92,7 @@ void RequestServer::ServeNextIfDue() {
     const StageTimer timer(status_, "requests");
     Serve(*waiting_.Next());
     const double end = MonotonicSeconds();
-    next_due_ = end + kPausePerSecond * (end - start);
+    next_due_ = end + PauseAfter(end - start, share_);
   }
   status_->SetCounter("requests_waiting", static_cast<int64_t>(waiting_.size()));
 }

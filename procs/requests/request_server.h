@@ -12,6 +12,7 @@
 
 #include "base/result.h"
 #include "runtime/bus.h"
+#include "runtime/pacer.h"
 #include "runtime/status.h"
 #include "wire/update_sequence.h"
 
@@ -54,7 +55,8 @@ class WaitingRequests {
 /// left to the server of that map.
 ///
 /// Requests do not wait for the messages of other channels. While those come, requests take at most
-/// a fifth of the time: after one that took a second, the next is carried out four seconds later.
+/// a share of the time: with a fifth, after one that took a second, the next is carried out four
+/// seconds later.
 /// One for which there is no room (see WaitingRequests) is counted and not answered; its sender
 /// repeats it.
 class RequestServer {
@@ -71,6 +73,8 @@ class RequestServer {
 
   /// Requests with this verb go to `handler`. Others are refused with the list of the known verbs.
   void Handle(const std::string& verb, Handler handler);
+  /// The share of the time that requests may take, see PauseAfter; kUsualShare at the start.
+  void SetShare(double share) { share_ = share; }
 
  private:
   Result<void> OnRequest(const map_request_t& request);
@@ -89,6 +93,7 @@ class RequestServer {
   Status* status_;
   std::map<std::string, Handler> handlers_;  // by verb
   WaitingRequests waiting_;
+  double share_ = kUsualShare;
   double next_due_ = 0;                 // of a request, while other messages come, MonotonicSeconds
   std::deque<map_reply_t> remembered_;  // the newest replies, without very large ones
   size_t remembered_bytes_ = 0;

@@ -19,7 +19,7 @@ constexpr double kRejoinPeriod = 0.25;  // [s]
 constexpr double kRound = 0.02;         // longest time for messages before timers run [s]
 constexpr double kUrgentRound = 0.005;  // longest time for urgent messages between two others [s]
 constexpr size_t kMaxTrackedSources = 1024, kMaxTrackedName = 256;
-constexpr int64_t kLargestGap = 1'000'000'000;  // a larger one is not a loss, see TrackSequence
+constexpr int64_t kLargestGap = 1'000'000;  // a larger one is not a loss, see TrackSequence
 
 }  // namespace
 

@@ -39,6 +39,15 @@ TEST_F(PacedWork, ThatIsSlowTakesAFifthOfTheTimeAtMost) {
   EXPECT_TRUE(Run());
 }
 
+TEST_F(PacedWork, TakesASmallerShareWhenThatIsAllItMayTake) {
+  const auto work = [this] { now_ += 1; };
+  pacer_.RunIfDue(work, kShareWhenBehind);
+  now_ += 18.9;
+  EXPECT_FALSE(pacer_.due());
+  now_ += 0.2;
+  EXPECT_TRUE(pacer_.due());
+}
+
 TEST_F(PacedWork, WithoutAPeriodIsDoneEveryTimeWhenItTakesNoTime) {
   pacer_ = Pacer(0, [this] { return now_; });
   EXPECT_TRUE(Run());

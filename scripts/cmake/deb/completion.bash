@@ -7,7 +7,12 @@ _vismap_words() {
     /^Subcommands:/ { verbs = 1; next }
     /^[A-Z][A-Za-z ]*:/ { verbs = 0 }
     verbs && /^  [a-z]/ { print $1 }
-    /^  -/ { count = split($1, names, ","); for (i = 1; i <= count; i++) print names[i] }'
+    /^  -/ {
+      for (i = 1; i <= NF && $i ~ /^-/; i++) {
+        count = split($i, names, ",")
+        for (j = 1; j <= count; j++) if (names[j] != "") print names[j]
+      }
+    }'
 }
 
 # _vismap_choices OPTION PROGRAM [VERB]: the words that the option accepts, if it has a list of them.
