@@ -4,6 +4,11 @@
 include(GNUInstallDirs)
 set(DEPLOY ${PROJECT_SOURCE_DIR}/config/deploy)
 set(SHARE ${CMAKE_INSTALL_DATADIR}/vismap)
+# Where Debian has the libraries of this kind of computer.
+set(LIBRARIES lib)
+if(CMAKE_LIBRARY_ARCHITECTURE)
+  set(LIBRARIES lib/${CMAKE_LIBRARY_ARCHITECTURE})
+endif()
 set(DOC ${CMAKE_INSTALL_DATADIR}/doc)
 
 # Presets and tools, beside the programs that vismap_process() installs.
@@ -62,20 +67,25 @@ endforeach()
 # For other programs on our bus: find_package(vismap) gives vismap::lcmtypes and vismap::client, pkg-config the same as
 # "vismap" and "vismap-client".
 install(TARGETS vismap_lcmtypes EXPORT vismapTargets)
-install(TARGETS vismap_client EXPORT vismapTargets LIBRARY COMPONENT client NAMELINK_COMPONENT dev)
+install(TARGETS vismap_client EXPORT vismapTargets
+        LIBRARY DESTINATION ${LIBRARIES} COMPONENT client NAMELINK_COMPONENT dev)
 install(FILES ${PROJECT_SOURCE_DIR}/procs/client/client.h DESTINATION include/vismap COMPONENT dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/procs/examples DESTINATION ${DOC}/vismap-dev COMPONENT dev)
-install(EXPORT vismapTargets NAMESPACE vismap:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/vismap COMPONENT dev)
+install(EXPORT vismapTargets NAMESPACE vismap:: DESTINATION ${LIBRARIES}/cmake/vismap COMPONENT dev)
 include(CMakePackageConfigHelpers)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/vismapConfig.cmake.in ${PROJECT_BINARY_DIR}/vismapConfig.cmake
-                              INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/vismap)
+                              INSTALL_DESTINATION ${LIBRARIES}/cmake/vismap)
 install(FILES ${PROJECT_BINARY_DIR}/vismapConfig.cmake ${PROJECT_BINARY_DIR}/vismapConfigVersion.cmake
-        ${CMAKE_CURRENT_LIST_DIR}/FindLcmAny.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/vismap COMPONENT dev)
+        ${CMAKE_CURRENT_LIST_DIR}/FindLcmAny.cmake DESTINATION ${LIBRARIES}/cmake/vismap COMPONENT dev)
 foreach(MODULE vismap vismap-client)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${MODULE}.pc.in ${PROJECT_BINARY_DIR}/${MODULE}.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/${MODULE}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+  install(FILES ${PROJECT_BINARY_DIR}/${MODULE}.pc DESTINATION ${LIBRARIES}/pkgconfig COMPONENT dev)
 endforeach()
+
+# What lintian warns of and is meant so, with the reasons.
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/deb/vismap.lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
+        RENAME vismap COMPONENT deploy)
 
 # Habits of a Debian system: completion in bash, and manual pages, which help2man makes of --help.
 set(COMPLETION ${PROJECT_BINARY_DIR}/completion)
@@ -120,7 +130,11 @@ set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "The library with which other programs publ
 vismap.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)  # and the trigger for ldconfig
+file(WRITE ${PROJECT_BINARY_DIR}/deb/client/triggers "activate-noawait ldconfig\n")
+file(WRITE ${PROJECT_BINARY_DIR}/deb/client/shlibs
+     "libvismap-client ${PROJECT_VERSION_MAJOR} libvismap-client${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/deb/client/triggers
+    ${PROJECT_BINARY_DIR}/deb/client/shlibs)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME vismap-dev)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "The .lcm files, C++ headers made of them that are safe against messages of
 anybody, a client library, and their CMake and pkg-config files.")

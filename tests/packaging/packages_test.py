@@ -83,7 +83,7 @@ class PackagesTest(unittest.TestCase):
                 self.assertEqual(owner, "root/root", name)
                 self.assertRegex(mode, r"^(drwxr-xr-x|-rw-r--r--|-rwxr-xr-x|lrwxrwxrwx)$", name)
                 self.assertRegex(name, r"^\./($|etc/($|vismap/)|usr/($|bin/|include/|share/|"
-                                 r"lib/($|systemd/|python3/|cmake/|pkgconfig/|libvismap-client\.so)))", name)
+                                 r"lib/($|systemd/|python3/|[a-z0-9_]+-linux-gnu/($|cmake/|pkgconfig/|libvismap-client\.so))))", name)
 
     def test_settings_are_conffiles(self):
         control = pathlib.Path(self.temporary.name) / "control"
@@ -174,7 +174,7 @@ class PackagesTest(unittest.TestCase):
             call("sh", "-n", control / script)
 
     def test_another_program_by_pkg_config(self):
-        environment = {**os.environ, "PKG_CONFIG_PATH": str(self.root / "usr/lib/pkgconfig"),
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(next(self.root.glob("usr/lib/*/pkgconfig"))),
                        "PKG_CONFIG_SYSROOT_DIR": str(self.root)}
         flags = call("pkg-config", "--cflags", "--libs", "vismap", env=environment).split()
         program = pathlib.Path(self.temporary.name) / "by-pkg-config"
