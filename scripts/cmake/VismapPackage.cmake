@@ -84,8 +84,13 @@ foreach(MODULE vismap vismap-client)
 endforeach()
 
 # What lintian warns of and is meant so, with the reasons.
-install(FILES ${CMAKE_CURRENT_LIST_DIR}/deb/vismap.lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides
-        RENAME vismap COMPONENT deploy)
+foreach(PACKAGE_COMPONENT vismap:deploy libvismap-client0:client)
+  string(REPLACE ":" ";" PAIR ${PACKAGE_COMPONENT})
+  list(GET PAIR 0 PACKAGE)
+  list(GET PAIR 1 COMPONENT)
+  install(FILES ${CMAKE_CURRENT_LIST_DIR}/deb/${PACKAGE}.lintian-overrides
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME ${PACKAGE} COMPONENT ${COMPONENT})
+endforeach()
 
 # Habits of a Debian system: completion in bash, and manual pages, which help2man makes of --help.
 set(COMPLETION ${PROJECT_BINARY_DIR}/completion)

@@ -140,6 +140,11 @@ class PackagesTest(unittest.TestCase):
         self.assertEqual(self.complete("vismap-hub", "--log-level", "w"), ["warning"])
         self.assertEqual(self.complete("vismap-hub", "--nothing-like-this"), [])
 
+    @unittest.skipUnless(shutil.which("lintian"), "no lintian")
+    def test_lintian_has_nothing_to_say(self):
+        said = call("lintian", "--allow-root", *self.packages.values(), timeout=240)
+        self.assertEqual(said.strip(), "")
+
     def test_links_between_documents_work(self):
         folder = self.root / "usr/share/doc/vismap"
         documents = list(folder.rglob("*.md"))
