@@ -177,7 +177,8 @@ TEST(Pipeline, InvalidMessagesStopNoProcess) {
     processes.bus().Publish({"RGBD_FRAME", kMegabyte}, foreign);
     processes.bus().Publish(kDetectionsChannel, foreign);
     rgbd_frame_t broken{};
-    broken.width = broken.height = 16384;
+    broken.color_camera.width = broken.color_camera.height = 16384;
+    broken.depth_camera = broken.color_camera;
     processes.bus().Publish(kRgbdFrameChannel, broken);
     processes.bus().Publish({"SEGMENTED_FRAME", kMegabyte}, broken);
   }
