@@ -29,6 +29,7 @@ install(DIRECTORY ${DEPLOY}/systemd/ DESTINATION lib/systemd/system COMPONENT de
 install(DIRECTORY ${DEPLOY}/etc/ DESTINATION /etc/vismap COMPONENT deploy)
 install(DIRECTORY ${DEPLOY}/three-computers ${DEPLOY}/sysctl ${DEPLOY}/firewall
         DESTINATION ${DOC}/vismap/examples COMPONENT deploy)
+install(FILES ${PROJECT_SOURCE_DIR}/procs/adapter/dimos_module.py DESTINATION ${DOC}/vismap/examples COMPONENT deploy)
 # The documents keep their folders, so that the links between them work.
 file(GLOB DOCUMENTS CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/*.md
      ${PROJECT_SOURCE_DIR}/config/*.md ${PROJECT_SOURCE_DIR}/libs/*.md ${PROJECT_SOURCE_DIR}/libs/python/*.md ${PROJECT_SOURCE_DIR}/procs/*.md
