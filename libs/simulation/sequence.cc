@@ -19,6 +19,12 @@ Result<std::unique_ptr<Dataset>> OpenSequence(const std::string& path, const std
     return Fail(path + " is a computed sequence, not of format \"" + format + "\"");
   }
   if (const auto checked = CheckOptions(options); !checked) return Fail(checked.error().message);
+  if (options.intrinsics || options.depth_unit_m > 0 ||
+      options.registration == DepthRegistration::kKinect) {
+    return Fail(path +
+                " is a computed sequence; its intrinsics, depth unit and registration are known "
+                "and cannot be given");
+  }
   const Result<SyntheticOptions> synthetic = ParseSyntheticPath(path);
   if (!synthetic) return Fail(synthetic.error().message);
   return MakeSyntheticDataset(*synthetic, options);

@@ -23,6 +23,7 @@ struct Arguments {
   std::vector<std::string> channels;
   std::optional<int> camera;
   DatasetOptions frames;
+  CalibrationOptions calibration;
   int camera_id = 0;
   VismapConfig config;
   std::function<Outcome(const Arguments&)> run;
@@ -73,6 +74,7 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
       OpenRecording(arguments.input, arguments.format, options, arguments.config.adapter);
   if (!recording) return tl::unexpected(recording.error());
   for (const std::string& remark : recording->remarks) LogWarning(remark);
+  for (const std::string& remark : recording->dataset->remarks()) LogInfo(remark);
   Sequence sequence{std::move(*recording), nullptr};
   const std::string path =
       arguments.detections.empty()
@@ -102,7 +104,9 @@ Outcome ToDataset(const Arguments& arguments) {
       arguments.out);
 }
 
-Outcome FromDataset(const Arguments& arguments) {
+Outcome FromDataset(Arguments arguments) {
+  if (const Result<void> set = arguments.calibration.SetIn(&arguments.frames); !set)
+    return ExitWith(ExitCode::kUsage, set.error().message);
   const Result<Sequence> input = OpenInput(arguments);
   if (!input) return Unreadable(input.error());
   return PrintResult(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out),
@@ -110,7 +114,7 @@ Outcome FromDataset(const Arguments& arguments) {
 }
 
 CommandLine Add(CommandLine& line, Arguments* arguments, const char* name, const char* help,
-                Outcome (*run)(const Arguments&)) {
+                const std::function<Outcome(const Arguments&)>& run) {
   return line.Command(name, help, [arguments, run] { arguments->run = run; });
 }
 
@@ -141,6 +145,7 @@ void AddFromDataset(CommandLine& line, Arguments* arguments) {
   from.Option("--stride", &arguments->frames.stride, "Use every n-th frame only").Positive();
   from.Option("--max-frames", &arguments->frames.max_frames, "Largest number of frames; 0 = all")
       .AtLeast(0);
+  arguments->calibration.AddTo(from);
 }
 
 void AddConvert(CommandLine& line, Arguments* arguments) {

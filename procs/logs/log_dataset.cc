@@ -72,10 +72,11 @@ FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptio
 }
 
 LogDataset::LogDataset(LogReader reader, FrameSelection selection,
-                       std::optional<std::string> detections_path)
+                       std::optional<std::string> detections_path, const DatasetOptions& options)
     : reader_(std::move(reader)),
       selection_(std::move(selection)),
-      detections_path_(std::move(detections_path)) {}
+      detections_path_(std::move(detections_path)),
+      options_(options) {}
 
 std::string LogDataset::name() const {
   return std::filesystem::path(reader_.path()).filename().string();
@@ -83,16 +84,23 @@ std::string LogDataset::name() const {
 
 FrameHeader LogDataset::Header(size_t i) const {
   Require(i < size(), "the index of a frame is below the number of frames");
-  return selection_.frames[i].header;
+  FrameHeader header = selection_.frames[i].header;
+  if (options_.intrinsics) {
+    const auto& [fx, fy, cx, cy] = *options_.intrinsics;
+    header.camera = {header.camera.width, header.camera.height, fx, fy, cx, cy};
+  }
+  return header;
 }
 
 std::vector<std::string> LogDataset::remarks() const {
   std::vector<std::string> remarks;
   std::set<CameraId> told;
-  for (const RecordedFrame& frame : selection_.frames) {
-    if (!told.insert(frame.header.camera_id).second) continue;
-    remarks.push_back("camera " + std::to_string(Raw(frame.header.camera_id)) + ": " +
-                      CameraText(frame.header.camera) + ": from the RGBD_FRAMEs of the log");
+  for (size_t i = 0; i < size(); ++i) {
+    const FrameHeader header = Header(i);
+    if (!told.insert(header.camera_id).second) continue;
+    remarks.push_back(
+        "camera " + std::to_string(Raw(header.camera_id)) + ": " + CameraText(header.camera) +
+        (options_.intrinsics ? ": the option --intrinsics" : ": from the RGBD_FRAMEs of the log"));
   }
   return remarks;
 }
@@ -108,7 +116,11 @@ Result<SensorFrame> LogDataset::Read(size_t i) const {
       continue;
     }
     Result<SensorFrame> frame = Decode(*message);
-    if (frame) return frame;
+    if (frame) {
+      if (options_.intrinsics) frame->header.camera = Header(i).camera;
+      if (options_.depth_unit_m > 0) frame->depth_unit_m = options_.depth_unit_m;
+      return frame;
+    }
     problem = reader_.path() + ": " + frame.error().message;
   }
   return Fail(problem + " (" + ToText(key) + ")");

@@ -28,9 +28,9 @@ FrameSelection SelectFrames(const RecordedRun& run, bool all, const DatasetOptio
 class LogDataset : public Dataset {
  public:
   /// `detections_path` is the path of the log for OpenRecordedDetections; nullopt = the log has no
-  /// detections.
-  LogDataset(LogReader reader, FrameSelection selection,
-             std::optional<std::string> detections_path);
+  /// detections. Intrinsics and depth unit of the options replace those of all frames.
+  LogDataset(LogReader reader, FrameSelection selection, std::optional<std::string> detections_path,
+             const DatasetOptions& options);
 
   std::string name() const override;
   std::string format() const override { return "lcmlog"; }
@@ -45,6 +45,7 @@ class LogDataset : public Dataset {
   LogReader reader_;
   FrameSelection selection_;
   std::optional<std::string> detections_path_;
+  DatasetOptions options_;
 };
 
 /// The detections in a log, found by camera and utime.

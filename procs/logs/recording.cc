@@ -60,9 +60,27 @@ bool BeginsAsLog(const std::string& file) {
 
 Result<void> CheckLogOptions(const std::string& path, const DatasetOptions& options) {
   if (const auto checked = CheckOptions(options); !checked) return checked;
+  if (options.registration == DepthRegistration::kKinect) {
+    return Fail(path +
+                ": the depth of a log is registered to colour already; depth of a Kinect can "
+                "be registered in folders only (--depth-registration)");
+  }
   if (Raw(options.camera_id) == 0) return {};
   return Fail(path +
               ": the frames of a log keep their camera ids, so no other camera id can be given");
+}
+
+// Intrinsics of the options must be possible for the images of all frames.
+Result<void> CheckIntrinsics(const DatasetOptions& options,
+                             const std::vector<RecordedFrame>& frames) {
+  if (!options.intrinsics) return {};
+  const auto& [fx, fy, cx, cy] = *options.intrinsics;
+  for (const RecordedFrame& frame : frames) {
+    const PinholeCamera& recorded = frame.header.camera;
+    const auto checked = ValidateCamera({recorded.width, recorded.height, fx, fy, cx, cy});
+    if (!checked) return Fail("--intrinsics: " + checked.error().message);
+  }
+  return {};
 }
 
 std::string WhyNoFrames(const RecordedRun& run, const FrameSelection& selection) {
@@ -119,15 +137,17 @@ Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options
     return tl::unexpected(checked.error());
   FrameSelection selection = SelectFrames(*run, parsed->all, options);
   if (selection.frames.empty()) return Fail(parsed->file + ": " + WhyNoFrames(*run, selection));
+  const auto usable = CheckIntrinsics(options, selection.frames);
+  if (!usable) return Fail(parsed->file + ": " + usable.error().message);
   Recording recording;
   recording.remarks = selection.remarks;
   if (run->damaged > 0) {
     recording.remarks.push_back(parsed->file + " has " + FormatCount(run->damaged, "damaged part") +
                                 "; for details run: vismap-log verify " + parsed->file);
   }
-  recording.dataset =
-      std::make_unique<LogDataset>(std::move(*reader), std::move(selection),
-                                   run->detections.empty() ? std::nullopt : std::optional(path));
+  recording.dataset = std::make_unique<LogDataset>(
+      std::move(*reader), std::move(selection),
+      run->detections.empty() ? std::nullopt : std::optional(path), options);
   return recording;
 }
 

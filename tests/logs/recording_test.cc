@@ -79,6 +79,26 @@ TEST(OpenRecording, WithCommitsTheOrderIsThatOfTheMap) {
   EXPECT_THAT(Utimes(*Open(path + "?frames=all", few).dataset), ElementsAre(1000, 2000, 3000));
 }
 
+TEST(OpenRecording, IntrinsicsAndDepthUnitCanBeReplaced) {
+  LogBuilder builder;
+  const std::string path = builder.Frame(1000).Frame(2000).Finish();
+  DatasetOptions options;
+  options.intrinsics = {70, 71, 30, 20};
+  options.depth_unit_m = 0.0005;
+  const Recording recording = Open(path, options);
+  ASSERT_EQ(recording.dataset->size(), 2u);
+  const Result<SensorFrame> frame = recording.dataset->Read(1);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->header.camera, (PinholeCamera{64, 48, 70, 71, 30, 20}));
+  EXPECT_EQ(recording.dataset->Header(1).camera, frame->header.camera);
+  EXPECT_EQ(frame->depth_unit_m, 0.0005);
+  EXPECT_THAT(recording.dataset->remarks(), ElementsAre(HasSubstr("the option --intrinsics")));
+  options.intrinsics = {0, 71, 30, 20};
+  EXPECT_THAT(OpenRecording(path, "", options).error().message, HasSubstr("--intrinsics: "));
+  EXPECT_THAT(OpenRecording(path, "", {.registration = DepthRegistration::kKinect}).error().message,
+              HasSubstr("--depth-registration"));
+}
+
 TEST(OpenRecording, RemarksSayWhyTheMapWillDiffer) {
   LogBuilder no_frame;
   EXPECT_THAT(Open(no_frame.Frame(1000).Commit(1000, 1).Commit(2000, 2).Finish()).remarks,

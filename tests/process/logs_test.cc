@@ -10,6 +10,7 @@
 #include <vismap/process_status_t.hpp>
 
 #include "logs/log_writer.h"
+#include "logs/recording.h"
 #include "process/process_harness.h"
 #include "runtime/clock.h"
 #include "simulation/sequence.h"
@@ -230,6 +231,27 @@ TEST(Logs, FolderOfTheSameFramesGivesTheSameMap) {
   const std::string hash = OfflineHash(path("a.lcmlog"), folder);
   EXPECT_EQ(OfflineHash(path("sequence"), folder), hash);
   EXPECT_EQ(OfflineHash(path("b.lcmlog"), folder), hash);
+}
+
+TEST(Logs, CalibrationThatIsGivenReplacesThatOfTheFolder) {
+  const TempFolder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  RunTool("log", {"from-dataset", "synthetic:room?frames=2&width=96", "--out", path("a.lcmlog")},
+          folder);
+  RunTool("log", {"to-dataset", path("a.lcmlog"), "--out", path("sequence")}, folder);
+  RunTool("log",
+          {"from-dataset", path("sequence"), "--out", path("b.lcmlog"), "--intrinsics",
+           "70,71,47,35", "--depth-unit", "0.0005"},
+          folder);
+  const Result<Recording> recording = OpenRecording(path("b.lcmlog"), "");
+  ASSERT_TRUE(recording) << recording.error().message;
+  const Result<SensorFrame> frame = recording->dataset->Read(0);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->header.camera, (PinholeCamera{96, 72, 70, 71, 47, 35}));
+  EXPECT_EQ(frame->depth_unit_m, 0.0005);
+  RunTool("log",
+          {"from-dataset", path("sequence"), "--out", path("c.lcmlog"), "--intrinsics", "70,71"},
+          folder, 2);
 }
 
 TEST(Logs, CorruptLogsGiveErrors) {

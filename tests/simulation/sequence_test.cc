@@ -141,6 +141,8 @@ TEST(OpenSequence, ForwardsFoldersAndRefusesContradictions) {
   EXPECT_THAT(OpenSequence("synthetic:room", "tum").error().message, HasSubstr("\"tum\""));
   EXPECT_THAT(OpenSequence("synthetic:room", "", {.stride = 0}).error().message,
               HasSubstr("stride"));
+  EXPECT_THAT(OpenSequence("synthetic:room", "", {.depth_unit_m = 0.01}).error().message,
+              HasSubstr("depth unit"));
   EXPECT_THAT(OpenSequence("synthetic:hall", "").error().message, HasSubstr("hall"));
   EXPECT_THAT(OpenDetections("/nowhere.json").error().message, HasSubstr("/nowhere.json"));
   EXPECT_THAT(OpenDetections("synthetic:hall").error().message, HasSubstr("hall"));
