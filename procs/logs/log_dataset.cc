@@ -116,6 +116,12 @@ Result<SensorFrame> LogDataset::Read(size_t i) const {
       continue;
     }
     Result<SensorFrame> frame = Decode(*message);
+    if (frame && frame->optics && options_.intrinsics) {
+      problem = reader_.path() +
+                ": the frame states its lens and cameras; no other intrinsics can "
+                "be given (--intrinsics)";
+      break;
+    }
     if (frame) {
       if (options_.intrinsics) frame->header.camera = Header(i).camera;
       if (options_.depth_unit_m > 0) frame->depth_unit_m = options_.depth_unit_m;

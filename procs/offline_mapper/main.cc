@@ -176,6 +176,12 @@ std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run, 
                        "their detections: " + mapped.without_detections.Text());
   }
   if (const auto unused = UnusedDetections(arguments, run)) findings.push_back(*unused);
+  if (mapped.weak_detections > 0 && 10 * mapped.weak_detections >= 9 * mapped.used_detections) {
+    findings.push_back(std::to_string(mapped.weak_detections) + " of " +
+                       std::to_string(mapped.used_detections) +
+                       " detections name no object: their score is below 0.09, or their mask is "
+                       "empty");
+  }
   return findings;
 }
 

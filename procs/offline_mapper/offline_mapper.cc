@@ -1,5 +1,6 @@
 #include "offline_mapper/offline_mapper.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -53,8 +54,7 @@ class Mapper {
     if (!frame->frame.color_problem.empty()) mapped_.without_color.Add(frame->frame.color_problem);
     if (const auto found = FindDetections(&*frame); !found) return found;
     const DetectionSet* detections = frame->detections ? &*frame->detections : nullptr;
-    if (detections != nullptr)
-      mapped_.used_detections += static_cast<int64_t>(detections->detections.size());
+    if (detections != nullptr) CountDetections(*detections);
     const auto check = [&](const SegmentedFrame& segmented) {
       if (input_.check != nullptr) input_.check->Add(segmented, frame->depth_unit_m);
     };
@@ -99,6 +99,14 @@ class Mapper {
     if (!found) return tl::unexpected(found.error());
     frame->detections = std::move(*found);
     return {};
+  }
+
+  void CountDetections(const DetectionSet& set) {
+    mapped_.used_detections += static_cast<int64_t>(set.detections.size());
+    mapped_.weak_detections +=
+        std::count_if(set.detections.begin(), set.detections.end(), [](const Detection& detection) {
+          return detection.score < kWeakScore || detection.mask.inside.empty();
+        });
   }
 
   Result<void> CheckDetections(int64_t tolerance) const {

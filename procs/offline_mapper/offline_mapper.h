@@ -25,10 +25,15 @@ struct OfflineInput {
   SequenceCheck* check = nullptr;  ///< sees every frame
 };
 
+/// Detections whose score is below this in all frames name no object: a label needs more than a
+/// tenth of the evidence against it, see LabelTable::min_instance_ratio.
+inline constexpr float kWeakScore = 0.09F;
+
 /// What became of the frames of a sequence and of their detections.
 struct MappedSequence {
   int64_t frames = 0;           ///< mapped
   int64_t used_detections = 0;  ///< belonged to frames
+  int64_t weak_detections = 0;  ///< of these; they name no object, see kWeakScore
   ReasonCounts left_out;        ///< frames that could not be read, or were refused, see MapDelta
   int64_t blocks_left_out = 0;  ///< of the map, see IntegrationOptions::max_map_mb
   ReasonCounts without_color;   ///< frames mapped without the colour that they had

@@ -131,6 +131,24 @@ TEST(Input, ColourThatCannotBeDecodedIsToldByVerifyToo) {
               HasSubstr("the colour of 4 RGBD_FRAMEs cannot be decoded"));
 }
 
+TEST(Input, DetectionsThatNameNoObjectAreTold) {
+  const TempFolder folder;
+  std::string weak = "[";
+  for (int i = 1; i <= 12; ++i) {
+    weak +=
+        std::string(i > 1 ? "," : "") + R"({"image_id":)" + std::to_string(i) +
+        R"(,"category_id":62,"score":0.02,"segmentation":{"size":[72,96],"counts":[0,3000,3912]}})";
+  }
+  folder.Write("weak.json", weak + "]");
+  const Ended mapped =
+      RunProgram("offline-mapper",
+                 {"--dataset", "synthetic:room?frames=12&width=96", "--detections",
+                  (folder / "weak.json").string(), "--out", (folder / "out").string()},
+                 folder);
+  EXPECT_EQ(mapped.exit_code, 0) << mapped.log;
+  EXPECT_THAT(mapped.log, HasSubstr("12 of 12 detections name no object"));
+}
+
 TEST(Input, ALogOfOtherThingsIsTold) {
   LogBuilder builder;
   const std::string log = builder.AddBytes("OTHER", {1, 2, 3}).Finish();
