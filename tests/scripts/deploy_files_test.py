@@ -66,7 +66,8 @@ class ArgumentsTest(unittest.TestCase):
         files = [path for path in DEPLOY.rglob("*.env") if path.name != "vismap.env"]
         self.assertGreaterEqual(len(files), 7)
         for path in files:
-            words = environment_file(path)["VISMAP_ARGS"].replace("/etc/vismap/", f"{DEPLOY}/etc/").split()
+            arguments = environment_file(path)["VISMAP_ARGS"].replace("/etc/vismap/", f"{DEPLOY}/etc/")
+            words = arguments.replace("/usr/share/vismap/config/", f"{DEPLOY.parent}/").split()
             done = subprocess.run([PROGRAMS / f"vismap-{path.stem}", *words, "--print-config"], capture_output=True,
                                   text=True)
             self.assertEqual(done.returncode, 0, f"{path}: {done.stderr}")
