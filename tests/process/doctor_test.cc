@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -22,7 +24,10 @@ TEST(DoctorProgram, NamesTheCommandThatStartsAHub) {
 
 TEST(DoctorProgram, ReportsTheMissingDetectorAndLaterAHealthyBus) {
   ProcessBus processes;
-  auto server = processes.Start("map-server");
+  // A map that keeps up with the camera on a slow computer, too.
+  const std::filesystem::path config = processes.folder() / "coarse.txtpb";
+  std::ofstream(config) << "grid { voxel_size_m: 0.03 }\n";
+  auto server = processes.Start("map-server", {"--config", config.string()});
   auto segmenter = processes.Start("depth-segmenter", {"--detections", "required"});
   ASSERT_TRUE(processes.WaitForReady({"map-server", "depth-segmenter"}));
   auto replay = processes.Start("sensor-replay",
