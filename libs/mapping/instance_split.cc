@@ -118,8 +118,8 @@ MaskBonds::Pair LeastBound(InstanceId instance, const LabelTable& labels) {
   return least;
 }
 
-// The sides of an instance, all of whose labels together show two objects, though no two of them
-// have been under different masks in enough frames. Each side has labels then, else none has.
+// Divides the labels of an instance from the two with the lowest bond. Returns the sides if the
+// bonds between them, taken together, show two objects, see the header; else both are empty.
 Sides DivideByAllBonds(InstanceId instance, double split_frames, const LabelTable& labels) {
   const auto [a, b] = LeastBound(instance, labels);
   if (labels.bonds().Between(a, b) > -split_frames / 2) return {};

@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t kPackAfter = 5;
 constexpr size_t kBytesPerMegabyte = size_t{1} << 20;
 // Each pair of labels under masks takes time and memory, so a frame with very many would stop the
-// mapping. A detector finds a hundred objects at most.
+// mapping.
 constexpr size_t kMostMaskedLabels = 1000;
 
 // Adds the frame to the counts F, Phi and Psi of the paper (Sec. III-D). Phi and Psi grow by the
