@@ -1,7 +1,6 @@
 #include "client/client.h"
 
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 #include <vismap/detections_t.hpp>
 #include <vismap/frame_commit_t.hpp>
@@ -17,6 +16,7 @@
 
 #include "runtime/bus.h"
 #include "runtime/status.h"
+#include "wire/channel_types.h"
 
 namespace vismap {
 namespace {
@@ -32,37 +32,15 @@ std::unique_ptr<Bus> OpenBus(const ClientOptions& options) {
 }
 
 template <typename Message>
-constexpr std::string_view kChannelOf = {};
-template <>
-constexpr std::string_view kChannelOf<rgbd_frame_t> = "RGBD_FRAME";
-template <>
-constexpr std::string_view kChannelOf<detections_t> = "DETECTIONS";
-template <>
-constexpr std::string_view kChannelOf<segmented_frame_t> = "SEGMENTED_FRAME";
-template <>
-constexpr std::string_view kChannelOf<frame_commit_t> = "MAP_COMMIT";
-template <>
-constexpr std::string_view kChannelOf<map_delta_t> = "MAP_DELTA";
-template <>
-constexpr std::string_view kChannelOf<mesh_delta_t> = "MESH_DELTA";
-template <>
-constexpr std::string_view kChannelOf<object_list_t> = "OBJECTS";
-template <>
-constexpr std::string_view kChannelOf<octree_t> = "OCTOMAP";
-template <>
-constexpr std::string_view kChannelOf<map_request_t> = "MAP_REQUEST";
-template <>
-constexpr std::string_view kChannelOf<map_reply_t> = "MAP_REPLY";
-template <>
-constexpr std::string_view kChannelOf<process_status_t> = "STATUS";
-
-template <typename Message>
 Channel ChannelFor(const std::string& name) {
-  for (const Channel& channel : kAllChannels) {
-    if (name == channel.name && name == kChannelOf<Message>) return channel;
+  std::string expected;
+  for (const ChannelType& type : ChannelTypes()) {
+    if (type.fingerprint != Message::getHash()) continue;
+    if (name == type.channel.name) return type.channel;
+    expected = type.channel.name;
   }
   throw std::invalid_argument("channel " + name + ": vismap's " + Message::getTypeName() +
-                              " is on channel " + std::string(kChannelOf<Message>));
+                              " is on channel " + expected);
 }
 
 }  // namespace
