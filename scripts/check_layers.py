@@ -23,6 +23,7 @@ LIBS = {
     "objects": ["meshing"],
     "render": ["objects"],
     "freespace": ["map", "codecs"],
+    "navigation": ["freespace"],
     "mapfile": ["map"],
     "exports": ["render", "freespace", "mapfile"],
     "datasets": ["codecs"],
@@ -49,7 +50,7 @@ PROCS = {
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.
 # Tests of rooms that read a map may also include the makers, since they need maps to read.
-READERS = {"meshing", "objects", "exports", "freespace", "mapfile", "render"}
+READERS = {"meshing", "objects", "exports", "freespace", "navigation", "mapfile", "render"}
 OPEN_TESTS = {"process", "quality", "oracle", "support", "bench", "fuzz", "hostile"}
 
 # Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
