@@ -397,23 +397,33 @@ class SiteField::LineStep {
 
   // Whether a change can have made a value less, or was what made it as small as it is.
   bool Affected(int chunk) const {
+    const uint16_t* before = Before(chunk);
+    const uint16_t largest = std::min(*std::max_element(before, before + kLines), field_.most_);
     for (int k = -field_.reach_; k <= field_.reach_; ++k) {
-      if (changes_[At(k)] != nullptr && AffectedBy(k, chunk)) return true;
+      if (changes_[At(k)] == nullptr) continue;
+      const uint16_t* lines = changes_[At(k)]->data() + (kAlongY ? kBlockSide * chunk : 0);
+      const uint16_t least = *std::min_element(lines, lines + (kAlongY ? kBlockSide : kLines));
+      if (least + field_.cost_[Gap(k, kAlongY ? (k < 0 ? 0 : kBlockSide - 1) : chunk)] > largest)
+        continue;
+      if (AffectedBy(k, chunk)) return true;
     }
     return false;
+  }
+
+  // From the leaf `along` of the block to the nearest one of the block k blocks away.
+  static size_t Gap(int k, int along) {
+    const int first = kBlockSide * k;
+    return static_cast<size_t>(std::max({0, first - along, along - (first + kBlockSide - 1)}));
   }
 
   bool AffectedBy(int k, int chunk) const {
     const uint16_t* lines = changes_[At(k)]->data();
     Chunk least, cost;
     for (int row = 0; row < kBlockSide; ++row) {
-      const int along = kAlongY ? row : chunk;
-      const int first = kBlockSide * k;  // of the block that changed
-      const int gap = std::max({0, first - along, along - (first + kBlockSide - 1)});
       const int line = kBlockSide * (kAlongY ? chunk : row);
       std::copy_n(lines + line, kBlockSide, least.begin() + kBlockSide * row);
       std::fill_n(cost.begin() + kBlockSide * row, kBlockSide,
-                  field_.cost_[static_cast<size_t>(gap)]);
+                  field_.cost_[Gap(k, kAlongY ? row : chunk)]);
     }
     return AnyNear(least.data(), cost.data(), Before(chunk), field_.most_);
   }

@@ -1,11 +1,12 @@
 // Walks through a sequence and prints what it takes per frame to keep the leaves of free space
 // inflated and their distances up to date, and for comparison what a full rebuild takes in the same
 // run, on every 25th frame. Usage: navigation_bench [SEQUENCE [FRAMES [VOXELS_PER_LEAF [VOXEL_M]]]]
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -20,36 +21,53 @@ namespace {
 
 constexpr int kRebuildEvery = 25;
 
-template <typename Work>
-double Milliseconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
+/// What a piece of work took [ms].
+struct Spent {
+  double wall = 0;
+  double cpu = 0;  // of all threads
+};
+
+double CpuMilliseconds() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
 }
 
-/// The times of one stage, frame by frame [ms].
+template <typename Work>
+Spent Measure(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  const double cpu = CpuMilliseconds();
+  work();
+  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start;
+  return {wall.count(), CpuMilliseconds() - cpu};
+}
+
+/// The mean of the values in a part of a list, given as shares of its length.
+double Mean(const std::vector<Spent>& list, double Spent::*value, double from, double to) {
+  const auto count = static_cast<double>(list.size());
+  const auto first = static_cast<size_t>(from * count);
+  const size_t last = std::max(static_cast<size_t>(to * count), first + 1);
+  double sum = 0;
+  for (size_t i = first; i < last && i < list.size(); ++i) sum += list[i].*value;
+  return sum / static_cast<double>(last - first);
+}
+
+/// The times of one stage, frame by frame.
 struct Stage {
   const char* name;
-  std::vector<double> frames{}, rebuilds{};
+  std::vector<Spent> frames{}, rebuilds{};
 
-  double Mean(double from, double to) const {
-    const auto count = static_cast<double>(frames.size());
-    const auto first = static_cast<ptrdiff_t>(from * count);
-    const auto last = std::max(static_cast<ptrdiff_t>(to * count), first + 1);
-    return std::accumulate(frames.begin() + first, frames.begin() + last, 0.0) /
-           static_cast<double>(last - first);
-  }
   void Print() const {
-    std::vector<double> sorted = frames;
+    std::vector<double> sorted;
+    for (const Spent& spent : frames) sorted.push_back(spent.wall);
     std::sort(sorted.begin(), sorted.end());
-    const double rebuild = rebuilds.empty()
-                               ? 0
-                               : std::accumulate(rebuilds.begin(), rebuilds.end(), 0.0) /
-                                     static_cast<double>(rebuilds.size());
-    std::printf("%-12s %7.2f %7.2f %7.2f %13.2f %11.2f %7.2f %9.2f\n", name,
-                sorted[sorted.size() / 2], sorted[sorted.size() * 95 / 100], Mean(0, 1),
-                Mean(0, 0.1), Mean(0.9, 1), Mean(0.9, 1) / Mean(0, 0.1), rebuild);
+    const double first = Mean(frames, &Spent::cpu, 0, 0.1);
+    const double last = Mean(frames, &Spent::cpu, 0.9, 1);
+    std::printf("%-12s %7.2f %7.2f %7.2f %7.2f %13.2f %11.2f %7.2f %9.2f %12.2f\n", name,
+                sorted[sorted.size() / 2], sorted[sorted.size() * 95 / 100],
+                Mean(frames, &Spent::wall, 0, 1), Mean(frames, &Spent::cpu, 0, 1), first, last,
+                last / first, Mean(rebuilds, &Spent::wall, 0, 1),
+                Mean(rebuilds, &Spent::cpu, 0, 1));
   }
 };
 
@@ -67,20 +85,20 @@ struct Walk {
       changed.push_back(block.first);
     OccupancyDelta coarse;
     coarsened.frames.push_back(
-        Milliseconds([&] { coarse = UpdateCoarse(fine, changed, coarsen, &leaves); }));
+        Measure([&] { coarse = UpdateCoarse(fine, changed, coarsen, &leaves); }));
     std::vector<BlockIndex> blocks;
     for (const auto& block : coarse.blocks) blocks.push_back(block.first);
-    inflated.frames.push_back(Milliseconds([&] { inflater.Update(leaves, blocks); }));
+    inflated.frames.push_back(Measure([&] { inflater.Update(leaves, blocks); }));
     field.frames.push_back(
-        Milliseconds([&] { changed_distances += distances.Update(leaves, blocks).size(); }));
+        Measure([&] { changed_distances += distances.Update(leaves, blocks).size(); }));
     changed_blocks += blocks.size();
     if (field.frames.size() % kRebuildEvery == 0) Rebuild();
   }
 
   void Rebuild() {
-    coarsened.rebuilds.push_back(Milliseconds([&] { Coarsen(fine, coarsen); }));
-    inflated.rebuilds.push_back(Milliseconds([&] { *Inflate(leaves, {}); }));
-    field.rebuilds.push_back(Milliseconds([&] {
+    coarsened.rebuilds.push_back(Measure([&] { Coarsen(fine, coarsen); }));
+    inflated.rebuilds.push_back(Measure([&] { *Inflate(leaves, {}); }));
+    field.rebuilds.push_back(Measure([&] {
       DistanceField::Make(leaves.cell_size(), {})->Update(leaves, leaves.SortedIndices());
     }));
   }
@@ -115,6 +133,7 @@ int Main(int argc, char** argv) {
   std::printf("%-12s %7s %7s %7s %13s %11s %7s %9s\n", "ms", "median", "p95", "mean", "first tenth",
               "last tenth", "ratio", "rebuild");
   for (const Stage* stage : {&walk.coarsened, &walk.inflated, &walk.field}) stage->Print();
+  std::printf("*: of cpu, the time of both threads together\n");
   std::printf("distances take %.1f MB, %.1f bytes per leaf\n",
               static_cast<double>(walk.distances.bytes()) / 1e6,
               static_cast<double>(walk.distances.bytes()) /
