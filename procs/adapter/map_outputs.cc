@@ -96,7 +96,7 @@ void MapOutputs::OnTimer() {
 template <typename Message>
 void MapOutputs::Send(const std::string& channel, Message message) {
   if (channel.empty()) return;
-  const std::vector<uint8_t> bytes = Pack(message);
+  const RawBytes bytes = PackRaw(message);
   status_->Count(robot_->Publish(channel, bytes) ? "map_messages_published"
                                                  : "map_messages_unsent");
 }

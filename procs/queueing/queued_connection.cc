@@ -61,7 +61,7 @@ void QueuedConnection::Flush() {
 }
 
 // Returns true when all of `bytes` has been sent.
-bool QueuedConnection::SendSome(const std::vector<uint8_t>& bytes) {
+bool QueuedConnection::SendSome(std::span<const uint8_t> bytes) {
   while (socket_.open() && sent_ < bytes.size()) {
     const ssize_t sent =
         send(socket_.fd(), bytes.data() + sent_, bytes.size() - sent_, MSG_NOSIGNAL | MSG_DONTWAIT);

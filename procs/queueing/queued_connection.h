@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "queueing/message_queue.h"
@@ -56,7 +57,7 @@ class QueuedConnection {
   }
 
  private:
-  bool SendSome(const std::vector<uint8_t>& bytes);
+  bool SendSome(std::span<const uint8_t> bytes);
 
   Socket socket_;
   RecordReader reader_;

@@ -183,7 +183,7 @@ void Bus::Deliver(Route& route, std::span<const uint8_t> bytes) {
       std::string(route.channel.name) + ": a message was rejected: " + handled.error().message);
 }
 
-bool Bus::Send(const Channel& channel, const std::vector<uint8_t>& bytes) {
+bool Bus::Send(const Channel& channel, std::span<const uint8_t> bytes) {
   ChannelCounters& counters = counters_[channel.name];
   const bool fits = bytes.size() <= channel.max_bytes;
   if (!fits) {

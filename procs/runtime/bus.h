@@ -77,7 +77,7 @@ class Bus {
   /// and for tests.
   template <typename Message>
   bool PublishAsIs(const Channel& channel, Message message) {
-    return Send(channel, Pack(message));
+    return Send(channel, PackRaw(message));
   }
 
   /// Makes Spin and Run call `action` every `period` [s], for the first time after one period.
@@ -134,7 +134,7 @@ class Bus {
   void Receive(Route& route, std::span<const uint8_t> bytes);
   void Deliver(Route& route, std::span<const uint8_t> bytes);
   void TrackSequence(Route& route, std::span<const uint8_t> bytes);
-  bool Send(const Channel& channel, const std::vector<uint8_t>& bytes);
+  bool Send(const Channel& channel, std::span<const uint8_t> bytes);
   bool HandleOne(Transport* transport);
   bool HandleWaiting();
   void DeliverNewest();
@@ -178,7 +178,7 @@ template <typename Message>
 bool Bus::Publish(const Channel& channel, Message message) {
   message.seq = next_seq_[channel.name]++;
   message.source = options_.source;
-  return Send(channel, Pack(message));
+  return Send(channel, PackRaw(message));
 }
 
 }  // namespace vismap

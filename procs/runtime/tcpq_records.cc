@@ -54,10 +54,10 @@ std::vector<uint8_t> TcpqPublishHead(const std::string& channel, size_t data_siz
 }
 
 TcpqRecord TcpqPublish(const std::string& channel, std::span<const uint8_t> data) {
-  std::vector<uint8_t> bytes = TcpqPublishHead(channel, data.size());
-  bytes.insert(bytes.end(), data.begin(), data.end());
-  return {TcpqRecord::Kind::kPublish, channel,
-          std::make_shared<const std::vector<uint8_t>>(std::move(bytes))};
+  RawBytes bytes;
+  bytes.append(TcpqPublishHead(channel, data.size()));
+  bytes.append(data);
+  return {TcpqRecord::Kind::kPublish, channel, std::make_shared<const RawBytes>(std::move(bytes))};
 }
 
 uint32_t RecordReader::Word(size_t offset) const {
@@ -131,7 +131,8 @@ Result<void> RecordReader::Advance(const std::function<void(TcpqRecord)>& on_rec
   }
   TcpqRecord record{TcpqRecord::Kind::kPublish, Name(), nullptr};
   buffer_.resize(have_);
-  record.bytes = std::make_shared<const std::vector<uint8_t>>(std::exchange(buffer_, {}));
+  largest_ = std::max(largest_, have_);
+  record.bytes = std::make_shared<const RawBytes>(std::exchange(buffer_, {}));
   on_record(std::move(record));
   have_ = 0;
   Expect(Stage::kHead, 8);
@@ -156,6 +157,8 @@ Result<void> RecordReader::StartData() {
                 FormatBytes(max_message_bytes_) + " are allowed");
   }
   Expect(Stage::kData, size);
+  // Room without pages; a message as large as one before is not copied while it grows.
+  buffer_.reserve(std::min(need_, largest_));
   return {};
 }
 

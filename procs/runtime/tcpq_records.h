@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/raw_bytes.h"
 #include "base/result.h"
 
 namespace vismap {
@@ -23,7 +24,7 @@ enum class TcpqMagic : uint32_t { kHub = 0x287617fa, kClient = 0x287617fb };
 inline constexpr uint32_t kTcpqVersion = 0x0100;
 
 /// A byte string that several queues share.
-using SharedBytes = std::shared_ptr<const std::vector<uint8_t>>;
+using SharedBytes = std::shared_ptr<const RawBytes>;
 
 /// One record of the protocol.
 struct TcpqRecord {
@@ -82,9 +83,10 @@ class RecordReader {
   TcpqMagic magic_;
   size_t max_message_bytes_;
   Stage stage_ = Stage::kHello;
-  std::vector<uint8_t> buffer_;
-  size_t have_ = 0;  // bytes of the current record that have arrived
-  size_t need_ = 8;  // bytes needed to finish the current stage
+  RawBytes buffer_;
+  size_t largest_ = 0;  // record that arrived completely
+  size_t have_ = 0;     // bytes of the current record that have arrived
+  size_t need_ = 8;     // bytes needed to finish the current stage
 };
 
 }  // namespace vismap

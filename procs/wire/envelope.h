@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/digest.h"
+#include "base/raw_bytes.h"
 #include "base/require.h"
 #include "base/result.h"
 #include "wire/older_types.h"
@@ -55,8 +56,8 @@ std::optional<MessageHead> PeekHead(std::span<const uint8_t> bytes);
 /// has one. Throws when an array does not have the length that its size field states, which is a
 /// programming error.
 template <typename Message>
-std::vector<uint8_t> Pack(Message& message) {
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+RawBytes PackRaw(Message& message) {
+  RawBytes bytes(static_cast<size_t>(message.getEncodedSize()));
   const int written = message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
   Require(written == static_cast<int>(bytes.size()), "message encodes to the size it states");
   if constexpr (Checksummed<Message>) {
@@ -65,6 +66,13 @@ std::vector<uint8_t> Pack(Message& message) {
     envelope::WriteBigEndian(message.checksum, bytes.data() + offset);
   }
   return bytes;
+}
+
+/// The same in a usual vector.
+template <typename Message>
+std::vector<uint8_t> Pack(Message& message) {
+  const RawBytes bytes = PackRaw(message);
+  return {bytes.begin(), bytes.end()};
 }
 
 namespace envelope {

@@ -112,13 +112,15 @@ TEST(Hub, LateSubscriberReceivesNothingOldWhenTheTimeIsOver) {
 TEST(RejoinBacklog, IsBoundedInBytesAndKeepsTheNewestOfLatestChannels) {
   RejoinBacklog backlog(0, 10, 3 * (1000 + MessageQueue::kEntryBytes));
   const auto message = [](const std::string& channel, QueuePolicy policy, uint8_t value) {
-    return RoutedMessage{channel, std::make_shared<std::vector<uint8_t>>(1000, value), policy, "a"};
+    RawBytes bytes;
+    bytes.append(std::vector<uint8_t>(1000, value));
+    return RoutedMessage{channel, std::make_shared<const RawBytes>(std::move(bytes)), policy, "a"};
   };
   const auto values = [&] {
     std::vector<int> all;
     backlog.Replay(
         nullptr, [](const std::string&) { return true; },
-        [&](const RoutedMessage& m) { all.push_back(m.record->front()); });
+        [&](const RoutedMessage& m) { all.push_back(m.record->data()[0]); });
     return all;
   };
   const auto sender = std::make_shared<HubClient>(Socket(), "sender", 1000, QueueLimits{1000});
