@@ -43,9 +43,21 @@ Result<std::map<InstanceId, double>> ReadScores(const fs::path& path) {
   return scores;
 }
 
+// Distances to a vertex without a place would make all scores NaN.
+Result<void> CheckPlaces(const Mesh& mesh, const std::string& path) {
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (!mesh.vertices[i].position_W.allFinite())
+      return Fail(path + ": vertex " + std::to_string(i) +
+                  ": expected finite coordinates, found NaN or infinity");
+  }
+  return {};
+}
+
 Result<MapInput> ReadMesh(const MapToolArguments& arguments) {
   Result<PlyFile> ply = ReadPly(arguments.map);
   if (!ply) return tl::unexpected(ply.error());
+  if (const Result<void> places = CheckPlaces(ply->mesh, arguments.map); !places)
+    return tl::unexpected(places.error());
   MapInput input;
   input.map.mesh = std::move(ply->mesh);
   fs::path objects = arguments.objects;

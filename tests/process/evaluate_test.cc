@@ -54,6 +54,18 @@ TEST(Evaluate, ErrorNamesAMissingMapAndAnUnknownClass) {
   EXPECT_THAT(classes.StandardError(), HasSubstr("'chaise'"));
 }
 
+TEST(Evaluate, ErrorNamesAVertexWithoutAPlace) {
+  const TempFolder folder;
+  folder.Write("nan.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n");
+  ChildProcess tool("map", {"evaluate", "--gt", kShortRoom, "--map", (folder / "nan.ply").string()},
+                    folder.path());
+  EXPECT_EQ(tool.WaitForExit(), 3);
+  EXPECT_THAT(tool.StandardError(), HasSubstr("nan.ply: vertex 1: expected finite coordinates"));
+}
+
 TEST(Evaluate, MapAndItsMeshHaveTheSameScores) {
   const TempFolder folder;
   MakeMap(folder, kShortRoom, "0");
