@@ -1,7 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "process/process_harness.h"
@@ -56,10 +59,16 @@ TEST(Evaluate, ErrorNamesAMissingMapAndAnUnknownClass) {
 
 TEST(Evaluate, ErrorNamesAVertexWithoutAPlace) {
   const TempFolder folder;
+  const std::array<float, 9> places{0, 0, 0, 1, std::numeric_limits<float>::quiet_NaN(),
+                                    0, 0, 1, 0};
+  const std::array<uint32_t, 3> triangle{0, 1, 2};
   folder.Write("nan.ply",
-               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
-               "end_header\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n");
+               "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n"
+               "property float y\nproperty float z\nelement face 1\n"
+               "property list uchar int vertex_indices\nend_header\n" +
+                   std::string(reinterpret_cast<const char*>(places.data()), sizeof(places)) +
+                   "\3" +
+                   std::string(reinterpret_cast<const char*>(triangle.data()), sizeof(triangle)));
   ChildProcess tool("map", {"evaluate", "--gt", kShortRoom, "--map", (folder / "nan.ply").string()},
                     folder.path());
   EXPECT_EQ(tool.WaitForExit(), 3);
