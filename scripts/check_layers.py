@@ -31,7 +31,7 @@ LIBS = {
     "simulation": ["datasets", "rectify"],
     "session": ["mapping", "mapfile"],
     "evaluation": ["exports", "datasets", "rectify"],
-    "config": ["simulation", "session", "exports", "detection"],
+    "config": ["simulation", "session", "exports", "navigation", "detection"],
 }
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any
 # room of libs/ and these, but not each other.

@@ -6,6 +6,7 @@
 #include "base/result.h"
 #include "config/process_options.h"
 #include "exports/outputs.h"
+#include "navigation/ground_grid.h"
 #include "segmentation/segmentation_options.h"
 #include "session/derived_options.h"
 
@@ -28,6 +29,7 @@ struct VismapConfig : SegmentationStageOptions, MapSessionOptions, OutputOptions
   HubOptions hub;
   BridgeOptions bridge;
   AdapterOptions adapter;
+  GroundGridOptions ground_grid;
 };
 
 /// Sets the options of a config that follow from others and are no keys. A config that was read has

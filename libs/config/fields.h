@@ -148,6 +148,14 @@ inline constexpr auto FieldsOf(const DepthSegmenterOptions&) {
                     VISMAP_FIELD(max_wait_s), VISMAP_FIELD(overload));
 }
 
+inline constexpr auto FieldsOf(const GroundGridOptions&) {
+  using Options = GroundGridOptions;
+  return std::tuple(VISMAP_FIELD(resolution_m), VISMAP_FIELD(robot_height_m),
+                    VISMAP_FIELD(step_height_m), VISMAP_FIELD(max_slope_deg),
+                    VISMAP_FIELD(band_min_m), VISMAP_FIELD(band_max_m),
+                    VISMAP_FIELD(distance_limit_m));
+}
+
 inline constexpr auto FieldsOf(const MapServerOptions&) {
   using Options = MapServerOptions;
   return std::tuple(VISMAP_FIELD(load), VISMAP_FIELD(save_on_exit), VISMAP_FIELD(save_period_s),
@@ -226,7 +234,7 @@ inline constexpr auto FieldsOf(const VismapConfig&) {
                     VISMAP_FIELD(octree), VISMAP_FIELD(depth_segmenter), VISMAP_FIELD(map_server),
                     VISMAP_FIELD(octomap_exporter), VISMAP_FIELD(sensor_replay),
                     VISMAP_FIELD(detector), VISMAP_FIELD(hub), VISMAP_FIELD(bridge),
-                    VISMAP_FIELD(adapter));
+                    VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid));
 }
 
 #undef VISMAP_FIELD

@@ -73,6 +73,14 @@ std::vector<std::string> Problems(const OccupancyOptions& options, const VoxelGr
   return std::move(check).problems();
 }
 
+std::vector<std::string> Problems(const GroundGridOptions& ground, const VoxelGridOptions& grid) {
+  OptionCheck check;
+  check.Add("", Validate(ground));
+  const auto resolved = ChooseOctreeGrid(grid.voxel_size_m, ground.resolution_m);
+  if (!resolved) check.Unless(false, "resolution_m: " + resolved.error().message);
+  return std::move(check).problems();
+}
+
 std::vector<std::string> Problems(const OctreeOptions& octree, const VoxelGridOptions& grid) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, octree.free_fraction, 0.01, 1);
@@ -210,6 +218,7 @@ std::vector<std::string> Validate(const VismapConfig& config) {
                "objects.up_W must have unit length");
   check.Add("free_space.", Problems(config.free_space, config.grid));
   check.Add("octree.", Problems(config.octree, config.grid));
+  check.Add("ground_grid.", Problems(config.ground_grid, config.grid));
   check.Add("depth_segmenter.", Problems(config.depth_segmenter));
   check.Add("map_server.", Problems(config.map_server));
   check.Add("octomap_exporter.", Problems(config.octomap_exporter));

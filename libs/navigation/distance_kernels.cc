@@ -45,6 +45,13 @@ void SquareRowDistances(const uint8_t* leaves, uint16_t* squared) {
 }
 
 VISMAP_VECTOR_CLONES
+uint16_t Largest(const uint16_t* values) {
+  uint16_t largest = 0;
+  for (int i = 0; i < kLanes; ++i) largest = std::max(largest, values[i]);
+  return largest;
+}
+
+VISMAP_VECTOR_CLONES
 bool AnyNear(const uint16_t* least, const uint16_t* cost, const uint16_t* now, uint16_t most) {
   uint16_t any = 0;
   for (int i = 0; i < kLanes; ++i) {

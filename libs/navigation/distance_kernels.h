@@ -29,6 +29,9 @@ void LeastAlongLine(const uint16_t* in, ptrdiff_t stride, int window, const uint
 /// distance to its face: (2 d - 1)^2, 0 for d = 0, kBeyond for none. Twin: NaiveSquare.
 void SquareRowDistances(const uint8_t* leaves, uint16_t* squared);
 
+/// The largest of 64 values.
+uint16_t Largest(const uint16_t* values);
+
 /// 64 leaves: whether least[i] + cost[i] <= min(now[i], most) for any of them. Twin: NaiveAnyNear.
 bool AnyNear(const uint16_t* least, const uint16_t* cost, const uint16_t* now, uint16_t most);
 

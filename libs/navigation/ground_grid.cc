@@ -108,7 +108,7 @@ void FillDistances(double limit_m, GroundGrid* grid) {
 
 }  // namespace
 
-std::vector<std::string> Problems(const GroundGridOptions& options) {
+std::vector<std::string> Validate(const GroundGridOptions& options) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, options.resolution_m, 0, 10);
   VISMAP_CHECK_RANGE(check, options.robot_height_m, 0.01, 10);
@@ -125,7 +125,7 @@ std::vector<std::string> Problems(const GroundGridOptions& options) {
 
 Result<GroundGrid> MakeGroundGrid(const OccupancyMap& map, const GroundGridOptions& options,
                                   std::span<const Eigen::Vector3d> path_W) {
-  if (const auto problems = Problems(options); !problems.empty())
+  if (const auto problems = Validate(options); !problems.empty())
     return Fail("ground grid: " + problems.front());
   const Result<OctreeGrid> chosen = ChooseOctreeGrid(map.cell_size(), options.resolution_m);
   if (!chosen) return Fail("ground grid: resolution_m: " + chosen.error().message);

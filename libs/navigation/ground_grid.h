@@ -30,8 +30,8 @@ struct GroundGridOptions {
   bool has_band() const { return band_max_m > band_min_m; }
 };
 
-/// All problems of the options, as "key: expected ..., found ...".
-std::vector<std::string> Problems(const GroundGridOptions& options);
+/// Everything that is wrong with the options, one sentence each that begins with the key.
+std::vector<std::string> Validate(const GroundGridOptions& options);
 
 /// A grid on the x-y plane of W. Cell (x, y) is at index x + width y and covers
 /// [origin + resolution (x, y), origin + resolution (x + 1, y + 1)).

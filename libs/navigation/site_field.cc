@@ -354,6 +354,7 @@ class SiteField::LineStep {
     for (int k = -field.reach_; k <= field.reach_; ++k) {
       blocks_[At(k)] = Get(blocks.Find(BlockAt(k)));
       changes_[At(k)] = Get(changes.Find(BlockAt(k)));
+      if (changes_[At(k)] != nullptr) FindLeast(k);
     }
     kept_ = Get((kAlongY ? field.planes_ : field.distances_).Find(task->index));
     outside_.fill(field.outside_value_);
@@ -395,17 +396,25 @@ class SiteField::LineStep {
     return kept_ != nullptr ? kept_->data() + kLines * chunk : outside_.data();
   }
 
+  // The least changed value of the lines that go through each chunk.
+  void FindLeast(int k) {
+    changed_.push_back(k);
+    const Touched& lines = *changes_[At(k)];
+    std::array<uint16_t, kBlockSide> least;
+    least.fill(kBeyond);
+    for (size_t i = 0; i < lines.size(); ++i)
+      least[i / kBlockSide] = std::min(least[i / kBlockSide], lines[i]);
+    if (!kAlongY) least.fill(*std::min_element(least.begin(), least.end()));
+    least_[At(k)] = least;
+  }
+
   // Whether a change can have made a value less, or was what made it as small as it is.
   bool Affected(int chunk) const {
-    const uint16_t* before = Before(chunk);
-    const uint16_t largest = std::min(*std::max_element(before, before + kLines), field_.most_);
-    for (int k = -field_.reach_; k <= field_.reach_; ++k) {
-      if (changes_[At(k)] == nullptr) continue;
-      const uint16_t* lines = changes_[At(k)]->data() + (kAlongY ? kBlockSide * chunk : 0);
-      const uint16_t least = *std::min_element(lines, lines + (kAlongY ? kBlockSide : kLines));
-      if (least + field_.cost_[Gap(k, kAlongY ? (k < 0 ? 0 : kBlockSide - 1) : chunk)] > largest)
-        continue;
-      if (AffectedBy(k, chunk)) return true;
+    const uint16_t largest = std::min(Largest(Before(chunk)), field_.most_);
+    for (const int k : changed_) {
+      const uint16_t least = least_[At(k)][static_cast<size_t>(chunk)];
+      const size_t gap = Gap(k, kAlongY ? (k < 0 ? 0 : kBlockSide - 1) : chunk);
+      if (least + field_.cost_[gap] <= largest && AffectedBy(k, chunk)) return true;
     }
     return false;
   }
@@ -475,6 +484,8 @@ class SiteField::LineStep {
   LineTask* task_;
   std::array<const Values*, kMostBlocksInLine> blocks_{};  // nullptr = values as outside
   std::array<const Touched*, kMostBlocksInLine> changes_{};
+  std::vector<int> changed_;  // the blocks in the line that changed, by their distance in blocks
+  std::array<std::array<uint16_t, kBlockSide>, kMostBlocksInLine> least_;  // of these, by chunk
   const Distances* kept_ = nullptr;  // the result so far; nullptr = values as outside
   Chunk outside_;
   bool filled_ = false;

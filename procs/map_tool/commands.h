@@ -16,6 +16,8 @@ struct MapToolArguments {
   bool json = false;                  ///< print JSON
   std::string ground_truth, objects, classes;         ///< for evaluate
   std::optional<std::string> id, class_name, region;  ///< for objects and export: the selection
+  std::string only;     ///< for export: the one thing that is written; "" = everything
+  std::string grid;     ///< for export: where the 2-D grid is written, see WriteGridFiles
   int frames = 0;       ///< for follow: stop when the map has this number of frames; 0 = never
   double timeout = 60;  ///< longest wait for the answer of a server [s]
   VismapConfig config;

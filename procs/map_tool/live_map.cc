@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 #include "base/json_text.h"
@@ -34,6 +35,23 @@ tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments&
   request.path = path;
   request.argument = argument;
   return RequestFromServer(arguments, context, std::move(request));
+}
+
+tl::expected<LoadedMap, ExitFailure> LoadMapOrLive(const MapToolArguments& arguments,
+                                                   ProcessContext& context) {
+  const size_t most = MaxMapBytes(arguments.config.integration);
+  if (arguments.map != kLive) {
+    Result<LoadedMap> loaded = LoadMap(arguments.map, most);
+    if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
+    return std::move(*loaded);
+  }
+  const auto reply = RequestFromServer(arguments, context, "map");
+  if (!reply) return tl::unexpected(reply.error());
+  const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(reply->payload.data()),
+                                       reply->payload.size());
+  Result<LoadedMap> loaded = DecodeMap(bytes, "map of the running server", most);
+  if (!loaded) return ExitWith(ExitCode::kFailed, loaded.error().message);
+  return std::move(*loaded);
 }
 
 std::string PayloadText(const map_reply_t& reply) {

@@ -5,6 +5,7 @@
 
 #include "map_tool/commands.h"
 #include "map_tool/server_client.h"
+#include "mapfile/map_file.h"
 
 namespace vismap {
 
@@ -20,6 +21,10 @@ tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments&
                                                          const std::string& verb,
                                                          const std::string& path = "",
                                                          const std::string& argument = "");
+
+/// A saved map, or the map of the running server.
+tl::expected<LoadedMap, ExitFailure> LoadMapOrLive(const MapToolArguments& arguments,
+                                                   ProcessContext& context);
 
 /// The payload of an answer as text.
 std::string PayloadText(const map_reply_t& reply);

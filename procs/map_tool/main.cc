@@ -62,10 +62,17 @@ void AddFileCommands(CommandLine& line, Command* command) {
   MapToolArguments& arguments = command->arguments;
   CommandLine files = AddWithMap(
       line, command, "export",
-      "Write mesh, objects, octrees and picture of a saved map to a folder; with --object, --class "
-      "or --region, write only mesh (.ply) and points (.xyz) of these objects",
-      RunExport, kFile);
-  files.Option("--out", &arguments.out, "Folder for the results").Required();
+      "Write mesh, objects, octrees and picture of a map to a folder; with --object, --class "
+      "or --region, write only mesh (.ply) and points (.xyz) of these objects; with --grid, write "
+      "a 2-D grid for wheels",
+      RunExport, kFileOrLive);
+  files.Option("--out", &arguments.out, "Folder for the results");
+  files.Option("--only", &arguments.only, "Write only this into the folder")
+      .OneOf({"mesh", "objects", "octree", "octree-closed"});
+  files.Option("--grid", &arguments.grid,
+               "Write the grid as PGM and YAML, as map_server and nav2 read them: to map.pgm and "
+               "map.yaml in this folder, or to WHERE.pgm and WHERE.yaml; the section ground_grid "
+               "of the config says how it is made");
   AddChoiceOfObjects(files, "--object", &arguments);
 
   CommandLine render =

@@ -13,6 +13,8 @@
 #include "base/parallel.h"
 #include "freespace/coarsen.h"
 #include "navigation/distance_field.h"
+#include "navigation/frontiers.h"
+#include "navigation/ground_grid.h"
 #include "navigation/inflate.h"
 #include "support/recorded_map.h"
 
@@ -111,6 +113,31 @@ struct Walk {
   Stage coarsened{"leaves"}, inflated{"inflation"}, field{"distances"};
 };
 
+/// What is asked for now and then, at the end of the walk.
+void PrintRequests(const Walk& walk) {
+  const Spent grid = Measure([&] { *MakeGroundGrid(walk.fine, {}, {}); });
+  size_t frontiers = 0;
+  const Spent search = Measure(
+      [&] { frontiers = FindFrontiers(walk.leaves, walk.inflater.inflated(), {})->size(); });
+  std::printf("grid of the whole map %.1f ms, %zu frontiers %.1f ms\n", grid.wall, frontiers,
+              search.wall);
+  std::vector<Eigen::Vector3d> points;
+  for (const BlockIndex& index : walk.leaves.SortedIndices()) {
+    for (const double offset : {0.9, 3.3, 5.8, 7.2}) {
+      const Eigen::Vector3d leaf(8 * index.x + offset, 8 * index.y + 7 - offset,
+                                 8 * index.z + offset);
+      points.push_back(leaf * walk.leaves.cell_size());
+    }
+  }
+  double sum = 0;
+  const Spent queries = Measure([&] {
+    for (const Eigen::Vector3d& p_W : points) sum += walk.distances.From(p_W).distance_m;
+  });
+  const auto count = static_cast<double>(points.size());
+  std::printf("distance and gradient at a point %.2f us (mean distance %.2f m)\n",
+              1e3 * queries.cpu / count, sum / count);
+}
+
 int Main(int argc, char** argv) {
   const std::string sequence = argc > 1 ? argv[1] : testing_support::BenchSequence();
   const int frames = argc > 2 ? std::atoi(argv[2]) : 150;
@@ -138,6 +165,7 @@ int Main(int argc, char** argv) {
               static_cast<double>(walk.distances.bytes()) / 1e6,
               static_cast<double>(walk.distances.bytes()) /
                   (static_cast<double>(walk.leaves.size()) * kBlockVoxels));
+  PrintRequests(walk);
   return 0;
 }
 

@@ -138,6 +138,7 @@ TEST(Fields, EveryMemberOfTheOptionStructsIsThere) {
   EXPECT_EQ(FieldCount<OccupancyOptions>(), MemberCount<OccupancyOptions>());
   constexpr size_t kOfOneTree = 2;  // unknown and bounds_W differ from tree to tree
   EXPECT_EQ(FieldCount<OctreeOptions>() + kOfOneTree, MemberCount<OctreeOptions>());
+  EXPECT_EQ(FieldCount<GroundGridOptions>(), MemberCount<GroundGridOptions>());
   EXPECT_EQ(FieldCount<DepthSegmenterOptions>(), MemberCount<DepthSegmenterOptions>());
   EXPECT_EQ(FieldCount<MapServerOptions>(), MemberCount<MapServerOptions>());
   EXPECT_EQ(FieldCount<OctomapExporterOptions>(), MemberCount<OctomapExporterOptions>());

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "process/room_pipeline.h"
@@ -139,6 +141,29 @@ TEST(ExportCommand, WritesMeshAndPointsOfTheSelectedObjects) {
   EXPECT_THAT(none.error, HasSubstr("none of the selected objects"));
 }
 
+TEST(ExportCommand, WritesOneThingAlone) {
+  const MappedRoom& room = MappedRoom::Get();
+  for (const auto& [what, file] :
+       std::map<std::string, std::string>{{"mesh", "mesh.ply"},
+                                          {"objects", "objects.json"},
+                                          {"octree", "octree.bt"},
+                                          {"octree-closed", "octree.closed.bt"}}) {
+    const fs::path out = room.folder() / ("only_" + what);
+    const Ran ran = MapTool({"export", room.map(), "--out", out.string(), "--only", what});
+    ASSERT_EQ(ran.exit_code, 0) << ran.error;
+    const auto bytes = [&](const fs::path& path) {
+      std::ifstream in(path, std::ios::binary);
+      return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    EXPECT_EQ(bytes(out / file), bytes(room.folder() / "out" / file)) << what;
+    EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 1) << what;
+  }
+  const Ran both =
+      MapTool({"export", room.map(), "--out", "x", "--only", "mesh", "--class", "chair"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.error, HasSubstr("exclude each other"));
+}
+
 TEST(ObjectsCommand, WorksWithARunningServerAndIdsSurviveALoad) {
   ProcessBus processes;
   const auto server = processes.Start(
@@ -160,6 +185,14 @@ TEST(ObjectsCommand, WorksWithARunningServerAndIdsSurviveALoad) {
     here.erase("map_id");
     EXPECT_EQ(there, here);
   }
+  const fs::path here = MappedRoom::Get().folder() / "grid", there = here.string() + "_live";
+  EXPECT_EQ(MapTool({"export", MappedRoom::Get().map(), "--grid", here.string()}).exit_code, 0);
+  const Ran exported = MapTool({"export", "live", "--grid", there.string(), "--out", there.string(),
+                                "--only", "mesh", "--lcm-url", processes.url()});
+  ASSERT_EQ(exported.exit_code, 0) << exported.error;
+  for (const char* ending : {".pgm", ".yaml"}) EXPECT_TRUE(fs::exists(there.string() + ending));
+  EXPECT_EQ(fs::file_size(there.string() + ".pgm"), fs::file_size(here.string() + ".pgm"));
+  EXPECT_TRUE(fs::exists(there / "mesh.ply"));
   const Ran unknown = live({"--id", "999"});
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.error, HasSubstr("no object with id 999"));
