@@ -138,7 +138,7 @@ inline constexpr auto FieldsOf(const OccupancyOptions&) {
 
 inline constexpr auto FieldsOf(const OctreeOptions&) {
   using Options = OctreeOptions;
-  return std::tuple(VISMAP_FIELD(resolution_m), VISMAP_FIELD(free_fraction));
+  return std::tuple(VISMAP_FIELD(resolution_m), VISMAP_FIELD(free_fraction), VISMAP_FIELD(shell_m));
 }
 
 inline constexpr auto FieldsOf(const DepthSegmenterOptions&) {

@@ -84,6 +84,7 @@ std::vector<std::string> Problems(const GroundGridOptions& ground, const VoxelGr
 std::vector<std::string> Problems(const OctreeOptions& octree, const VoxelGridOptions& grid) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, octree.free_fraction, 0.01, 1);
+  VISMAP_CHECK_RANGE(check, octree.shell_m, 0, 100);
   const auto resolved = ChooseOctreeGrid(grid.voxel_size_m, octree.resolution_m);
   if (!resolved) check.Unless(false, "resolution_m: " + resolved.error().message);
   return std::move(check).problems();

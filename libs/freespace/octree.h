@@ -20,7 +20,7 @@ namespace vismap {
 /// How unknown space is written. Collision checkers like FCL treat space without a node as free.
 enum class UnknownPolicy : uint8_t {
   kAbsent = 0,    ///< without nodes, as OctoMap defines it
-  kOccupied = 1,  ///< as occupied within the bounds of the tree, for collision checkers
+  kOccupied = 1,  ///< as occupied within the bounds and in a shell around them: a closed tree
 };
 
 inline constexpr auto NamesOf(UnknownPolicy) {
@@ -35,7 +35,11 @@ struct OctreeOptions {
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
   double free_fraction = 1.0;  ///< share of a leaf's voxels that must be free, (0, 1]
   /// Bounds of the tree [m]; nullopt = the box around all known cells.
-  std::optional<Eigen::AlignedBox3d> bounds_W;
+  std::optional<Eigen::AlignedBox3d> bounds_W{};
+  /// A closed tree is occupied everywhere up to this far outside of its bounds, and in places up to
+  /// 32 leaves farther, where nodes are then larger [m]. 0 = it ends at its bounds, and collision
+  /// checkers take all beyond for free.
+  double shell_m = 1;
 };
 
 /// A whole OctoMap file with its text header, and its properties.
@@ -44,7 +48,9 @@ struct OctreeBytes {
   double resolution = 0;  ///< edge of a leaf [m]
   int64_t nodes = 0;      ///< inner nodes and leaves; 0 = empty tree
   UnknownPolicy unknown = UnknownPolicy::kAbsent;
-  Eigen::AlignedBox3d bounds_W;  ///< bounds of the tree [m]; empty for an empty tree
+  /// Bounds of the tree [m], without its shell; empty for an empty tree.
+  Eigen::AlignedBox3d bounds_W;
+  double shell_m = 0;      ///< see OctreeOptions; 0 unless the tree is closed
   std::string left_out{};  ///< one sentence when parts of the map are not in the tree; "" = all are
 };
 
@@ -58,12 +64,15 @@ struct OctreeGrid {
 /// not a whole multiple of the voxel size; the Error names the nearest possible one.
 Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution);
 
+/// Fails unless the corners of a box are finite and each minimum is below its maximum.
+Result<void> CheckOctreeBounds(const Eigen::AlignedBox3d& bounds_W);
+
 /// The map as an OctoMap `.bt` stream. A leaf is occupied when any of its voxels is occupied, free
 /// when none is occupied and enough voxels are free, else unknown. OctoMap has 32768 leaves from
-/// the origin along each axis; what lies beyond is left out. Fails on a resolution that is no
-/// multiple of the voxel size, on bounds that are not finite or empty, when all of the map lies
-/// beyond, and when unknown space shall be occupied in a box whose sides have more than 2^26
-/// leaves.
+/// the origin along each axis; what lies beyond is left out. With bounds, only the blocks that they
+/// touch are read. Fails on a resolution that is no multiple of the voxel size, on bounds that are
+/// not finite, inverted or without the centre of a leaf, when all of the map lies beyond, and when
+/// unknown space shall be occupied in a box whose sides have more than 2^26 leaves.
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
 
 /// Writes the stream to a file, see WriteFileAtomically; the folder must exist.

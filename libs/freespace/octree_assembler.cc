@@ -18,8 +18,8 @@ uint64_t Spread3(uint64_t value) {
 
 class Assembler {
  public:
-  Assembler(const OccupancyBox& box, UnknownPolicy unknown)
-      : box_(box), closed_(unknown == UnknownPolicy::kOccupied) {}
+  Assembler(const OccupancyBox& outer, UnknownPolicy unknown)
+      : outer_(outer), closed_(unknown == UnknownPolicy::kOccupied) {}
 
   /// The whole tree. A subtree does not count its own root, so the root is counted here.
   NodeWriter Run(std::span<const PlacedSubtree> parts) {
@@ -36,8 +36,8 @@ class Assembler {
  private:
   NodeState Emit(const OctreeCube& cube, int level, std::span<const PlacedSubtree> parts) {
     if (parts.empty() && !closed_) return NodeState::kUnknown;
-    if (Disjoint(cube, box_)) return NodeState::kUnknown;
-    if (parts.empty() && Inside(cube, box_)) return NodeState::kOccupied;
+    if (Disjoint(cube, outer_)) return NodeState::kUnknown;
+    if (parts.empty() && Inside(cube, outer_)) return NodeState::kOccupied;
     if (level == 0) return writer_.Append(parts.empty() ? Empty(cube) : *parts[0].subtree);
     const size_t start = writer_.Reserve();
     uint32_t code = 0;
@@ -58,7 +58,7 @@ class Assembler {
   /// The subtree of an unknown cube at a side of the bounds. Cubes that the bounds cut in the same
   /// way have the same subtree.
   const Subtree& Empty(const OctreeCube& cube) {
-    const OccupancyBox part = Intersect(cube.Box(), box_);
+    const OccupancyBox part = Intersect(cube.Box(), outer_);
     const auto from_corner = [&](VoxelIndex cell) {
       return VoxelIndex{cell.x - cube.min.x, cell.y - cube.min.y, cell.z - cube.min.z};
     };
@@ -66,11 +66,11 @@ class Assembler {
     for (const auto& [known_shape, subtree] : empty_) {
       if (known_shape == shape) return subtree;
     }
-    const Subtree subtree = EncodeSubtree(cube, nullptr, part, UnknownPolicy::kOccupied);
+    const Subtree subtree = EncodeSubtree(cube, nullptr, {part, part}, UnknownPolicy::kOccupied);
     return empty_.emplace_back(shape, subtree).second;
   }
 
-  OccupancyBox box_;
+  OccupancyBox outer_;
   bool closed_;
   NodeWriter writer_;
   std::deque<std::pair<OccupancyBox, Subtree>> empty_;  // by shape of the cut, at most 27
@@ -85,9 +85,9 @@ uint64_t OctreeOrder(const OctreeCube& cube) {
   return place(cube.min.x) | place(cube.min.y) << 1 | place(cube.min.z) << 2;
 }
 
-NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const OccupancyBox& box,
+NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const OccupancyBox& outer,
                           UnknownPolicy unknown) {
-  return Assembler(box, unknown).Run(parts);
+  return Assembler(outer, unknown).Run(parts);
 }
 
 }  // namespace vismap

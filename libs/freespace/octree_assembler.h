@@ -21,9 +21,9 @@ struct PlacedSubtree {
   const Subtree* subtree = nullptr;  ///< encoded for the part of the cube within the bounds
 };
 
-/// A whole tree within `box`, assembled from the subtrees of all cubes that are not unknown
-/// everywhere, in ascending order.
-NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const OccupancyBox& box,
+/// A whole tree within `outer`, assembled from the subtrees of all cubes that are not unknown
+/// everywhere, in ascending order. All other space within `outer` is unknown.
+NodeWriter AssembleOctree(std::span<const PlacedSubtree> parts, const OccupancyBox& outer,
                           UnknownPolicy unknown);
 
 }  // namespace vismap

@@ -8,10 +8,11 @@ namespace vismap {
 OctreeBuilder::OctreeBuilder(double voxel_size, const OctreeGrid& grid,
                              const OctreeOptions& options)
     : voxel_size_(voxel_size),
-      resolution_(grid.resolution),
+      encoding_(options),
       coarsening_{grid.factor, options.free_fraction},
-      bounds_W_(options.bounds_W),
-      leaves_(voxel_size * grid.factor) {}
+      leaves_(voxel_size * grid.factor) {
+  encoding_.resolution_m = grid.resolution;
+}
 
 Result<OctreeBuilder> OctreeBuilder::Make(double voxel_size, const OctreeOptions& options) {
   const Result<OctreeGrid> grid = ChooseOctreeGrid(voxel_size, options.resolution_m);
@@ -23,17 +24,19 @@ Result<OctreeBuilder> OctreeBuilder::Make(double voxel_size, const OctreeOptions
   return OctreeBuilder(voxel_size, *grid, options);
 }
 
-void OctreeBuilder::Update(const OccupancyMap& map, std::span<const BlockIndex> changed) {
+OccupancyDelta OctreeBuilder::Update(const OccupancyMap& map, std::span<const BlockIndex> changed) {
   Require(map.cell_size() == voxel_size_, "an octree is built of one map");
-  const OccupancyDelta delta = UpdateCoarse(map, changed, coarsening_, &leaves_);
+  OccupancyDelta delta = UpdateCoarse(map, changed, coarsening_, &leaves_);
   std::vector<BlockIndex> indices;
   indices.reserve(delta.blocks.size());
   for (const auto& entry : delta.blocks) indices.push_back(entry.first);
   cache_.Update(leaves_, indices);
+  return delta;
 }
 
 Result<OctreeBytes> OctreeBuilder::Build(UnknownPolicy unknown) {
-  return cache_.Encode(leaves_, resolution_, unknown, bounds_W_);
+  encoding_.unknown = unknown;
+  return cache_.Encode(leaves_, encoding_);
 }
 
 }  // namespace vismap

@@ -16,21 +16,24 @@ class OctreeBuilder {
   static Result<OctreeBuilder> Make(double voxel_size, const OctreeOptions& options);
 
   /// Updates the leaves from the blocks of `map` that may have changed since the last call, in any
-  /// order; the first call needs all blocks. Throws std::logic_error on another voxel size.
-  void Update(const OccupancyMap& map, std::span<const BlockIndex> changed);
+  /// order; the first call needs all blocks. Returns the blocks of leaves() that changed. Throws
+  /// std::logic_error on another voxel size.
+  OccupancyDelta Update(const OccupancyMap& map, std::span<const BlockIndex> changed);
 
   /// The octree of the map at the last Update. Fails as BuildOctree does.
   Result<OctreeBytes> Build(UnknownPolicy unknown);
 
+  double resolution() const { return encoding_.resolution_m; }  ///< edge of a leaf [m]
+  /// The map in cells of the size of leaves.
+  const OccupancyMap& leaves() const { return leaves_; }
   int64_t encoded_cubes() const { return cache_.encoded(); }  ///< see OctreeCache
 
  private:
   OctreeBuilder(double voxel_size, const OctreeGrid& grid, const OctreeOptions& options);
 
   double voxel_size_;
-  double resolution_;
+  OctreeOptions encoding_;  // its resolution is that of the leaves
   CoarsenOptions coarsening_;
-  std::optional<Eigen::AlignedBox3d> bounds_W_;
   OccupancyMap leaves_;
   OctreeCache cache_;
 };

@@ -48,9 +48,33 @@ OccupancyBox CellsOf(const Eigen::AlignedBox3d& bounds_W, double resolution) {
           {cell(max.x()), cell(max.y()), cell(max.z())}};
 }
 
-Result<void> CheckBounds(const Eigen::AlignedBox3d& bounds_W) {
-  if (bounds_W.min().allFinite() && bounds_W.max().allFinite() && !bounds_W.isEmpty()) return {};
-  return Fail("octree bounds: expected finite numbers, and no minimum above its maximum");
+/// The last cubes of the key space have no shell, so that no tree fills all of it, which OctoMap
+/// cannot write [leaves].
+constexpr int32_t kShellEnd = kOctreeCellOffset - kOctreeCubeSide;
+
+/// The box and its shell. The shell ends where nodes of the size of cubes do, so that it has few.
+OctreeExtent WithShell(const OccupancyBox& box, const OctreeOptions& options) {
+  if (options.unknown == UnknownPolicy::kAbsent || options.shell_m <= 0) return {box, box};
+  const double wanted = std::ceil(options.shell_m / options.resolution_m - 1e-6);
+  const auto shell = static_cast<int32_t>(std::min<double>(wanted, 2 * kOctreeCellOffset));
+  constexpr int32_t kRest = kOctreeCubeSide - 1;
+  const auto low = [&](int32_t min) {
+    return std::min(min, std::max(min - shell, -kShellEnd)) & ~kRest;
+  };
+  const auto high = [&](int32_t max) {
+    return (std::max(max, std::min(max + shell, kShellEnd)) + kRest) & ~kRest;
+  };
+  return {box,
+          {{low(box.min.x), low(box.min.y), low(box.min.z)},
+           {high(box.max.x), high(box.max.y), high(box.max.z)}}};
+}
+
+/// Whether OctoMap's key space ends within the shell.
+bool IsCut(const OctreeExtent& extent, const OctreeOptions& options) {
+  if (extent.box == extent.outer) return false;
+  const double reach = kShellEnd - options.shell_m / options.resolution_m;
+  const auto [min, max] = extent.box;
+  return std::min({min.x, min.y, min.z}) < -reach || std::max({max.x, max.y, max.z}) > reach;
 }
 
 // A closed tree has nodes for all cells along the sides of its box, also where the map has nothing.
@@ -63,6 +87,10 @@ Result<void> CheckClosed(const OccupancyBox& box, double resolution) {
       ShortestText(y * resolution) + " m x " + ShortestText(z * resolution) +
       " m is too large to write unknown space as occupied; expected a smaller box or larger "
       "leaves (octree.resolution_m)");
+}
+
+bool IsEmpty(const OccupancyBox& box) {
+  return box.min.x >= box.max.x || box.min.y >= box.max.y || box.min.z >= box.max.z;
 }
 
 Eigen::AlignedBox3d MetersOf(const OccupancyBox& box, double resolution) {
@@ -92,6 +120,17 @@ std::vector<uint8_t> WithHeader(const NodeWriter& tree, double resolution) {
 
 }  // namespace
 
+Result<void> CheckOctreeBounds(const Eigen::AlignedBox3d& bounds_W) {
+  const Eigen::Vector3d &min = bounds_W.min(), &max = bounds_W.max();
+  if (min.allFinite() && max.allFinite() && (min.array() < max.array()).all()) return {};
+  const auto corner = [](const Eigen::Vector3d& p) {
+    return "(" + ShortestText(p.x()) + ", " + ShortestText(p.y()) + ", " + ShortestText(p.z()) +
+           ")";
+  };
+  return Fail("octree bounds: expected finite numbers, and each minimum below its maximum; found " +
+              corner(min) + " to " + corner(max) + " m");
+}
+
 void OctreeCache::Update(const OccupancyMap& leaves, std::span<const BlockIndex> changed) {
   std::map<uint64_t, OctreeCube> touched;
   for (const BlockIndex& block : changed) {
@@ -120,61 +159,91 @@ std::optional<OccupancyBox> OctreeCache::KnownCells() const {
   return box;
 }
 
-void OctreeCache::EncodeChanged(const OccupancyMap& leaves, const OccupancyBox& box,
+void OctreeCache::EncodeChanged(const OccupancyMap& leaves, const OctreeExtent& extent,
                                 UnknownPolicy unknown) {
   struct Task {
     const OctreeCube* place;
-    OccupancyBox box;
+    OctreeExtent extent;
     Written* written;
   };
   std::vector<Task> tasks;
   for (auto& [order, cube] : cubes_) {
-    // If unknown space gets no nodes, only the known cells within the bounds matter.
+    // Only the known cells within the bounds matter: unknown ones are written like those outside.
+    const OccupancyBox known = Intersect(cube.known, extent.box);
     const bool closed = unknown == UnknownPolicy::kOccupied;
-    const OccupancyBox part = Intersect(closed ? cube.place.Box() : cube.known, box);
+    const OctreeExtent part{known, closed ? Intersect(cube.place.Box(), extent.outer) : known};
     Written* written = &cube.written[static_cast<size_t>(unknown)];
-    if (written->box != part) tasks.push_back({&cube.place, part, written});
+    if (written->extent != part) tasks.push_back({&cube.place, part, written});
   }
   ParallelFor(tasks.size(), 8, [&](size_t i) {
     const Task& task = tasks[i];
-    *task.written = {task.box, EncodeSubtree(*task.place, &leaves, task.box, unknown)};
+    *task.written = {task.extent, EncodeSubtree(*task.place, &leaves, task.extent, unknown)};
   });
   encoded_ = static_cast<int64_t>(tasks.size());
 }
 
-Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, double resolution,
-                                        UnknownPolicy unknown,
-                                        const std::optional<Eigen::AlignedBox3d>& bounds_W) {
-  if (!unreachable_.empty() && cubes_.empty())
+Result<OctreeBytes> OctreeCache::Encode(const OccupancyMap& leaves, const OctreeOptions& options) {
+  const double resolution = options.resolution_m;
+  if (!unreachable_.empty() && cubes_.empty() && !options.bounds_W)
     return Fail("octree: all of the map lies" + BeyondReach(resolution));
-  if (bounds_W) {
-    if (const Result<void> checked = CheckBounds(*bounds_W); !checked)
+  const Result<std::optional<OccupancyBox>> box = BoxOf(options);
+  if (!box) return tl::unexpected(box.error());
+  OctreeBytes octree;
+  octree.resolution = resolution;
+  octree.unknown = options.unknown;
+  octree.shell_m = options.unknown == UnknownPolicy::kOccupied ? options.shell_m : 0;
+  const OctreeExtent extent = WithShell(box->value_or(OccupancyBox{}), options);
+  const NodeWriter tree = *box ? EncodeWithin(leaves, extent, options.unknown) : NodeWriter();
+  octree.nodes = tree.nodes();
+  if (*box) octree.bounds_W = MetersOf(**box, resolution);
+  octree.bytes = WithHeader(tree, resolution);
+  octree.left_out = LeftOut(*box && IsCut(extent, options), resolution);
+  return octree;
+}
+
+/// The bounds in leaves; nullopt when nothing is known and no bounds are given.
+Result<std::optional<OccupancyBox>> OctreeCache::BoxOf(const OctreeOptions& options) const {
+  std::optional<OccupancyBox> box = KnownCells();
+  if (options.bounds_W) {
+    if (const Result<void> checked = CheckOctreeBounds(*options.bounds_W); !checked)
+      return tl::unexpected(checked.error());
+    box = CellsOf(*options.bounds_W, options.resolution_m);
+    if (IsEmpty(*box)) {
+      return Fail("octree bounds: expected a box with the centre of at least one leaf of " +
+                  ShortestText(options.resolution_m) + " m, within " +
+                  ShortestText(kOctreeCellOffset * options.resolution_m) + " m of the origin");
+    }
+  }
+  if (box && options.unknown == UnknownPolicy::kOccupied) {
+    if (const Result<void> checked = CheckClosed(*box, options.resolution_m); !checked)
       return tl::unexpected(checked.error());
   }
-  const std::optional<OccupancyBox> box = bounds_W ? CellsOf(*bounds_W, resolution) : KnownCells();
-  if (box && unknown == UnknownPolicy::kOccupied) {
-    if (const Result<void> checked = CheckClosed(*box, resolution); !checked)
-      return tl::unexpected(checked.error());
-  }
-  EncodeChanged(leaves, box.value_or(OccupancyBox{}), unknown);
+  return box;
+}
+
+NodeWriter OctreeCache::EncodeWithin(const OccupancyMap& leaves, const OctreeExtent& extent,
+                                     UnknownPolicy unknown) {
+  EncodeChanged(leaves, extent, unknown);
   std::vector<PlacedSubtree> parts;
   parts.reserve(cubes_.size());
   for (const auto& [order, cube] : cubes_) {
     parts.push_back({order, &cube.written[static_cast<size_t>(unknown)].subtree});
   }
-  const NodeWriter tree = AssembleOctree(parts, box.value_or(OccupancyBox{}), unknown);
-  OctreeBytes octree;
-  octree.resolution = resolution;
-  octree.nodes = tree.nodes();
-  octree.unknown = unknown;
-  if (box) octree.bounds_W = MetersOf(*box, resolution);
-  octree.bytes = WithHeader(tree, resolution);
+  return AssembleOctree(parts, extent.outer, unknown);
+}
+
+std::string OctreeCache::LeftOut(bool shell_is_cut, double resolution) const {
+  std::string sentence;
   if (!unreachable_.empty()) {
-    octree.left_out = std::to_string(unreachable_.size()) +
-                      " pieces of the map are not in the octree: they lie" +
-                      BeyondReach(resolution);
+    sentence = std::to_string(unreachable_.size()) +
+               " pieces of the map are not in the octree: they lie" + BeyondReach(resolution);
   }
-  return octree;
+  if (shell_is_cut) {
+    sentence += std::string(sentence.empty() ? "" : "; ") +
+                "parts of the occupied shell around the octree are missing: they lie" +
+                BeyondReach(resolution);
+  }
+  return sentence;
 }
 
 }  // namespace vismap

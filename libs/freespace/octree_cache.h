@@ -19,16 +19,15 @@ class OctreeCache {
   /// Must be called with the blocks of `leaves` that may have changed since the last call.
   void Update(const OccupancyMap& leaves, std::span<const BlockIndex> changed);
 
-  /// The octree. `leaves` must be as at the last Update.
-  Result<OctreeBytes> Encode(const OccupancyMap& leaves, double resolution, UnknownPolicy unknown,
-                             const std::optional<Eigen::AlignedBox3d>& bounds_W);
+  /// The octree. `leaves` must be as at the last Update, and `options.resolution_m` their edge.
+  /// `options.free_fraction` is not used.
+  Result<OctreeBytes> Encode(const OccupancyMap& leaves, const OctreeOptions& options);
 
   int64_t encoded() const { return encoded_; }  ///< cubes written by the last Encode
 
  private:
   struct Written {
-    std::optional<OccupancyBox>
-        box;  ///< part of the cube within the bounds; nullopt = not up to date
+    std::optional<OctreeExtent> extent;  ///< its part in the cube; nullopt = not up to date
     Subtree subtree;
   };
   struct Cube {
@@ -38,7 +37,11 @@ class OctreeCache {
   };
 
   std::optional<OccupancyBox> KnownCells() const;
-  void EncodeChanged(const OccupancyMap& leaves, const OccupancyBox& box, UnknownPolicy unknown);
+  Result<std::optional<OccupancyBox>> BoxOf(const OctreeOptions& options) const;
+  NodeWriter EncodeWithin(const OccupancyMap& leaves, const OctreeExtent& extent,
+                          UnknownPolicy unknown);
+  std::string LeftOut(bool shell_is_cut, double resolution) const;
+  void EncodeChanged(const OccupancyMap& leaves, const OctreeExtent& extent, UnknownPolicy unknown);
 
   std::map<uint64_t, Cube> cubes_;    // by OctreeOrder
   std::set<BlockIndex> unreachable_;  // known blocks outside OctoMap's key space

@@ -45,6 +45,13 @@ inline OccupancyBox Intersect(const OccupancyBox& a, const OccupancyBox& b) {
   return none ? OccupancyBox{} : both;
 }
 
+/// The space that a tree describes.
+struct OctreeExtent {
+  OccupancyBox box;    ///< where leaves are as in the map
+  OccupancyBox outer;  ///< contains `box`; in a closed tree, leaves outside of `box` are occupied
+  friend bool operator==(const OctreeExtent&, const OctreeExtent&) = default;
+};
+
 inline bool Disjoint(const OctreeCube& cube, const OccupancyBox& box) {
   return Intersect(cube.Box(), box) == OccupancyBox{};
 }

@@ -46,11 +46,13 @@ constexpr std::array<uint16_t, 256> kEveryOtherBit = [] {
 
 class SubtreeEncoder {
  public:
-  SubtreeEncoder(const OccupancyMap* leaves, const OccupancyBox& box, UnknownPolicy unknown)
-      : leaves_(leaves), box_(box), closed_(unknown == UnknownPolicy::kOccupied) {}
+  SubtreeEncoder(const OccupancyMap* leaves, const OctreeExtent& extent, UnknownPolicy unknown)
+      : leaves_(leaves), extent_(extent), closed_(unknown == UnknownPolicy::kOccupied) {}
 
   NodeState EmitNode(const OctreeCube& cube) {
-    if (Disjoint(cube, box_)) return NodeState::kUnknown;
+    if (Disjoint(cube, closed_ ? extent_.outer : extent_.box)) return NodeState::kUnknown;
+    if (closed_ && Disjoint(cube, extent_.box) && Inside(cube, extent_.outer))
+      return NodeState::kOccupied;
     if (cube.size == kBlockSide) return EmitBlock(cube);
     const size_t start = writer_.Reserve();
     uint32_t code = 0;
@@ -67,15 +69,16 @@ class SubtreeEncoder {
     const BlockOccupancy block =
         leaves_ == nullptr ? BlockOccupancy() : leaves_->At(BlockOf(cube.min));
     if (!closed_ && block.is(CellState::kUnknown)) return NodeState::kUnknown;
-    if (block.is_uniform() && Inside(cube, box_)) {
+    if (block.is_uniform() && Inside(cube, extent_.box)) {
       return block.is(CellState::kUnknown) ? NodeState::kOccupied : ToNode(block.uniform_state());
     }
     OccupancyPlanes planes = block.Planes();
-    const std::array<uint64_t, 8> cells = CellsInside(cube, box_);
+    const std::array<uint64_t, 8> cells = CellsInside(cube, extent_.box);
+    const std::array<uint64_t, 8> outer = CellsInside(cube, extent_.outer);
     for (size_t z = 0; z < 8; ++z) {
       planes.free[z] &= cells[z];
       planes.occupied[z] &= cells[z];
-      if (closed_) planes.occupied[z] |= cells[z] & ~planes.free[z];
+      if (closed_) planes.occupied[z] |= outer[z] & ~planes.free[z];
     }
     return EmitGroups(planes);
   }
@@ -103,7 +106,7 @@ class SubtreeEncoder {
   }
 
   const OccupancyMap* leaves_;
-  OccupancyBox box_;
+  OctreeExtent extent_;
   bool closed_;
   NodeWriter writer_;
 };
@@ -124,9 +127,9 @@ NodeState NodeWriter::Finish(size_t start, uint32_t code) {
   return NodeState::kInner;
 }
 
-Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const OccupancyBox& box,
-                      UnknownPolicy unknown) {
-  SubtreeEncoder encoder(leaves, box, unknown);
+Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves,
+                      const OctreeExtent& extent, UnknownPolicy unknown) {
+  SubtreeEncoder encoder(leaves, extent, unknown);
   const NodeState state = encoder.EmitNode(cube);
   // Copied, since a copy has no spare capacity and thousands of subtrees are kept.
   return {state, encoder.writer().nodes(), encoder.writer().bytes()};

@@ -56,9 +56,9 @@ class NodeWriter {
   int64_t nodes_ = 0;
 };
 
-/// The node of a block or of a larger cube, within `box`. `leaves`: the map in cells of the size of
-/// leaves; nullptr = unknown everywhere.
-Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves, const OccupancyBox& box,
-                      UnknownPolicy unknown);
+/// The node of a block or of a larger cube, within `extent`. `leaves`: the map in cells of the size
+/// of leaves; nullptr = unknown everywhere.
+Subtree EncodeSubtree(const OctreeCube& cube, const OccupancyMap* leaves,
+                      const OctreeExtent& extent, UnknownPolicy unknown);
 
 }  // namespace vismap

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/file.h"
+#include "freespace/block_region.h"
 #include "freespace/octree_builder.h"
 #include "freespace/shortest_text.h"
 
@@ -29,7 +30,15 @@ Result<OctreeGrid> ChooseOctreeGrid(double voxel_size, double resolution) {
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options) {
   Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), options);
   if (!builder) return tl::unexpected(builder.error());
-  builder->Update(map, map.SortedIndices());
+  if (!options.bounds_W) {
+    builder->Update(map, map.SortedIndices());
+    return builder->Build(options.unknown);
+  }
+  if (const Result<void> checked = CheckOctreeBounds(*options.bounds_W); !checked)
+    return tl::unexpected(checked.error());
+  const BlockRegion region =
+      RegionAround(*options.bounds_W, builder->resolution(), map.cell_size() * kBlockSide);
+  builder->Update(map, BlocksIn(map.blocks(), region));
   return builder->Build(options.unknown);
 }
 

@@ -15,10 +15,13 @@ namespace vismap::testing_support {
 /// The octree of a map whose cells are the leaves.
 inline Result<OctreeBytes> EncodeOctree(const OccupancyMap& leaves, double resolution,
                                         UnknownPolicy unknown,
-                                        const std::optional<Eigen::AlignedBox3d>& bounds_W) {
+                                        const std::optional<Eigen::AlignedBox3d>& bounds_W,
+                                        double shell_m = 0) {
   OctreeCache cache;
   cache.Update(leaves, leaves.SortedIndices());
-  return cache.Encode(leaves, resolution, unknown, bounds_W);
+  return cache.Encode(
+      leaves,
+      {.resolution_m = resolution, .unknown = unknown, .bounds_W = bounds_W, .shell_m = shell_m});
 }
 
 /// The tree that OctoMap reads from a `.bt` stream. Fails when CheckOctree fails.

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "freespace/octomap_reference.h"
+#include "freespace/octree_builder.h"
 #include "freespace/octree_reading.h"
 #include "freespace/random_occupancy.h"
 #include "support/analytic_map.h"
@@ -62,7 +63,12 @@ TEST(EncodeOctree, BoundsThatAreImpossibleOrTooLargeAreErrors) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
-    for (const auto& [low, high] : {std::pair(nan, nan), {-infinity, infinity}, {1.0, -1.0}})
+    for (const auto& [low, high] : {std::pair(nan, nan),
+                                    {-infinity, infinity},
+                                    {1.0, -1.0},
+                                    {1.0, 1.0},
+                                    {0.026, 0.049},
+                                    {2000.0, 2001.0}})
       EXPECT_THAT(encode(low, high, unknown).error().message, HasSubstr("octree bounds"));
   }
   for (const double reach : {999.97, 1e300}) {
@@ -71,6 +77,127 @@ TEST(EncodeOctree, BoundsThatAreImpossibleOrTooLargeAreErrors) {
     const Result<OctreeBytes> open = encode(-reach, reach, UnknownPolicy::kAbsent);
     ASSERT_TRUE(open) << open.error().message;
     EXPECT_EQ(open->bytes, EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, std::nullopt)->bytes);
+  }
+}
+
+/// The box and at least `leaves` leaves around it, up to whole cubes of 32 leaves.
+OccupancyBox OuterBox(const OccupancyBox& box, int leaves) {
+  const auto down = [&](int at) {
+    return static_cast<int32_t>(32 * std::floor((at - leaves) / 32.0));
+  };
+  const auto up = [&](int at) {
+    return static_cast<int32_t>(32 * std::ceil((at + leaves) / 32.0));
+  };
+  return {{down(box.min.x), down(box.min.y), down(box.min.z)},
+          {up(box.max.x), up(box.max.y), up(box.max.z)}};
+}
+
+TEST(ClosedOctree, BytesAreThoseOfOctomapWithTheShellOccupied) {
+  for (uint64_t seed = 30; seed < 33; ++seed) {
+    const OccupancyMap leaves = RandomOccupancy(seed, 20 * static_cast<int>(seed - 29));
+    const OccupancyBox known = *leaves.KnownCells();
+    const Result<OctreeBytes> octree =
+        EncodeOctree(leaves, 0.05, UnknownPolicy::kOccupied, std::nullopt, 0.33);
+    ASSERT_TRUE(octree);
+    EXPECT_EQ(octree->shell_m, 0.33);
+    ASSERT_EQ(Text(octree->bytes),
+              OctomapBytes(leaves, 0.05, UnknownPolicy::kOccupied, known, OuterBox(known, 7)));
+  }
+}
+
+TEST(ClosedOctree, WithinBoundsWhatLiesOutsideOfThemIsOccupiedAlsoWhereTheMapIsFree) {
+  const OccupancyMap leaves = RandomOccupancy(78, 150);
+  const OccupancyBox box{{-11, -60, -4}, {37, 8, 3}};
+  const Eigen::AlignedBox3d bounds_W(Eigen::Vector3d(-0.55, -3.0, -0.2),
+                                     Eigen::Vector3d(1.85, 0.4, 0.15));
+  const Result<OctreeBytes> octree =
+      EncodeOctree(leaves, 0.05, UnknownPolicy::kOccupied, bounds_W, 1);
+  ASSERT_TRUE(octree);
+  EXPECT_TRUE(octree->bounds_W.isApprox(bounds_W, 1e-9));
+  EXPECT_EQ(Text(octree->bytes),
+            OctomapBytes(leaves, 0.05, UnknownPolicy::kOccupied, box, OuterBox(box, 20)));
+  const auto raw = [&](double shell_m) {
+    return EncodeOctree(leaves, 0.05, UnknownPolicy::kAbsent, bounds_W, shell_m);
+  };
+  EXPECT_EQ(raw(1)->bytes, raw(0)->bytes) << "only closed trees have a shell";
+  EXPECT_EQ(raw(1)->shell_m, 0);
+}
+
+// Collision checkers take a point without a node for free.
+TEST(ClosedOctree, EveryPointWithinTheShellIsOccupied) {
+  OccupancyMap leaves(0.05);
+  for (int i = 0; i < 64; ++i)
+    leaves.Set({i % 4 - 2, i / 4 % 4, i / 16 - 3}, BlockOccupancy(CellState::kFree));
+  for (const double shell_m : {1.0, 2.5}) {
+    const Result<OctreeBytes> octree =
+        EncodeOctree(leaves, 0.05, UnknownPolicy::kOccupied, std::nullopt, shell_m);
+    ASSERT_TRUE(octree);
+    EXPECT_LT(octree->bytes.size(), 2000u) << "the shell has large nodes";
+    const Result<Tree> tree = ReadOctree(octree->bytes, "closed");
+    ASSERT_TRUE(tree) << tree.error().message;
+    const Eigen::AlignedBox3d& bounds = octree->bounds_W;
+    const Eigen::Vector3d size = bounds.sizes().array() + 2 * shell_m;
+    Random random(4);
+    int outside = 0;
+    for (int i = 0; i < 200000; ++i) {
+      Eigen::Vector3d p_W;
+      for (int axis = 0; axis < 3; ++axis) {
+        p_W[axis] = bounds.min()[axis] - shell_m + 1e-9 +
+                    (size[axis] - 2e-9) * random.Below(1 << 20) / ((1 << 20) - 1);
+      }
+      const bool inside = bounds.contains(p_W);
+      outside += !inside;
+      if (inside) continue;
+      ASSERT_EQ(CellAt(**tree, p_W), CellState::kOccupied) << p_W.transpose();
+    }
+    EXPECT_GT(outside, 100000);
+    EXPECT_EQ(CellAt(**tree, bounds.center()), CellState::kFree);
+  }
+}
+
+TEST(ClosedOctree, OfABoxInUnseenSpaceIsFullOfOccupiedSpace) {
+  const OccupancyMap leaves = RandomOccupancy(5, 60);
+  const Eigen::AlignedBox3d far(Eigen::Vector3d(40, 40, 40), Eigen::Vector3d(41, 42, 43));
+  const Result<OctreeBytes> octree = EncodeOctree(leaves, 0.05, UnknownPolicy::kOccupied, far, 1);
+  ASSERT_TRUE(octree);
+  EXPECT_GT(octree->nodes, 0);
+  for (const Eigen::Vector3d& p_W : {far.min(), far.max(), Eigen::Vector3d(far.center())})
+    EXPECT_EQ(CellAt(**ReadOctree(octree->bytes, "far"), p_W), CellState::kOccupied);
+}
+
+TEST(ClosedOctree, ShellEndsWithTheKeySpaceAndSaysSo) {
+  OccupancyMap leaves(0.05);
+  leaves.Set({-4096, 0, 4095}, BlockOccupancy(CellState::kFree));
+  const Result<OctreeBytes> octree =
+      EncodeOctree(leaves, 0.05, UnknownPolicy::kOccupied, std::nullopt, 1);
+  ASSERT_TRUE(octree);
+  EXPECT_THAT(octree->left_out, HasSubstr("parts of the occupied shell"));
+  const Result<Tree> tree = ReadOctree(octree->bytes, "edge");
+  EXPECT_EQ(CellAt(**tree, {-1638.3, 0.1, 1638.3}), CellState::kFree);
+  EXPECT_EQ(CellAt(**tree, {-1638.3, -0.9, 1638.3}), CellState::kOccupied);
+  EXPECT_EQ(CellAt(**tree, {-1637.1, 0.1, 1638.3}), CellState::kOccupied);
+}
+
+TEST(BuildOctree, WithBoundsGivesTheBytesOfTheWholeMapWithinThem) {
+  Random random(17);
+  const OccupancyMap voxels = RandomOccupancy(6, 250, 0.02);
+  for (const double resolution : {0.04, 0.06, 0.1, 0.22}) {
+    for (int i = 0; i < 20; ++i) {
+      OctreeOptions options;
+      options.resolution_m = resolution;
+      options.unknown = i % 2 == 0 ? UnknownPolicy::kOccupied : UnknownPolicy::kAbsent;
+      const Eigen::Vector3d low(random.Below(100), random.Below(100), random.Below(60));
+      const Eigen::Vector3d size(20 + random.Below(60), 20 + random.Below(60),
+                                 20 + random.Below(40));
+      const Eigen::Vector3d min_W = 0.0137 * (low.array() - 55).matrix();
+      options.bounds_W = Eigen::AlignedBox3d(min_W, min_W + 0.0137 * size);
+      Result<OctreeBuilder> whole = OctreeBuilder::Make(voxels.cell_size(), options);
+      whole->Update(voxels, voxels.SortedIndices());
+      const Result<OctreeBytes> expected = whole->Build(options.unknown);
+      const Result<OctreeBytes> found = BuildOctree(voxels, options);
+      ASSERT_TRUE(expected && found);
+      ASSERT_EQ(found->bytes, expected->bytes) << resolution << " " << i;
+    }
   }
 }
 
