@@ -8,7 +8,9 @@
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
 #include <vismap/mesh_delta_t.hpp>
+#include <vismap/navigation_status_t.hpp>
 #include <vismap/object_list_t.hpp>
+#include <vismap/octree_delta_t.hpp>
 #include <vismap/octree_t.hpp>
 #include <vismap/process_status_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
@@ -103,6 +105,8 @@ VISMAP_CLIENT_MESSAGE(map_delta_t)
 VISMAP_CLIENT_MESSAGE(mesh_delta_t)
 VISMAP_CLIENT_MESSAGE(object_list_t)
 VISMAP_CLIENT_MESSAGE(octree_t)
+VISMAP_CLIENT_MESSAGE(octree_delta_t)
+VISMAP_CLIENT_MESSAGE(navigation_status_t)
 VISMAP_CLIENT_MESSAGE(map_request_t)
 VISMAP_CLIENT_MESSAGE(map_reply_t)
 VISMAP_CLIENT_MESSAGE(process_status_t)

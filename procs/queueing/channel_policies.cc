@@ -10,7 +10,9 @@ namespace {
 
 constexpr std::array kLossless = {kRgbdFrameChannel, kDetectionsChannel, kSegmentedFrameChannel,
                                   kMapCommitChannel, kMapRequestChannel, kMapReplyChannel};
-constexpr std::array kLatest = {kStatusChannel, kObjectsChannel, kOctomapChannel};
+constexpr std::array kLatest = {kStatusChannel,     kObjectsChannel,       kOctomapChannel,
+                                kOctomapRawChannel, kOctomapCoarseChannel, kOctomapInflatedChannel,
+                                kNavigationChannel};
 
 template <typename Channels>
 bool Contains(const Channels& channels, const std::string& name) {

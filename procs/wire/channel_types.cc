@@ -8,7 +8,9 @@
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
 #include <vismap/mesh_delta_t.hpp>
+#include <vismap/navigation_status_t.hpp>
 #include <vismap/object_list_t.hpp>
+#include <vismap/octree_delta_t.hpp>
 #include <vismap/octree_t.hpp>
 #include <vismap/process_status_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
@@ -32,18 +34,22 @@ ChannelType TypeOf(const Channel& channel) {
 }  // namespace
 
 std::span<const ChannelType> ChannelTypes() {
-  static const std::array<ChannelType, 11> kTypes = {
-      TypeOf<rgbd_frame_t>(kRgbdFrameChannel),
-      TypeOf<detections_t>(kDetectionsChannel),
-      TypeOf<segmented_frame_t>(kSegmentedFrameChannel),
-      TypeOf<frame_commit_t>(kMapCommitChannel),
-      TypeOf<map_delta_t>(kMapDeltaChannel),
-      TypeOf<mesh_delta_t>(kMeshDeltaChannel),
-      TypeOf<object_list_t>(kObjectsChannel),
-      TypeOf<octree_t>(kOctomapChannel),
-      TypeOf<map_request_t>(kMapRequestChannel),
-      TypeOf<map_reply_t>(kMapReplyChannel),
-      TypeOf<process_status_t>(kStatusChannel)};
+  static const std::array kTypes = {TypeOf<rgbd_frame_t>(kRgbdFrameChannel),
+                                    TypeOf<detections_t>(kDetectionsChannel),
+                                    TypeOf<segmented_frame_t>(kSegmentedFrameChannel),
+                                    TypeOf<frame_commit_t>(kMapCommitChannel),
+                                    TypeOf<map_delta_t>(kMapDeltaChannel),
+                                    TypeOf<mesh_delta_t>(kMeshDeltaChannel),
+                                    TypeOf<object_list_t>(kObjectsChannel),
+                                    TypeOf<octree_t>(kOctomapChannel),
+                                    TypeOf<map_request_t>(kMapRequestChannel),
+                                    TypeOf<map_reply_t>(kMapReplyChannel),
+                                    TypeOf<process_status_t>(kStatusChannel),
+                                    TypeOf<octree_t>(kOctomapRawChannel),
+                                    TypeOf<octree_t>(kOctomapCoarseChannel),
+                                    TypeOf<octree_t>(kOctomapInflatedChannel),
+                                    TypeOf<octree_delta_t>(kOctomapDeltaChannel),
+                                    TypeOf<navigation_status_t>(kNavigationChannel)};
   return kTypes;
 }
 

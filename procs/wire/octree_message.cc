@@ -5,6 +5,7 @@
 namespace vismap {
 namespace {
 
+constexpr double kMaxLength = 1000;       // [m]
 constexpr double kMaxObservations = 1e9;  // far beyond any map, and within an int
 
 }  // namespace
@@ -12,6 +13,7 @@ constexpr double kMaxObservations = 1e9;  // far beyond any map, and within an i
 octree_t Encode(const OctreeMessage& octree) {
   octree_t message{};
   message.utime = octree.utime;
+  message.published_utime = octree.published_utime;
   message.map_id = octree.map_id;
   message.revision = octree.revision;
   message.frame_id = "W";
@@ -25,6 +27,14 @@ octree_t Encode(const OctreeMessage& octree) {
     const bool empty = octree.octree.bounds_W.isEmpty();
     message.bbx_min_W[axis] = empty ? 0 : octree.octree.bounds_W.min()[axis];
     message.bbx_max_W[axis] = empty ? 0 : octree.octree.bounds_W.max()[axis];
+  }
+  message.shell_m = octree.octree.shell_m;
+  message.inflated_by_m = octree.inflated_by;
+  message.n_assumed_free = static_cast<int32_t>(octree.assumed_free.size());
+  for (const VoxelIndex& leaf : octree.assumed_free) {
+    message.assumed_free_x.push_back(leaf.x);
+    message.assumed_free_y.push_back(leaf.y);
+    message.assumed_free_z.push_back(leaf.z);
   }
   message.occupied_max_voxels = octree.rule.occupied_max_voxels;
   message.free_min_voxels = octree.rule.free_min_voxels;
@@ -50,6 +60,10 @@ Result<OctreeMessage> Decode(const octree_t& message) {
   if (!(message.min_observations >= 0 && message.min_observations <= kMaxObservations)) {
     return Fail(where + "min_observations is outside [0, 1000000000]");
   }
+  for (const double length : {message.shell_m, message.inflated_by_m}) {
+    if (!(length >= 0 && length <= kMaxLength))
+      return Fail(where + "shell_m or inflated_by_m is outside [0, 1000]");
+  }
   const Result<OctreeStreamInfo> octree = CheckOctree(message.data, where + "data");
   if (!octree) return tl::unexpected(octree.error());
   if (!(std::abs(octree->resolution - message.resolution_m) < 1e-6)) {
@@ -60,12 +74,22 @@ Result<OctreeMessage> Decode(const octree_t& message) {
     return Fail(where + "n_nodes is " + std::to_string(message.n_nodes) + ", but the stream has " +
                 std::to_string(octree->nodes));
   }
-  OctreeMessage value{
-      message.utime, message.map_id, message.revision, message.voxel_size_m, {}, {}};
+  OctreeMessage value;
+  value.utime = message.utime;
+  value.published_utime = message.published_utime;
+  value.map_id = message.map_id;
+  value.revision = message.revision;
+  value.voxel_size = message.voxel_size_m;
   value.rule.occupied_max_voxels = message.occupied_max_voxels;
   value.rule.free_min_voxels = message.free_min_voxels;
   value.rule.min_observations = static_cast<int>(message.min_observations);
   value.octree.bytes = message.data;
+  value.octree.shell_m = message.shell_m;
+  value.inflated_by = message.inflated_by_m;
+  for (size_t i = 0; i < message.assumed_free_x.size(); ++i) {
+    value.assumed_free.push_back(
+        {message.assumed_free_x[i], message.assumed_free_y[i], message.assumed_free_z[i]});
+  }
   value.octree.resolution = message.resolution_m;
   value.octree.nodes = message.n_nodes;
   value.octree.unknown = message.unknown == octree_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied

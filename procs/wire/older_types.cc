@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <vismap/map_reply_t.hpp>
+#include <vismap/map_request_t.hpp>
+#include <vismap/octree_t.hpp>
 #include <vismap/process_status_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 #include <vismap/rgbd_frame_v1_t.hpp>
@@ -10,6 +13,7 @@
 
 #include "wire/envelope.h"
 #include "wire/older_frame.h"
+#include "wire/older_octree.h"
 
 namespace vismap {
 namespace {
@@ -30,12 +34,6 @@ std::vector<uint8_t> Encoded(const Message& message) {
   return bytes;
 }
 
-Result<std::vector<uint8_t>> ConvertFrame(std::span<const uint8_t> bytes, size_t max_bytes) {
-  const auto older = envelope::UnpackExactly<rgbd_frame_v1_t>(bytes, max_bytes);
-  if (!older) return tl::unexpected(older.error());
-  return Encoded(ToCurrentVersion(*older));
-}
-
 Result<std::vector<uint8_t>> ConvertSegmentedFrame(std::span<const uint8_t> bytes,
                                                    size_t max_bytes) {
   const auto older = envelope::UnpackExactly<segmented_frame_v1_t>(bytes, max_bytes);
@@ -54,12 +52,22 @@ Result<std::vector<uint8_t>> ConvertSegmentedFrame(std::span<const uint8_t> byte
   return Encoded(message);
 }
 
+template <typename Older>
+Result<std::vector<uint8_t>> Convert(std::span<const uint8_t> bytes, size_t max_bytes) {
+  const auto older = envelope::UnpackExactly<Older>(bytes, max_bytes);
+  if (!older) return tl::unexpected(older.error());
+  return Encoded(ToCurrentVersion(*older));
+}
+
 std::span<const OlderType> OlderTypes() {
-  static const std::array<OlderType, 3> kTypes = {
+  static const std::array<OlderType, 6> kTypes = {
       OlderType{static_cast<int64_t>(0xdfd3012ff7311f8a), process_status_t::getHash(), AddFindings},
-      OlderType{rgbd_frame_v1_t::getHash(), rgbd_frame_t::getHash(), ConvertFrame},
+      OlderType{rgbd_frame_v1_t::getHash(), rgbd_frame_t::getHash(), Convert<rgbd_frame_v1_t>},
       OlderType{segmented_frame_v1_t::getHash(), segmented_frame_t::getHash(),
-                ConvertSegmentedFrame}};
+                ConvertSegmentedFrame},
+      OlderType{octree_v1_t::getHash(), octree_t::getHash(), Convert<octree_v1_t>},
+      OlderType{map_request_v1_t::getHash(), map_request_t::getHash(), Convert<map_request_v1_t>},
+      OlderType{map_reply_v1_t::getHash(), map_reply_t::getHash(), Convert<map_reply_v1_t>}};
   return kTypes;
 }
 

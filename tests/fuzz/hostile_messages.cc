@@ -4,6 +4,7 @@
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
+#include <vismap/navigation_status_t.hpp>
 #include <vismap/process_status_t.hpp>
 
 #include "codecs/frame_codec.h"
@@ -19,6 +20,7 @@
 #include "wire/mesh_follower.h"
 #include "wire/object_list.h"
 #include "wire/octree_message.h"
+#include "wire/octree_update.h"
 #include "wire/rgbd_frame.h"
 #include "wire/segmented_frame.h"
 
@@ -224,10 +226,31 @@ FuzzTarget ObjectsTarget() {
 }
 
 FuzzTarget OctreeTarget() {
-  const OctreeMessage octree{1, "map", 2, 0.01, {}, *BuildOctree(SmallOccupancy(), {})};
+  OctreeMessage octree;
+  octree.map_id = "map";
+  octree.octree = *BuildOctree(SmallOccupancy(), {});
+  octree.assumed_free = {{1, 2, 3}};
   FuzzTarget target = Target(kOctomapChannel, Encode(octree),
                              [](const octree_t& message) { return Accepted(Decode(message)); });
   return target;
+}
+
+FuzzTarget OctreeDeltaTarget() {
+  OctreeUpdate update;
+  update.leaves.map_id = "map";
+  update.leaves.delta = SnapshotOf(SmallOccupancy());
+  update.shell = 1;
+  return Target(kOctomapDeltaChannel, Encode(update),
+                [](const octree_delta_t& message) { return Accepted(Decode(message)); });
+}
+
+navigation_status_t SomeNavigation() {
+  navigation_status_t navigation{};
+  navigation.map_id = "map";
+  navigation.channels = {"OCTOMAP"};
+  navigation.revisions = navigation.utimes = navigation.published_utimes = {1};
+  navigation.n_outputs = 1;
+  return navigation;
 }
 
 process_status_t SomeStatus() {
@@ -277,6 +300,8 @@ std::vector<FuzzTarget> AllFuzzTargets() {
           MeshDeltaTarget(),
           ObjectsTarget(),
           OctreeTarget(),
+          OctreeDeltaTarget(),
+          UnpackedOnly(kNavigationChannel, SomeNavigation()),
           UnpackedOnly(kMapCommitChannel, SomeCommit()),
           UnpackedOnly(kMapRequestChannel, SomeRequest()),
           UnpackedOnly(kMapReplyChannel, SomeReply()),

@@ -68,6 +68,11 @@ CHANNELS: dict[str, Channel] = {
     "MAP_REQUEST": Channel("vismap.map_request_t", _MEGABYTE // 16),
     "MAP_REPLY": Channel("vismap.map_reply_t", 192 * _MEGABYTE),
     "STATUS": Channel("vismap.process_status_t", _MEGABYTE // 16),
+    "OCTOMAP_RAW": Channel("vismap.octree_t", 192 * _MEGABYTE),
+    "OCTOMAP_COARSE": Channel("vismap.octree_t", 192 * _MEGABYTE),
+    "OCTOMAP_INFLATED": Channel("vismap.octree_t", 192 * _MEGABYTE),
+    "OCTOMAP_DELTA": Channel("vismap.octree_delta_t", 64 * _MEGABYTE),
+    "NAVIGATION": Channel("vismap.navigation_status_t", _MEGABYTE // 16),
 }
 MAX_MESSAGE_BYTES = 192 * _MEGABYTE
 
