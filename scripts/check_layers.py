@@ -60,7 +60,7 @@ OUTSIDE = [
     (r"octomap/(MCTables|octomap_types)\.h", ("libs/meshing/", "tests/meshing/", "tests/support/naive/"),
      True,
      "only meshing uses the marching cubes tables"),
-    (r"(octomap|dynamicEDT3D)/", ("tests/freespace/", "tests/process/", "tests/bench/"),
+    (r"(octomap|dynamicEDT3D)/", ("tests/freespace/", "tests/exports/", "tests/process/", "tests/bench/"),
      False, "only tests use OctoMap, as the reference"),
     (r"(google/protobuf/|.*\.pb\.h)", ("libs/mapfile/", "libs/config/", "tests/mapfile/", "tests/config/"),
      True, "protobuf stays in mapfile and config"),

@@ -117,16 +117,18 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
 }
 
 OccupancyMap ClassifyNearParts(const SemanticMap& map, const MapMetadata& metadata,
-                               const OccupancyOptions& options) {
-  const FarParts far(metadata.trajectory);
-  if (far.empty()) return ClassifyMap(map, options);
-  std::vector<BlockIndex> near;
-  for (const BlockIndex& index : map.voxels.SortedIndices()) {
-    const Eigen::Vector3d corner(index.x, index.y, index.z);
-    if (!far.Contains(corner * map.voxels.block_size())) near.push_back(index);
+                               const OccupancyOptions& options,
+                               const std::optional<BlockRegion>& region) {
+  std::vector<BlockIndex> blocks =
+      region ? BlocksIn(map.voxels.blocks(), *region) : map.voxels.SortedIndices();
+  if (const FarParts far(metadata.trajectory); !far.empty()) {
+    std::erase_if(blocks, [&](const BlockIndex& index) {
+      const Eigen::Vector3d corner(index.x, index.y, index.z);
+      return far.Contains(corner * map.voxels.block_size());
+    });
   }
   OccupancyMap occupancy(map.voxels.voxel_size());
-  occupancy.Update(map, near, options);
+  occupancy.Update(map, blocks, options);
   return occupancy;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "freespace/block_region.h"
 #include "freespace/octree.h"
 #include "mapfile/map_file.h"
 #include "objects/objects.h"
@@ -37,13 +38,13 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
 /// the trajectory (UpOfCameras), which the map may correct.
 ObjectOptions ObjectOptionsFor(const MapMetadata& metadata, const OutputOptions& options);
 
-/// The free and occupied space of a map, without its FarParts.
+/// The free and occupied space of a map, or of the blocks of a region, without its FarParts.
 OccupancyMap ClassifyNearParts(const SemanticMap& map, const MapMetadata& metadata,
-                               const OccupancyOptions& options);
+                               const OccupancyOptions& options,
+                               const std::optional<BlockRegion>& region = std::nullopt);
 
-/// The octree of a map, without its FarParts. `unknown`, instead of that of the options, says
-/// whether unknown space is left out or, within the bounds of the map, written as occupied. Fails
-/// on what BuildOctree fails on.
+/// The octree of a map, without its FarParts. `unknown` replaces that of the options. Fails on what
+/// BuildOctree fails on.
 Result<OctreeBytes> MakeOctree(const SemanticMap& map, const MapMetadata& metadata,
                                const OutputOptions& options, UnknownPolicy unknown);
 
@@ -67,10 +68,10 @@ Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
                        const std::filesystem::path& path);
 
 /// Writes all outputs of a map into `folder`, which is created: map.vismap, mesh.ply, objects.json,
-/// objects/*.ply, octree.bt, octree.closed.bt (unknown space is occupied) and map.png. Returns what
-/// SaveMap returns. Fails with all that cannot be made or written; the other files are written
-/// then, and no older file stands beside them. Only when an older map.vismap cannot be replaced,
-/// everything stays as it was.
+/// objects/*.ply, octree.bt (raw), octree.closed.bt (closed, see UnknownPolicy) and map.png.
+/// Returns what SaveMap returns. Fails with all that cannot be made or written; the other files are
+/// written then, and no older file stands beside them. Only when an older map.vismap cannot be
+/// replaced, everything stays as it was.
 Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
                               const MapProducts& products, const OutputOptions& options,
                               const std::filesystem::path& folder);

@@ -7,7 +7,6 @@
 #include "exports/objects_json.h"
 #include "exports/ply.h"
 #include "exports/statistics.h"
-#include "freespace/octree.h"
 #include "mapfile/map_file.h"
 #include "wire/pose_digest.h"
 
@@ -45,21 +44,6 @@ Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {
 
 Answer AnswerMapFile(const MapSession& session) {
   return {HashMap(session.map()), "vismap", EncodeMap(session.map(), session.metadata())};
-}
-
-Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,
-                            const OutputOptions& outputs) {
-  OctreeOptions options = outputs.octree;
-  if (request.resolution_m > 0) options.resolution_m = request.resolution_m;
-  options.unknown = request.unknown == map_request_t::UNKNOWN_OCCUPIED ? UnknownPolicy::kOccupied
-                                                                       : UnknownPolicy::kAbsent;
-  if (request.has_bbx) options.bounds_W = BoxOf(request);
-  Result<OctreeBytes> octree = BuildOctree(
-      ClassifyNearParts(session.map(), session.metadata(), outputs.free_space), options);
-  if (!octree) return tl::unexpected(octree.error());
-  const std::string left_out = octree->left_out.empty() ? "" : "; " + octree->left_out;
-  return Answer{std::to_string(octree->nodes) + " nodes" + left_out, "bt",
-                std::move(octree->bytes)};
 }
 
 Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest) {

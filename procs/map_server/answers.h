@@ -22,9 +22,6 @@ Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query
 Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options);
 /// "map": the whole map as a saved one. Its message is the hash of the map.
 Answer AnswerMapFile(const MapSession& session);
-/// "octree": free and occupied space as an OctoMap file.
-Result<Answer> AnswerOctree(const MapSession& session, const map_request_t& request,
-                            const OutputOptions& options);
 /// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.
 Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest);
 /// "frames": [camera, utime] of every frame in the map as JSON; with the argument "poses", [camera,

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "map_server/answers.h"
+#include "requests/octree_request.h"
 
 namespace vismap {
 
@@ -25,7 +26,8 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
   server_.Handle("mesh", [this](const Request& request) { return ReturnOrPublishMesh(request); });
   server_.Handle("snapshot", [this](const Request& request) { return PublishSpace(request); });
   server_.Handle("octree", [this](const Request& request) {
-    return AnswerOctree(map_.session(), request, options_);
+    const MapSession& session = map_.session();
+    return AnswerMapOctree(session.map(), session.metadata(), request, options_);
   });
   server_.Handle("statistics", [this](const Request&) {
     return AnswerStatistics(map_.session(), map_.publisher().occupancy().Digest());

@@ -16,10 +16,15 @@ struct MapToolArguments {
   bool json = false;                  ///< print JSON
   std::string ground_truth, objects, classes;         ///< for evaluate
   std::optional<std::string> id, class_name, region;  ///< for objects and export: the selection
-  std::string only;     ///< for export: the one thing that is written; "" = everything
-  std::string grid;     ///< for export: where the 2-D grid is written, see WriteGridFiles
-  int frames = 0;       ///< for follow: stop when the map has this number of frames; 0 = never
-  double timeout = 60;  ///< longest wait for the answer of a server [s]
+  std::string only;         ///< for export: the one thing that is written; "" = everything
+  std::string grid;         ///< for export: where the 2-D grid is written, see WriteGridFiles
+  int frames = 0;           ///< for follow: stop when the map has this number of frames; 0 = never
+  double timeout = 60;      ///< longest wait for the answer of a server [s]
+  double resolution_m = 0;  ///< for octree: edge of a leaf; 0 = as in the config
+  std::string unknown;      ///< for octree: "occupied", "absent" or, for the usual, ""
+  double inflate_m = 0;     ///< for octree: radius of the robot
+  bool color = false;       ///< for octree: a ColorOcTree
+  bool from_exporter = false;  ///< for octree: ask the octomap exporter
   VismapConfig config;
 };
 
@@ -28,6 +33,7 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunExport(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunOctree(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunRender(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDiff(const MapToolArguments& arguments, ProcessContext& context);
 /// Here `map` and `other_map` are logs.

@@ -57,6 +57,32 @@ void AddEvaluate(CommandLine& line, Command* command) {
   sub.Option("--out", &arguments.out, "Also write the JSON to this file");
 }
 
+void AddOctree(CommandLine& line, Command* command) {
+  MapToolArguments& arguments = command->arguments;
+  CommandLine octree = AddWithMap(line, command, "octree",
+                                  "Write free and occupied space of a map as an OctoMap file",
+                                  RunOctree, kFileOrLive);
+  octree.Option("--out", &arguments.out, "File for the octree").Required();
+  octree
+      .Option("--res", &arguments.resolution_m,
+              "Edge of a leaf [m], 2 to 64 times the voxel size; 0 = as in the config")
+      .Range(0, 64);
+  octree.Option("--region", &arguments.region, "Only the box x0,y0,z0,x1,y1,z1 [m]");
+  octree
+      .Option("--unknown", &arguments.unknown,
+              "What unknown space becomes: occupied, as planners need it, or absent; if not given, "
+              "occupied, but absent with --color")
+      .OneOf({"occupied", "absent"});
+  octree
+      .Option("--inflate", &arguments.inflate_m,
+              "Radius of the robot, by which obstacles and unknown space grow [m]")
+      .Range(0, 5);
+  octree.Flag("--color", &arguments.color,
+              "Occupied leaves have the colour of their class; for looking, not for planning");
+  octree.Flag("--from-exporter", &arguments.from_exporter,
+              "Ask the octomap exporter instead of the map server");
+}
+
 /// Commands for maps in files.
 void AddFileCommands(CommandLine& line, Command* command) {
   MapToolArguments& arguments = command->arguments;
@@ -144,6 +170,7 @@ void AddCommands(CommandLine& line, Command* command) {
       AddWithMap(line, command, "objects", "List the objects of a map", RunObjects, kFileOrLive);
   objects.Flag("--json", &arguments.json, "Print JSON, including discovered segments");
   AddChoiceOfObjects(objects, "--id", &arguments);
+  AddOctree(line, command);
   AddFileCommands(line, command);
   AddServerCommands(line, command);
 }

@@ -23,6 +23,20 @@ size_t SizeOf(const map_reply_t& reply) {
   return reply.payload.size() + reply.message.size() + reply.requester.size() + 200;
 }
 
+void SetFacts(const OctreeFacts& facts, map_reply_t* reply) {
+  reply->has_octree = true;
+  reply->data_utime = facts.utime;
+  for (int axis = 0; axis < 3; ++axis) {
+    reply->bbx_min_W[axis] = facts.bounds_W.min()[axis];
+    reply->bbx_max_W[axis] = facts.bounds_W.max()[axis];
+  }
+  reply->resolution_m = facts.resolution;
+  reply->unknown = facts.unknown == UnknownPolicy::kOccupied ? map_request_t::UNKNOWN_OCCUPIED
+                                                             : map_request_t::UNKNOWN_ABSENT;
+  reply->shell_m = facts.shell;
+  reply->inflated_by_m = facts.inflated_by;
+}
+
 }  // namespace
 
 bool WaitingRequests::Add(map_request_t request) {
@@ -161,6 +175,7 @@ map_reply_t RequestServer::MakeReply(const map_request_t& request, Result<Answer
   reply.encoding = std::move(answer->encoding);
   reply.payload = std::move(answer->payload);
   reply.payload_size = static_cast<int32_t>(reply.payload.size());
+  if (answer->octree) SetFacts(*answer->octree, &reply);
   return reply;
 }
 

@@ -11,6 +11,7 @@
 #include <vismap/map_request_t.hpp>
 
 #include "base/result.h"
+#include "freespace/octree.h"
 #include "runtime/bus.h"
 #include "runtime/pacer.h"
 #include "runtime/status.h"
@@ -18,11 +19,22 @@
 
 namespace vismap {
 
+/// What a reply says of the octree in it.
+struct OctreeFacts {
+  int64_t utime = 0;  ///< of the newest frame in it [us]
+  Eigen::AlignedBox3d bounds_W;
+  double resolution = 0;  ///< edge of a leaf [m]
+  UnknownPolicy unknown = UnknownPolicy::kOccupied;
+  double shell = 0;        ///< see OctreeBytes [m]
+  double inflated_by = 0;  ///< see octree_t [m]
+};
+
 /// What carrying out a request gave.
 struct Answer {
   std::string message;     ///< one sentence for people, or the value that was asked for
   std::string encoding{};  ///< of the payload: "json", "ply", "bt"; empty = no payload
   std::vector<uint8_t> payload{};
+  std::optional<OctreeFacts> octree{};  ///< when the payload is an octree
 };
 
 /// The programs that answer on MAP_REQUEST. Verbs that begin with "octomap" are the exporter's, all

@@ -13,6 +13,7 @@ from . import messages
 from .bus import Bus, Subscription, now_utime
 from .errors import BusError, MessageError, RequestError, WaitTimeout
 
+_OCTREE_FACTS = ("data_utime", "bbx_min_W", "bbx_max_W", "resolution_m", "unknown", "shell_m", "inflated_by_m")
 _REPEAT_S = 3.0  # a request is sent again so often; the server carries it out once
 _last_id = 0
 
@@ -28,6 +29,7 @@ class Reply:
     payload: bytes
     map_id: str
     revision: int  # of the map that answered: the number of its frames
+    octree: dict[str, Any] | None = None  # of an octree: data_utime, bbx_min_W, bbx_max_W, resolution_m, unknown, ...
 
     def json(self) -> Any:
         """The payload as JSON. Raises RequestError when it is none."""
@@ -46,15 +48,15 @@ def _new_id() -> int:
 
 
 def ask(bus: Bus, verb: str, argument: str = "", path: str = "", box_W: Box | None = None, resolution_m: float = 0.0,
-        unknown_occupied: bool | None = None, timeout: float = 30.0) -> Reply:
+        unknown_occupied: bool | None = None, inflate_m: float = 0.0, timeout: float = 30.0) -> Reply:
     """Sends a request to the map server (verbs "octomap...": to the octomap exporter), and waits for the answer.
 
     verb, argument, path: see procs/README.md, Requests; for example "statistics", "objects", "mesh" with "ply".
-    box_W: two corners [m] in W, for objects and octree. resolution_m, unknown_occupied: for octree; 0, None = the server's
-    own. Raises RequestError when the server refuses, WaitTimeout when no answer comes within `timeout` [s].
+    box_W: two corners [m] in W, for objects, octree and octomap. The others are for octree and octomap. resolution_m: 0 =
+    the server's own. unknown_occupied: False = raw, True, None = closed. inflate_m: radius of the robot. Raises RequestError when the server refuses, WaitTimeout when no answer comes within `timeout` [s].
     """
     request: Any = messages.types["vismap.map_request_t"](
-        verb=verb, argument=argument, path=path, resolution_m=resolution_m,
+        verb=verb, argument=argument, path=path, resolution_m=resolution_m, inflate_m=inflate_m,
         unknown=-1 if unknown_occupied is None else int(unknown_occupied))
     request.utime = request.request_id = _new_id()
     if box_W is not None:
@@ -90,7 +92,8 @@ def _wait_for_reply(bus: Bus, replies: Subscription, request: Any, timeout: floa
             continue
         if not reply.ok:
             raise RequestError(f"the server rejected the request '{request.verb}': {reply.message}")
-        return Reply(reply.message, reply.encoding, reply.payload, reply.map_id, reply.revision)
+        facts = {name: getattr(reply, name) for name in _OCTREE_FACTS} if reply.has_octree else None
+        return Reply(reply.message, reply.encoding, reply.payload, reply.map_id, reply.revision, facts)
     raise WaitTimeout(f"no answer to the request '{request.verb}' within {timeout:g} s on {bus.url}{error}; "
                       "check with vismap-doctor that vismap-map-server is running on this bus")
 
