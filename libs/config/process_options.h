@@ -61,7 +61,11 @@ struct MapServerOptions {
 
 struct OctomapExporterOptions {
   double period_s = 1;  ///< least time between two octrees; 0 = only on request
-  UnknownPolicy unknown = UnknownPolicy::kAbsent;
+  /// Of the tree on OCTOMAP. kAbsent makes it the same as that on OCTOMAP_RAW.
+  UnknownPolicy unknown = UnknownPolicy::kOccupied;
+  double coarse_resolution_m = 0;  ///< edge of a leaf on OCTOMAP_COARSE; 0 = there is no such tree
+  /// Megabytes per second for sending trees again while the map stands still; 0 = none is.
+  double repeat_mb_s = 8;
   std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere
   int max_map_mb = 1024;      ///< of the copy of the map; a larger map is not followed
 };

@@ -114,10 +114,14 @@ std::vector<std::string> Problems(const MapServerOptions& server) {
   return std::move(check).problems();
 }
 
-std::vector<std::string> Problems(const OctomapExporterOptions& exporter) {
+std::vector<std::string> Problems(const OctomapExporterOptions& exporter,
+                                  const VoxelGridOptions& grid) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, exporter.period_s, 0, kDay);
   VISMAP_CHECK_RANGE(check, exporter.max_map_mb, 1, 1048576);
+  VISMAP_CHECK_RANGE(check, exporter.repeat_mb_s, 0, 1000);
+  const auto coarse = ChooseOctreeGrid(grid.voxel_size_m, exporter.coarse_resolution_m);
+  if (!coarse) check.Unless(false, "coarse_resolution_m: " + coarse.error().message);
   return std::move(check).problems();
 }
 
@@ -222,7 +226,7 @@ std::vector<std::string> Validate(const VismapConfig& config) {
   check.Add("ground_grid.", Problems(config.ground_grid, config.grid));
   check.Add("depth_segmenter.", Problems(config.depth_segmenter));
   check.Add("map_server.", Problems(config.map_server));
-  check.Add("octomap_exporter.", Problems(config.octomap_exporter));
+  check.Add("octomap_exporter.", Problems(config.octomap_exporter, config.grid));
   check.Add("sensor_replay.", Problems(config.sensor_replay));
   check.Add("detector.", Problems(config.detector));
   check.Add("hub.", Problems(config.hub));

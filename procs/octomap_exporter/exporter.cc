@@ -1,9 +1,11 @@
 #include "octomap_exporter/exporter.h"
 
 #include <filesystem>
+#include <vismap/process_status_t.hpp>
 
 #include "base/file.h"
 #include "base/format.h"
+#include "requests/octree_request.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "wire/octree_message.h"
@@ -12,6 +14,9 @@ namespace vismap {
 
 namespace {
 constexpr double kRestAfterTooLarge = 60;  // before a map that was too large is asked for again [s]
+
+constexpr const char* kNothingKnown =
+    "nothing is known yet: no space in the map is free or occupied, so no octree is published";
 }  // namespace
 
 Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
@@ -19,28 +24,41 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
       bus_(bus),
       status_(status),
       follower_({.max_bytes = static_cast<size_t>(config.octomap_exporter.max_map_mb) * kMegabyte}),
+      latched_(bus, config.octomap_exporter.repeat_mb_s * kMegabyte),
+      leaf_deltas_(config.octree.shell_m, bus),
       catch_up_(bus, "snapshot"),
       export_pacer_(config.octomap_exporter.period_s),
       requests_(
           RequestReceiver::kOctomapExporter, [this] { return follower_.position(); }, bus, status) {
   bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
                                [this](const map_delta_t& message) { return OnDelta(message); });
+  bus_->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& message) {
+    if (message.process == "map-server") server_utime_ = WallUtime();
+  });
   HandleRequests();
   bus_->Every(0.2, [this] { OnTimer(); });
+  bus_->Every(1.0, [this] { PublishNavigation(); });
   for (const char* name : {"octree.bt", "octree.closed.bt"})
     RemoveStaleTemporaries(std::filesystem::path(config.octomap_exporter.output_folder) / name);
+  if (config.octomap_exporter.unknown == UnknownPolicy::kAbsent) {
+    status_->SetFinding("policy",
+                        "OCTOMAP carries a tree without unknown space (octomap_exporter.unknown: "
+                        "ABSENT), which collision checkers take for free; remove that key from the "
+                        "config, and read OCTOMAP_RAW where such a tree is wanted");
+  }
   catch_up_.Request(follower_.position());
 }
 
 Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const StageTimer timer(status_, "following");
+  server_utime_ = WallUtime();
   Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
   const FollowOutcome outcome = follower_.Apply(std::move(*update), MonotonicSeconds());
   status_->SetCounter("updates_missed", follower_.gaps());
   status_->SetCounter("map_revision", follower_.position().revision);
   status_->SetCounter("map_bytes", static_cast<int64_t>(follower_.bytes()));
-  if (outcome == FollowOutcome::kApplied) status_->Set(ProcessState::kRunning);
+  if (outcome == FollowOutcome::kApplied) SetState();
   if (outcome == FollowOutcome::kTooLarge) return OnTooLarge();
   if (outcome == FollowOutcome::kNeedsSnapshot || outcome == FollowOutcome::kBroken) {
     if (MonotonicSeconds() >= next_catch_up_)
@@ -59,7 +77,8 @@ Result<void> Exporter::OnTooLarge() {
   const std::string sentence = "the map needs more than " +
                                std::to_string(config_.octomap_exporter.max_map_mb) +
                                " MB (octomap_exporter.max_map_mb), so it is not followed";
-  octree_.reset();
+  ForgetTrees();
+  export_error_ = sentence;
   next_catch_up_ = MonotonicSeconds() + kRestAfterTooLarge;
   status_->Count("updates_too_large");
   status_->Set(ProcessState::kWaiting, sentence);
@@ -80,48 +99,92 @@ void Exporter::OnTimer() {
                                        " of an update dropped: its other parts did not come");
   }
   if (!follower_.in_sync()) RequestCatchUp();
+  ExportIfDue();
+  latched_.Repeat();
+  leaf_deltas_.Heartbeat();
+}
+
+void Exporter::ExportIfDue() {
   if (config_.octomap_exporter.period_s <= 0 || !has_news()) return;
   export_pacer_.RunIfDue([&] {
     const Result<std::string> exported = Export();
-    std::optional<std::string> trouble;
-    if (!exported) trouble = "there is no octree of the map: " + exported.error().message;
-    status_->SetFinding("octree", trouble);
+    export_error_ = exported ? "" : "there is no octree of the map: " + exported.error().message;
+    if (!exported) status_->SetFinding("octree", export_error_);
+    SetState();
   });
 }
 
-Result<void> Exporter::UpdateOctree() {
+std::string Exporter::Trouble() const {
+  if (!export_error_.empty()) return export_error_;
+  if (!follower_.occupancy()) return "nothing is known yet: no map has come on MAP_DELTA";
+  if (!follower_.in_sync()) return "updates of the map are missing, and were asked for";
+  return follower_.occupancy()->size() == 0 || (trees_ && trees_->is_empty()) ? kNothingKnown : "";
+}
+
+void Exporter::SetState() {
+  const std::string trouble = Trouble();
+  status_->Set(trouble.empty() ? ProcessState::kRunning : ProcessState::kWaiting, trouble);
+}
+
+// Updates the trees, and tells followers of OCTOMAP_DELTA what changed.
+Result<void> Exporter::UpdateTrees() {
   const OccupancyMap& map = *follower_.occupancy();
   const OccupancyChanges changes = follower_.ConsumeChanges();
-  if (octree_ && !changes.everywhere) {
-    octree_->Update(map, changes.blocks);
-    return {};
+  const bool anew = changes.everywhere || !trees_;
+  if (anew) {
+    ForgetTrees();
+    Result<TreeSet> trees = TreeSet::Make(map.cell_size(), config_);
+    if (!trees) return tl::unexpected(trees.error());
+    trees_.emplace(std::move(*trees));
   }
-  octree_.reset();
-  Result<OctreeBuilder> builder = OctreeBuilder::Make(map.cell_size(), config_.octree);
-  if (!builder) return tl::unexpected(builder.error());
-  octree_.emplace(std::move(*builder));
-  octree_->Update(map, map.SortedIndices());
+  OccupancyDelta leaves = trees_->Update(map, anew ? map.SortedIndices() : changes.blocks);
+  leaf_deltas_.PublishChanges(follower_.position(), follower_.utime(), map.cell_size(),
+                              std::move(leaves));
   return {};
+}
+
+// The trees of a map that is gone are neither repeated nor continued.
+void Exporter::ForgetTrees() {
+  trees_.reset();
+  latched_.Clear();
+  leaf_deltas_.Clear();
 }
 
 Result<std::string> Exporter::Export() {
   if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
   const StageTimer timer(status_, "export");
-  if (const Result<void> done = UpdateOctree(); !done) return tl::unexpected(done.error());
-  OctreeMessage message{
-      follower_.utime(),         follower_.position().map_id, follower_.position().revision,
-      config_.grid.voxel_size_m, config_.free_space,          {}};
-  message.voxel_size = follower_.occupancy()->cell_size();
-  Result<OctreeBytes> octree = octree_->Build(config_.octomap_exporter.unknown);
-  if (!octree) return tl::unexpected(octree.error());
-  message.octree = std::move(*octree);
-  TellLeftOut(message.octree.left_out);
-  bus_->Publish(kOctomapChannel, Encode(message));
-  status_->Count("octrees_published");
+  if (!trees_ || has_news()) {
+    if (const Result<void> done = UpdateTrees(); !done) return tl::unexpected(done.error());
+  }
   exported_ = follower_.position();
-  if (config_.octomap_exporter.output_folder.empty())
-    return std::to_string(message.octree.nodes) + " nodes published";
+  if (trees_->is_empty()) {
+    latched_.Clear();
+    TellLeftOut("");
+    return kNothingKnown;
+  }
+  Result<std::string> published = Publish();
+  if (!published || config_.octomap_exporter.output_folder.empty()) return published;
   return WriteFiles();
+}
+
+Result<std::string> Exporter::Publish() {
+  Result<std::vector<PublishedTree>> trees = trees_->Build();
+  if (!trees) return tl::unexpected(trees.error());
+  TellLeftOut(trees->front().octree.left_out);
+  const int64_t nodes = trees->front().octree.nodes;
+  for (PublishedTree& tree : *trees) {
+    OctreeMessage message;
+    message.utime = follower_.utime();
+    message.map_id = follower_.position().map_id;
+    message.revision = follower_.position().revision;
+    message.voxel_size = follower_.occupancy()->cell_size();
+    message.rule = config_.free_space;
+    message.octree = std::move(tree.octree);
+    message.inflated_by = tree.inflated_by;
+    latched_.Publish(tree.channel, Encode(message));
+  }
+  status_->Count("octrees_published");
+  return std::to_string(nodes) + " nodes published";
 }
 
 void Exporter::TellLeftOut(const std::string& sentence) {
@@ -133,7 +196,7 @@ Result<std::string> Exporter::WriteFiles() {
   const std::filesystem::path folder =
       std::filesystem::absolute(config_.octomap_exporter.output_folder);
   for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
-    const Result<OctreeBytes> tree = octree_->Build(unknown);
+    const Result<OctreeBytes> tree = trees_->Build(unknown);
     if (!tree) return tl::unexpected(tree.error());
     const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
     const Result<void> written = WriteOctree(folder / name, *tree);
@@ -144,15 +207,58 @@ Result<std::string> Exporter::WriteFiles() {
 }
 
 void Exporter::HandleRequests() {
-  requests_.Handle("octomap", [this](const map_request_t&) -> Result<Answer> {
-    const Result<std::string> exported = Export();
-    if (!exported) return tl::unexpected(exported.error());
-    return Answer{*exported};
-  });
+  requests_.Handle("octomap",
+                   [this](const map_request_t& request) { return AnswerOctomap(request); });
+  requests_.Handle("octomap-delta",
+                   [this](const map_request_t& request) { return AnswerDelta(request); });
   requests_.Handle("octomap-digest", [this](const map_request_t&) -> Result<Answer> {
     if (!follower_.occupancy()) return Fail("no map yet");
     return Answer{follower_.occupancy()->Digest()};
   });
+}
+
+// A request that restricts nothing also publishes the trees, when the map has changed.
+Result<Answer> Exporter::AnswerOctomap(const map_request_t& request) {
+  if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
+  const OccupancyMap& map = *follower_.occupancy();
+  const auto read = ReadOctreeRequest(request, map.cell_size(), config_.octree);
+  if (!read) return tl::unexpected(read.error());
+  std::string written;
+  if (!request.has_bbx && has_news()) {
+    const Result<std::string> exported = Export();
+    if (!exported) return tl::unexpected(exported.error());
+    written = "; " + *exported;
+  }
+  Result<Answer> answer = AnswerOctree(map, *read, follower_.utime());
+  if (answer) answer->message += written;
+  return answer;
+}
+
+Result<Answer> Exporter::AnswerDelta(const map_request_t& request) {
+  const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
+  if (!position) return Fail("argument of octomap-delta: " + position.error().message);
+  if (!trees_) return Fail("no octree yet: nothing has come on MAP_DELTA");
+  leaf_deltas_.PublishSince(*position, trees_->leaves());
+  return Answer{"published on " + std::string(kOctomapDeltaChannel.name)};
+}
+
+void Exporter::PublishNavigation() {
+  navigation_status_t message{};
+  message.utime = follower_.utime();
+  message.published_utime = WallUtime();
+  message.map_id = follower_.position().map_id;
+  message.revision = follower_.position().revision;
+  message.in_sync = follower_.in_sync();
+  message.server_utime = server_utime_;
+  message.message = Trouble();
+  for (const LatchedTrees::Sent& sent : latched_.sent()) {
+    message.channels.emplace_back(sent.channel.name);
+    message.revisions.push_back(sent.tree.revision);
+    message.utimes.push_back(sent.tree.utime);
+    message.published_utimes.push_back(sent.tree.published_utime);
+  }
+  message.n_outputs = static_cast<int32_t>(message.channels.size());
+  bus_->Publish(kNavigationChannel, message);
 }
 
 }  // namespace vismap

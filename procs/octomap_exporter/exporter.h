@@ -3,9 +3,12 @@
 #include <optional>
 #include <string>
 #include <vismap/map_delta_t.hpp>
+#include <vismap/navigation_status_t.hpp>
 
 #include "config/config.h"
-#include "freespace/octree_builder.h"
+#include "octomap_exporter/latched_trees.h"
+#include "octomap_exporter/leaf_publisher.h"
+#include "octomap_exporter/tree_set.h"
 #include "requests/request_server.h"
 #include "runtime/bus.h"
 #include "runtime/catch_up.h"
@@ -15,17 +18,18 @@
 
 namespace vismap {
 
-/// Follows a map by its MAP_DELTAs and turns it into octrees: publishes OCTOMAP at most once a
-/// period while the map changes, and on request (the verb "octomap" of MAP_REQUEST; the answer to
-/// "octomap-digest" is the digest of the map that it has). Writes octree.bt and octree.closed.bt
-/// into a folder when one is configured. When it starts late or misses an update, it requests what
-/// it lacks.
+/// Follows a map by its MAP_DELTAs and turns it into octrees, see procs/README.md, Octrees:
+/// publishes them at most once a period while the map changes, keeps them latched, says on
+/// NAVIGATION how old they are, and answers requests ("octomap": a tree as the request wants it;
+/// "octomap-delta": leaves that a follower lacks; "octomap-digest": digest of the map that it has).
+/// Writes octree.bt and octree.closed.bt into a folder when one is configured. When it starts late
+/// or misses an update, it requests what it lacks.
 class Exporter {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
   Exporter(const VismapConfig& config, Bus* bus, Status* status);
 
-  /// Publishes and writes the octrees of the present state.
+  /// Publishes and writes the octrees of the present state; nothing while nothing is known.
   Result<std::string> Export();
   /// Whether the map has changed since the last export.
   bool has_news() const;
@@ -35,19 +39,31 @@ class Exporter {
   Result<void> OnTooLarge();
   void RequestCatchUp();
   void OnTimer();
+  void ExportIfDue();
+  std::string Trouble() const;
+  void SetState();
   void HandleRequests();
-  Result<void> UpdateOctree();
+  Result<Answer> AnswerOctomap(const map_request_t& request);
+  Result<Answer> AnswerDelta(const map_request_t& request);
+  Result<void> UpdateTrees();
+  Result<std::string> Publish();
   Result<std::string> WriteFiles();
   void TellLeftOut(const std::string& sentence);
+  void ForgetTrees();
+  void PublishNavigation();
 
   VismapConfig config_;
   Bus* bus_;
   Status* status_;
   MapFollower follower_;
-  std::optional<OctreeBuilder> octree_;
+  std::optional<TreeSet> trees_;
+  LatchedTrees latched_;
+  LeafPublisher leaf_deltas_;
   CatchUp catch_up_;
   double next_catch_up_ = 0;  // no request before [s]
   FollowerPosition exported_;
+  std::string export_error_;  // why there is no tree; "" = there is one, or nothing is known
+  int64_t server_utime_ = 0;  // when the map server was heard last [us]
   Pacer export_pacer_;
   RequestServer requests_;
 };

@@ -1,11 +1,22 @@
 #include "runtime/main.h"
 
+#include <filesystem>
+
+#include "base/probe_folder.h"
 #include "octomap_exporter/exporter.h"
 #include "settings/settings.h"
 
 namespace {
 
 using namespace vismap;
+
+// A folder that cannot be written is found at the start, and not after hours of mapping.
+Outcome MakeFolder(const std::string& folder) {
+  if (folder.empty()) return {};
+  const Result<void> usable = ProbeFolder(std::filesystem::absolute(folder), 1);
+  if (!usable) return ExitWith(ExitCode::kUsage, usable.error().message);
+  return {};
+}
 
 Outcome Serve(ProcessContext& context, const VismapConfig& config) {
   Exporter exporter(config, context.bus, context.status);
@@ -33,6 +44,7 @@ int main(int argc, char** argv) {
     threads.AddTo(line);
   };
   UseConfig(&config, &spec);
+  spec.prepare = [&] { return MakeFolder(config.octomap_exporter.output_folder); };
   spec.run = [&](ProcessContext& context) {
     const std::unique_ptr<ThreadLimit> limit = threads.Limit();
     return Serve(context, config);

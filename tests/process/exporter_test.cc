@@ -34,6 +34,59 @@ TEST(OctomapExporter, HasTheStateOfTheServerAfterALateStartAndACrash) {
   }
 }
 
+TEST(OctomapExporter, MakesItsFolderOrSaysAtOnceThatItCannot) {
+  ProcessBus processes;
+  const std::filesystem::path folder = processes.folder() / "new" / "trees";
+  const auto exporter = processes.Start("octomap-exporter", {"--out", folder.string()});
+  ASSERT_TRUE(processes.WaitForReady({"octomap-exporter"}));
+  EXPECT_TRUE(std::filesystem::is_directory(folder));
+  std::ofstream(processes.folder() / "file") << "no folder";
+  const std::string impossible = (processes.folder() / "file" / "trees").string();
+  const auto refused =
+      processes.Start("octomap-exporter", {"--out", impossible, "--name", "second"});
+  EXPECT_EQ(refused->WaitForExit(), 2);
+  EXPECT_THAT(refused->StandardError(), ::testing::HasSubstr(impossible));
+}
+
+TEST(MapTool, WritesTheOctreeOfARunningMapAndOfASavedOneAlike) {
+  ProcessBus processes;
+  RoomPipeline pipeline(&processes);
+  pipeline.detections = "none";
+  pipeline.Start();
+  pipeline.WaitForEnd();
+  ExpectExporterIsLevel(&processes);
+  const auto tree = [&](std::vector<std::string> arguments) {
+    const std::string file = (processes.folder() / "tree.bt").string();
+    arguments.insert(arguments.begin(), "octree");
+    arguments.insert(arguments.end(), {"--out", file, "--res", "0.08", "--region", "1,1,0,2,2,1"});
+    const auto child = processes.Start("map", arguments);
+    EXPECT_EQ(child->WaitForExit(), 0) << child->StandardError();
+    EXPECT_THAT(child->StandardOutput(), ::testing::HasSubstr("closed, leaves of 0.08 m"));
+    std::ifstream stream(file, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  const std::string saved = (processes.folder() / "saved.vismap").string();
+  EXPECT_EQ(processes.Start("map", {"save", saved})->WaitForExit(), 0);
+  const std::string live = tree({"live"});
+  EXPECT_THAT(live, ::testing::HasSubstr("# Octomap OcTree binary file"));
+  EXPECT_EQ(tree({"live", "--from-exporter"}), live);
+  EXPECT_EQ(tree({saved}), live);
+  const std::string out = (processes.folder() / "no.bt").string();
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"--res", "nan"},
+                                                                 {"--res", "0.033"},
+                                                                 {"--unknown", "7"},
+                                                                 {"--inflate", "-1"},
+                                                                 {"--region", "1,1,1,0,0,0"},
+                                                                 {"--region", "nan,0,0,1,1,1"},
+                                                                 {"--policy", "closed"}}) {
+    std::vector<std::string> arguments{"octree", saved, "--out", out};
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    const auto refused = processes.Start("map", arguments);
+    EXPECT_EQ(refused->WaitForExit(), 2) << wrong[0] << " " << wrong[1];
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
 TEST(MapServer, SavesLoadsAndResetsOnRequest) {
   ProcessBus processes;
   RoomPipeline pipeline(&processes);
