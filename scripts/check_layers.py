@@ -39,7 +39,7 @@ PROCS = {
     "wire": ["rectify", "exports"],
     "runtime": ["wire"],
     "client": ["runtime"],
-    "requests": ["runtime"],
+    "requests": ["runtime", "navigation"],
     "foreign": ["wire", "config"],
     "logs": ["wire", "simulation", "plausibility", "foreign"],
     "queueing": ["runtime"],

@@ -168,7 +168,7 @@ inline constexpr auto FieldsOf(const OctomapExporterOptions&) {
   using Options = OctomapExporterOptions;
   return std::tuple(VISMAP_FIELD(period_s), VISMAP_FIELD(unknown), VISMAP_FIELD(output_folder),
                     VISMAP_FIELD(max_map_mb), VISMAP_FIELD(coarse_resolution_m),
-                    VISMAP_FIELD(repeat_mb_s));
+                    VISMAP_FIELD(repeat_mb_s), VISMAP_FIELD(robot_radius_m));
 }
 
 inline constexpr auto FieldsOf(const SensorReplayOptions&) {

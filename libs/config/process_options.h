@@ -64,6 +64,7 @@ struct OctomapExporterOptions {
   /// Of the tree on OCTOMAP. kAbsent makes it the same as that on OCTOMAP_RAW.
   UnknownPolicy unknown = UnknownPolicy::kOccupied;
   double coarse_resolution_m = 0;  ///< edge of a leaf on OCTOMAP_COARSE; 0 = there is no such tree
+  double robot_radius_m = 0.2;     ///< by which the tree on OCTOMAP_INFLATED is inflated; 0 = none
   /// Megabytes per second for sending trees again while the map stands still; 0 = none is.
   double repeat_mb_s = 8;
   std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere

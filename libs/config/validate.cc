@@ -115,11 +115,14 @@ std::vector<std::string> Problems(const MapServerOptions& server) {
 }
 
 std::vector<std::string> Problems(const OctomapExporterOptions& exporter,
-                                  const VoxelGridOptions& grid) {
+                                  const VoxelGridOptions& grid, const OctreeOptions& octree) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, exporter.period_s, 0, kDay);
   VISMAP_CHECK_RANGE(check, exporter.max_map_mb, 1, 1048576);
   VISMAP_CHECK_RANGE(check, exporter.repeat_mb_s, 0, 1000);
+  const auto fine = ChooseOctreeGrid(grid.voxel_size_m, octree.resolution_m);
+  constexpr double kMostLeaves = 28;
+  if (fine) VISMAP_CHECK_RANGE(check, exporter.robot_radius_m, 0, kMostLeaves * fine->resolution);
   const auto coarse = ChooseOctreeGrid(grid.voxel_size_m, exporter.coarse_resolution_m);
   if (!coarse) check.Unless(false, "coarse_resolution_m: " + coarse.error().message);
   return std::move(check).problems();
@@ -226,7 +229,7 @@ std::vector<std::string> Validate(const VismapConfig& config) {
   check.Add("ground_grid.", Problems(config.ground_grid, config.grid));
   check.Add("depth_segmenter.", Problems(config.depth_segmenter));
   check.Add("map_server.", Problems(config.map_server));
-  check.Add("octomap_exporter.", Problems(config.octomap_exporter, config.grid));
+  check.Add("octomap_exporter.", Problems(config.octomap_exporter, config.grid, config.octree));
   check.Add("sensor_replay.", Problems(config.sensor_replay));
   check.Add("detector.", Problems(config.detector));
   check.Add("hub.", Problems(config.hub));

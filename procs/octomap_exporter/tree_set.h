@@ -5,6 +5,7 @@
 
 #include "config/config.h"
 #include "freespace/octree_builder.h"
+#include "navigation/inflate.h"
 #include "wire/channels.h"
 #include "wire/map_follower.h"
 
@@ -41,10 +42,16 @@ class TreeSet {
 
  private:
   TreeSet(OctreeBuilder fine, UnknownPolicy policy) : fine_(std::move(fine)), policy_(policy) {}
+  Result<void> AddInflated(const VismapConfig& config);
+  void UpdateInflated(const OccupancyDelta& changed);
 
   OctreeBuilder fine_;
   UnknownPolicy policy_;  // of OCTOMAP
   std::optional<OctreeBuilder> coarse_;
+  std::optional<Inflater> inflater_;  // of the leaves of fine_
+  OctreeCache inflated_;
+  OctreeOptions inflated_options_;
+  double radius_ = 0;        // by which inflater_ inflates [m]
   bool has_leaves_ = false;  // after the first Update
 };
 

@@ -7,12 +7,12 @@
 #include "exports/color_octree.h"
 #include "freespace/octree_builder.h"
 #include "freespace/shortest_text.h"
+#include "navigation/inflate.h"
 
 namespace vismap {
 namespace {
 
-constexpr double kMostInflation = 5;  // [m]
-constexpr size_t kMostText = 60;      // of a text that is repeated in an error
+constexpr size_t kMostText = 60;  // of a text that is repeated in an error
 
 Result<UnknownPolicy> PolicyOf(const map_request_t& request) {
   switch (request.unknown) {
@@ -47,11 +47,11 @@ Result<double> ResolutionOf(const map_request_t& request, double voxel_size, dou
   return grid->resolution;
 }
 
-Result<double> InflationOf(const map_request_t& request, UnknownPolicy unknown) {
-  const double radius = request.inflate_m;
-  if (!(radius >= 0 && radius <= kMostInflation)) {
-    return Fail("inflate_m: expected a radius from 0 to " + ShortestText(kMostInflation) +
-                " m, found " + ShortestText(radius));
+Result<double> InflationOf(const map_request_t& request, UnknownPolicy unknown, double leaf) {
+  const double radius = request.inflate_m, most = kMostInflatedLeaves * leaf;
+  if (!(radius >= 0 && radius <= most)) {
+    return Fail("inflate_m: expected a radius from 0 to " + ShortestText(kMostInflatedLeaves) +
+                " leaves of " + ShortestText(leaf) + " m, found " + ShortestText(radius) + " m");
   }
   if (radius > 0 && unknown == UnknownPolicy::kAbsent)
     return Fail("inflate_m: only closed trees can be inflated, and unknown = 0 asks for a raw one");
@@ -83,11 +83,20 @@ std::string Nothing(const OctreeRequest& request) {
   return request.tree.bounds_W ? "nothing is known in this box" : "nothing is known yet";
 }
 
+/// The closed tree of leaves that were inflated.
+Result<OctreeBytes> BuildInflated(const OccupancyMap& leaves, const OctreeRequest& request) {
+  const Result<OccupancyMap> inflated = Inflate(leaves, {.radius_m = request.inflate_m});
+  if (!inflated) return tl::unexpected(inflated.error());
+  OctreeCache cache;
+  cache.Update(*inflated, inflated->SortedIndices());
+  return cache.Encode(*inflated, request.tree);
+}
+
 }  // namespace
 
 std::optional<BlockRegion> OctreeRequest::Region(double block_size) const {
   if (!tree.bounds_W) return std::nullopt;
-  return RegionAround(*tree.bounds_W, inflate_m + tree.resolution_m, block_size);
+  return RegionAround(*tree.bounds_W, inflate_m + 2 * tree.resolution_m, block_size);
 }
 
 Result<OctreeRequest> ReadOctreeRequest(const map_request_t& request, double voxel_size,
@@ -102,7 +111,7 @@ Result<OctreeRequest> ReadOctreeRequest(const map_request_t& request, double vox
   if (!color) return tl::unexpected(color.error());
   const auto resolution = ResolutionOf(request, voxel_size, defaults.resolution_m);
   if (!resolution) return tl::unexpected(resolution.error());
-  const Result<double> inflation = InflationOf(request, *unknown);
+  const Result<double> inflation = InflationOf(request, *unknown, *resolution);
   if (!inflation) return tl::unexpected(inflation.error());
   const Result<std::optional<Eigen::AlignedBox3d>> box = BoxOf(request);
   if (!box) return tl::unexpected(box.error());
@@ -139,7 +148,9 @@ Result<Answer> AnswerOctree(const OccupancyMap& map, const OctreeRequest& reques
     return Fail(Nothing(request) +
                 ", so that the tree would be empty, which collision checkers take for free space");
   }
-  Result<OctreeBytes> octree = closed ? builder->Build(UnknownPolicy::kOccupied) : raw;
+  Result<OctreeBytes> octree = request.inflate_m > 0 ? BuildInflated(builder->leaves(), request)
+                               : closed              ? builder->Build(UnknownPolicy::kOccupied)
+                                                     : raw;
   if (!octree) return tl::unexpected(octree.error());
   Answer answer = DescribeOctree(*octree, request, utime);
   if (raw->nodes == 0) answer.message += "; " + Nothing(request) + ", all of it is occupied";

@@ -2,11 +2,16 @@
 // to that of a frame. Run it on a machine that does nothing else.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <chrono>
+#include <numeric>
 
+#include "freespace/block_region.h"
 #include "freespace/occupancy_codec.h"
 #include "freespace/occupancy_map.h"
+#include "freespace/occupancy_watch.h"
 #include "freespace/octree_builder.h"
+#include "navigation/inflate.h"
 #include "support/occupancy_snapshot.h"
 #include "support/recorded_map.h"
 
@@ -123,6 +128,99 @@ void BM_OctreeAfterAFrame(benchmark::State& state) {
   state.counters["ratio"] = whole.count() * static_cast<double>(state.iterations()) / spent.count();
 }
 
+/// The occupancy that each frame of a walk changed.
+const std::vector<OccupancyDelta>& Walk() {
+  static const std::vector<OccupancyDelta> walk = [] {
+    std::vector<OccupancyDelta> deltas;
+    OccupancyWatch watch({});
+    testing_support::MakeRecordedMap(testing_support::BenchSequence(), 400, {},
+                                     [&](const SemanticMap& map, const MapDelta& delta) {
+                                       deltas.push_back(watch.Update(map, delta.changed_blocks));
+                                     });
+    return deltas;
+  }();
+  return walk;
+}
+
+/// The octrees that the exporter has, brought up to date after every frame.
+class Trees {
+ public:
+  explicit Trees(double voxel_size)
+      : builder_(*OctreeBuilder::Make(voxel_size, {})),
+        inflater_(*Inflater::Make(builder_.leaves().cell_size(), {})) {}
+
+  /// Which trees are encoded: raw and closed, or inflated, too. Returns their size [bytes].
+  size_t Update(const OccupancyMap& map, std::span<const BlockIndex> changed, bool inflated) {
+    const std::vector<BlockIndex> leaves = Indices(builder_.Update(map, changed));
+    size_t bytes = builder_.Build(UnknownPolicy::kAbsent)->bytes.size();
+    bytes += builder_.Build(UnknownPolicy::kOccupied)->bytes.size();
+    if (!inflated) return bytes;
+    cache_.Update(inflater_.inflated(), Indices(inflater_.Update(builder_.leaves(), leaves)));
+    const auto tree = cache_.Encode(inflater_.inflated(), {.resolution_m = builder_.resolution(),
+                                                           .unknown = UnknownPolicy::kOccupied});
+    return bytes + tree->bytes.size();
+  }
+
+  static std::vector<BlockIndex> Indices(const OccupancyDelta& delta) {
+    std::vector<BlockIndex> indices;
+    for (const auto& entry : delta.blocks) indices.push_back(entry.first);
+    return indices;
+  }
+
+ private:
+  OctreeBuilder builder_;
+  Inflater inflater_;
+  OctreeCache cache_;
+};
+
+/// Time per frame of a walk, for raw and closed trees, and with range(0) = 1 the inflated one.
+/// "last_tenth" is the time of the last tenth of the frames divided by that of the first.
+void BM_TreesOfAWalk(benchmark::State& state) {
+  const std::vector<OccupancyDelta>& walk = Walk();
+  std::vector<double> ms(walk.size());
+  size_t bytes = 0;
+  for (auto _ : state) {
+    OccupancyMap map(walk.front().voxel_size);
+    Trees trees(map.cell_size());
+    double spent = 0;
+    for (size_t i = 0; i < walk.size(); ++i) {
+      Require(map.Apply(walk[i]).has_value(), "a map takes its own changes");
+      const auto begin = std::chrono::steady_clock::now();
+      bytes = trees.Update(map, Trees::Indices(walk[i]), state.range(0) == 1);
+      const std::chrono::duration<double> step = std::chrono::steady_clock::now() - begin;
+      ms[i] = step.count() * 1e3;
+      spent += step.count();
+    }
+    state.SetIterationTime(spent);
+  }
+  const size_t tenth = walk.size() / 10;
+  const double all = std::accumulate(ms.begin(), ms.end(), 0.0);
+  const auto part = static_cast<std::ptrdiff_t>(tenth);
+  state.counters["ms_per_frame"] = all / static_cast<double>(ms.size());
+  state.counters["last_tenth"] = std::accumulate(ms.end() - part, ms.end(), 0.0) /
+                                 std::accumulate(ms.begin(), ms.begin() + part, 0.0);
+  std::nth_element(ms.begin(), ms.begin() + part * 5, ms.end());
+  state.counters["median_ms"] = ms[tenth * 5];
+  state.counters["kB"] = static_cast<double>(bytes) / 1000;
+}
+
+/// The closed tree of a cube of range(0) decimetres around the camera, from the voxels of the map.
+void BM_TreeOfABox(benchmark::State& state) {
+  const SemanticMap& map = Recorded::Get().map;
+  OctreeOptions options;
+  options.unknown = UnknownPolicy::kOccupied;
+  const Eigen::Vector3d half =
+      Eigen::Vector3d::Constant(0.05 * static_cast<double>(state.range(0)));
+  const Eigen::Vector3d center = map.last_camera_W;
+  options.bounds_W = Eigen::AlignedBox3d(center - half, center + half);
+  for (auto _ : state) {
+    OccupancyMap space(map.voxels.voxel_size());
+    const BlockRegion region = RegionAround(*options.bounds_W, 0.05, map.voxels.block_size());
+    space.Update(map, BlocksIn(map.voxels.blocks(), region), {});
+    benchmark::DoNotOptimize(BuildOctree(space, options));
+  }
+}
+
 void BM_EncodeSnapshot(benchmark::State& state) {
   const OccupancyMap occupancy = ClassifyMap(Recorded::Get().map, {});
   std::vector<uint8_t> bytes;
@@ -152,6 +250,8 @@ BENCHMARK(BM_OctreeAfterAFrame)
     ->Args({4, 1})
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
+BENCHMARK(BM_TreesOfAWalk)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseManualTime();
+BENCHMARK(BM_TreeOfABox)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(BM_EncodeSnapshot)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(BM_DecodeSnapshot)->Unit(benchmark::kMillisecond)->UseRealTime();
 

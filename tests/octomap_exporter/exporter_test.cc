@@ -32,7 +32,8 @@ class ExporterOnABus : public ::testing::Test {
     config_.grid.voxel_size_m = kVoxel;
     config_.octomap_exporter.period_s = 0.05;
     config_.octomap_exporter.coarse_resolution_m = 0.2;
-    for (const Channel& channel : {kOctomapChannel, kOctomapRawChannel, kOctomapCoarseChannel}) {
+    for (const Channel& channel :
+         {kOctomapChannel, kOctomapRawChannel, kOctomapCoarseChannel, kOctomapInflatedChannel}) {
       bus_->Subscribe<octree_t>(channel,
                                 [this, name = std::string(channel.name)](const octree_t& tree) {
                                   trees_[name].push_back(tree);
@@ -85,6 +86,18 @@ class ExporterOnABus : public ::testing::Test {
     options.resolution_m = resolution;
     return BuildOctree(map_, options)->bytes;
   }
+  /// By a full rebuild.
+  std::vector<uint8_t> ExpectedInflated(double radius) {
+    OctreeOptions options = config_.octree;
+    OctreeBuilder builder = *OctreeBuilder::Make(kVoxel, options);
+    builder.Update(map_, map_.SortedIndices());
+    const OccupancyMap inflated = *Inflate(builder.leaves(), {.radius_m = radius});
+    options.unknown = UnknownPolicy::kOccupied;
+    options.resolution_m = builder.resolution();
+    OctreeCache cache;
+    cache.Update(inflated, inflated.SortedIndices());
+    return cache.Encode(inflated, options)->bytes;
+  }
   map_reply_t Ask(map_request_t request) {
     request.request_id = ++next_id_;
     bus_->Publish(kMapRequestChannel, request);
@@ -127,6 +140,10 @@ TEST_F(ExporterOnABus, PublishesTheMapClosedRawAndCoarse) {
     EXPECT_EQ(trees_["OCTOMAP_COARSE"].back().data, Expected(UnknownPolicy::kOccupied, 0.2));
     EXPECT_EQ(trees_["OCTOMAP_COARSE"].back().resolution_m, 0.2);
     EXPECT_TRUE(Decode(closed)) << Decode(closed).error().message;
+    const octree_t& inflated = trees_["OCTOMAP_INFLATED"].back();
+    EXPECT_EQ(inflated.data, ExpectedInflated(0.2));
+    EXPECT_EQ(inflated.inflated_by_m, 0.2);
+    EXPECT_EQ(closed.inflated_by_m, 0);
     Change({static_cast<int32_t>(revision), 2, 3}, CellState::kOccupied);
   }
 }
@@ -164,7 +181,7 @@ TEST_F(ExporterOnABus, AReaderThatComesWhileTheMapStandsStillHasATreeWithinTwoSe
     const octree_t before = trees_["OCTOMAP"].back();
     SpinFor(0.4 * reader);
     trees_.clear();
-    ASSERT_TRUE(SpinUntil([&] { return trees_.size() == 3; }, 2));
+    ASSERT_TRUE(SpinUntil([&] { return trees_.size() == 4; }, 2));
     const octree_t& again = trees_["OCTOMAP"].back();
     EXPECT_EQ(again.data, before.data);
     EXPECT_EQ(again.utime, before.utime);
@@ -176,10 +193,11 @@ TEST_F(ExporterOnABus, NavigationTellsRevisionsAndAges) {
   Start();
   FillRoom();
   SendMap();
-  ASSERT_TRUE(SpinUntil([&] { return navigation_.n_outputs == 3; }));
-  EXPECT_THAT(navigation_.channels, ElementsAre("OCTOMAP", "OCTOMAP_RAW", "OCTOMAP_COARSE"));
-  EXPECT_THAT(navigation_.revisions, ElementsAre(1, 1, 1));
-  EXPECT_THAT(navigation_.utimes, ElementsAre(1000, 1000, 1000));
+  ASSERT_TRUE(SpinUntil([&] { return navigation_.n_outputs == 4; }));
+  EXPECT_THAT(navigation_.channels,
+              ElementsAre("OCTOMAP", "OCTOMAP_RAW", "OCTOMAP_INFLATED", "OCTOMAP_COARSE"));
+  EXPECT_THAT(navigation_.revisions, ElementsAre(1, 1, 1, 1));
+  EXPECT_THAT(navigation_.utimes, ElementsAre(1000, 1000, 1000, 1000));
   EXPECT_EQ(navigation_.message, "");
   EXPECT_EQ(navigation_.map_id, "m");
   EXPECT_EQ(navigation_.in_sync, 1);

@@ -5,6 +5,10 @@
 
 #include <limits>
 
+#include "freespace/coarsen.h"
+#include "freespace/octree_cache.h"
+#include "navigation/inflate.h"
+
 namespace vismap {
 namespace {
 
@@ -71,7 +75,7 @@ TEST(OctreeRequest, RefusesNumbersThatAreImpossibleAndSaysWhatIsAllowed) {
   for (const double wrong : {kNan, kInfinity, -0.1, 5.1}) {
     map_request_t request = AnyRequest();
     request.inflate_m = wrong;
-    EXPECT_THAT(Refusal(request), HasSubstr("inflate_m: expected a radius from 0 to 5 m, found"));
+    EXPECT_THAT(Refusal(request), HasSubstr("inflate_m: expected a radius from 0 to 28 leaves"));
   }
   for (const int8_t wrong : std::initializer_list<int8_t>{7, -2, 2}) {
     map_request_t request = AnyRequest();
@@ -133,13 +137,35 @@ TEST(AnswerOctree, InUnseenSpaceIsFullOfOccupiedSpaceAndNeverEmpty) {
 
 TEST(OctreeRequest, NeedsOnlyTheBlocksOfItsBox) {
   const OccupancyMap whole = FreeRoom();
-  const map_request_t request = RequestOf({0.42, 0.3, 0.3}, {0.66, 0.6, 0.5});
-  const OctreeRequest read = *ReadOctreeRequest(request, kVoxel, {});
-  OccupancyMap part(kVoxel);
-  for (const BlockIndex& block : BlocksIn(whole.blocks(), *read.Region(8 * kVoxel)))
-    part.Set(block, whole.At(block));
-  EXPECT_LT(part.size(), 250u);
-  EXPECT_EQ(AnswerOctree(part, read, 0)->payload, AnswerOctree(whole, read, 0)->payload);
+  for (const double radius : {0.0, 0.17}) {
+    map_request_t request = RequestOf({0.42, 0.3, 0.3}, {0.66, 0.6, 0.5});
+    request.inflate_m = radius;
+    const OctreeRequest read = *ReadOctreeRequest(request, kVoxel, {});
+    OccupancyMap part(kVoxel);
+    for (const BlockIndex& block : BlocksIn(whole.blocks(), *read.Region(8 * kVoxel)))
+      part.Set(block, whole.At(block));
+    EXPECT_LT(part.size(), whole.size() / 6);
+    EXPECT_EQ(AnswerOctree(part, read, 0)->payload, AnswerOctree(whole, read, 0)->payload);
+  }
+}
+
+TEST(AnswerOctree, InflatedIsTheTreeOfInflatedLeavesWithinTheBox) {
+  const OccupancyMap map = FreeRoom();
+  map_request_t request = RequestOf({0.1, 0.1, 0.1}, {0.9, 0.9, 0.9});
+  request.inflate_m = 0.2;
+  const Result<Answer> answer = AnswerTo(request, map);
+  ASSERT_TRUE(answer) << answer.error().message;
+  EXPECT_EQ(answer->octree->inflated_by, 0.2);
+  const OccupancyMap leaves = Coarsen(map, {.factor = 5});
+  const OccupancyMap inflated = *Inflate(leaves, {.radius_m = 0.2});
+  OctreeCache cache;
+  cache.Update(inflated, inflated.SortedIndices());
+  const Eigen::AlignedBox3d box(Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(0.9));
+  const Result<OctreeBytes> expected = cache.Encode(
+      inflated, {.resolution_m = 0.05, .unknown = UnknownPolicy::kOccupied, .bounds_W = box});
+  EXPECT_EQ(answer->payload, expected->bytes);
+  request.inflate_m = 0;
+  EXPECT_NE(AnswerTo(request, map)->payload, expected->bytes);
 }
 
 }  // namespace
