@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "base/format.h"
+#include "base/parallel.h"
 #include "freespace/shortest_text.h"
 
 namespace vismap {
@@ -66,14 +68,9 @@ Result<CellColumns> CellColumns::Make(const OccupancyMap& map, size_t max_bytes)
   const auto bytes = static_cast<size_t>(64 * x * y * z);
   columns.occupied_.resize(bytes);
   columns.free_.resize(bytes);
-  map.blocks().ForEach(
-      [&](BlockIndex index, const BlockOccupancy& block) { columns.Add(index, block); });
+  const std::vector<BlockIndex> blocks = map.SortedIndices();
+  ParallelFor(blocks.size(), 64, [&](size_t i) { columns.Add(blocks[i], map.At(blocks[i])); });
   return columns;
-}
-
-const uint8_t* CellColumns::Column(const Bytes& bits, int32_t x, int32_t y) const {
-  const auto row = static_cast<size_t>(y - box_.min.y) * static_cast<size_t>(8 * blocks_x_);
-  return bits.data() + (row + static_cast<size_t>(x - box_.min.x)) * static_cast<size_t>(blocks_z_);
 }
 
 bool CellColumns::Inside(int32_t x, int32_t y) const {
@@ -90,8 +87,8 @@ void CellColumns::Add(BlockIndex index, const BlockOccupancy& block) {
       for (size_t z = 0; z < bits.size(); ++z) rows |= ((bits[z] >> (8 * y)) & 0xff) << (8 * z);
       const uint64_t columns = Transposed(rows);
       for (int x = 0; x < kBlockSide; ++x) {
-        const uint8_t* column = Column(out, 8 * index.x + x, 8 * index.y + y);
-        out[static_cast<size_t>(column - out.data() + index.z - first_.z)] =
+        const size_t at = At(8 * index.x + x, 8 * index.y + y);
+        out[at + static_cast<size_t>(index.z - first_.z)] =
             static_cast<uint8_t>(columns >> (8 * x));
       }
     }
@@ -136,6 +133,14 @@ uint64_t CellColumns::Bits64(const Bytes& bits, int32_t x, int32_t y, int32_t z)
   if (!Inside(x, y)) return 0;
   const uint8_t* column = Column(bits, x, y);
   const int32_t first = z - box_.min.z;
+  if (const int32_t byte = first >> 3; byte >= 0 && byte + 9 <= blocks_z_) {
+    static_assert(std::endian::native == std::endian::little);
+    uint64_t window;
+    std::memcpy(&window, column + byte, sizeof(window));
+    const int right = first & 7;
+    if (right > 0) window = window >> right | uint64_t{column[byte + 8]} << (64 - right);
+    return window;
+  }
   uint64_t window = 0;
   for (int32_t byte = first >> 3; byte <= (first + 63) >> 3; ++byte) {
     if (byte < 0 || byte >= blocks_z_) continue;

@@ -44,7 +44,14 @@ class CellColumns {
  private:
   using Bytes = std::vector<uint8_t>;  // a byte holds eight cells of a column
 
-  const uint8_t* Column(const Bytes& bits, int32_t x, int32_t y) const;
+  /// Where the bytes of a column begin.
+  size_t At(int32_t x, int32_t y) const {
+    const auto row = static_cast<size_t>(y - box_.min.y) * static_cast<size_t>(8 * blocks_x_);
+    return (row + static_cast<size_t>(x - box_.min.x)) * static_cast<size_t>(blocks_z_);
+  }
+  const uint8_t* Column(const Bytes& bits, int32_t x, int32_t y) const {
+    return bits.data() + At(x, y);
+  }
   uint64_t Bits64(const Bytes& bits, int32_t x, int32_t y, int32_t z) const;
   bool Inside(int32_t x, int32_t y) const;
   void Add(BlockIndex index, const BlockOccupancy& block);

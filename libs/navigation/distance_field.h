@@ -55,7 +55,7 @@ struct BlockDistances {
 
 /// Euclidean distances to the nearest occupied leaf and to the nearest unknown leaf of a map, to
 /// the faces of leaves and not to their centres, exact up to a limit. All space outside of the
-/// map's blocks is unknown. Updated with the changes of the map; takes about 10.3 bytes per leaf
+/// map's blocks is unknown. Updated with the changes of the map; takes about 12 bytes per leaf
 /// of blocks that are not unknown everywhere. Several threads may read at the same time; nothing
 /// may read during Update.
 class DistanceField {

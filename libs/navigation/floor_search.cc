@@ -31,7 +31,8 @@ constexpr std::array<GridCell, 4> kBeside = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}}
 /// columns within from <= z < to, and it is level within a step.
 std::optional<int32_t> LevelIn(const GridOfColumns& grid, GridCell cell, int32_t from, int32_t to,
                                int32_t step) {
-  std::vector<int32_t> heights;
+  static thread_local std::vector<int32_t> heights;
+  heights.clear();
   grid.ForEachColumn(cell.x, cell.y, [&](int32_t x, int32_t y) {
     if (const auto height = grid.columns->HighestSupport(x, y, from, to))
       heights.push_back(*height);
@@ -42,33 +43,32 @@ std::optional<int32_t> LevelIn(const GridOfColumns& grid, GridCell cell, int32_t
   return heights[heights.size() / 2];
 }
 
-/// All cells that can be reached from a seed: their heights, kNoFloor for the others.
+/// A cell of a floor.
 struct Reached {
-  std::vector<int32_t> heights;
-  size_t count = 0;
+  GridCell cell;
+  int32_t height = 0;
 };
 
-Reached SpreadFrom(const GridOfColumns& grid, const Seed& seed, int32_t step) {
-  Reached reached{std::vector<int32_t>(
-                      static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height), kNoFloor),
-                  1};
-  std::vector<GridCell> queue = {seed.cell};
-  reached.heights[grid.Index(seed.cell.x, seed.cell.y)] = seed.height;
-  for (size_t next = 0; next < queue.size(); ++next) {
-    const GridCell from = queue[next];
-    const int32_t height = reached.heights[grid.Index(from.x, from.y)];
+/// All cells that can be reached from a seed. `heights` must be kNoFloor everywhere, and is so
+/// again afterwards.
+std::vector<Reached> SpreadFrom(const GridOfColumns& grid, const Seed& seed, int32_t step,
+                                std::vector<int32_t>* heights) {
+  std::vector<Reached> reached = {{seed.cell, seed.height}};
+  (*heights)[grid.Index(seed.cell.x, seed.cell.y)] = seed.height;
+  for (size_t next = 0; next < reached.size(); ++next) {
+    const Reached from = reached[next];
     for (const GridCell& beside : kBeside) {
-      const GridCell to{from.x + beside.x, from.y + beside.y};
+      const GridCell to{from.cell.x + beside.x, from.cell.y + beside.y};
       if (!grid.Contains(to.x, to.y)) continue;
-      int32_t& found = reached.heights[grid.Index(to.x, to.y)];
+      int32_t& found = (*heights)[grid.Index(to.x, to.y)];
       if (found != kNoFloor) continue;
-      const auto level = LevelIn(grid, to, height - step, height + step + 1, step);
+      const auto level = LevelIn(grid, to, from.height - step, from.height + step + 1, step);
       if (!level) continue;
       found = *level;
-      ++reached.count;
-      queue.push_back(to);
+      reached.push_back({to, *level});
     }
   }
+  for (const Reached& at : reached) (*heights)[grid.Index(at.cell.x, at.cell.y)] = kNoFloor;
   return reached;
 }
 
@@ -113,25 +113,42 @@ std::vector<Seed> FindSeeds(const GridOfColumns& grid, const FloorLimits& limits
   return seeds;
 }
 
-/// The largest floor that can be reached from any of the seeds; empty when there are none.
+/// The heights of the floors that were found so far, at most two for each cell; when there are
+/// more, a floor may be found again, which costs time only.
+class FloorsSoFar {
+ public:
+  FloorsSoFar(size_t cells, int32_t step) : heights_(cells, {kNoFloor, kNoFloor}), step_(step) {}
+
+  void Add(size_t index, int32_t height) {
+    std::array<int32_t, 2>& at = heights_[index];
+    (at[0] == kNoFloor ? at[0] : at[1]) = height;
+  }
+  bool Has(size_t index, int32_t height) const {
+    const auto same = [&](int32_t h) { return h != kNoFloor && std::abs(h - height) <= step_; };
+    return same(heights_[index][0]) || same(heights_[index][1]);
+  }
+
+ private:
+  std::vector<std::array<int32_t, 2>> heights_;
+  int32_t step_;
+};
+
+/// The largest floor that can be reached from any of the seeds, by cell; the first one of those of
+/// equal size.
 std::vector<int32_t> LargestFloor(const GridOfColumns& grid, std::span<const Seed> seeds,
                                   int32_t step) {
-  std::vector<Reached> floors;
+  const size_t count = static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height);
+  std::vector<int32_t> heights(count, kNoFloor);
+  FloorsSoFar so_far(count, step);
+  std::vector<Reached> largest;
   for (const Seed& seed : seeds) {
-    const size_t index = grid.Index(seed.cell.x, seed.cell.y);
-    const bool known = std::any_of(floors.begin(), floors.end(), [&](const Reached& floor) {
-      return floor.heights[index] != kNoFloor &&
-             std::abs(floor.heights[index] - seed.height) <= step;
-    });
-    if (known) continue;
-    floors.push_back(SpreadFrom(grid, seed, step));
-    // Only the largest may become the result; small ones are kept as long as they are few.
-    constexpr size_t kMostFloors = 16;
-    std::stable_sort(floors.begin(), floors.end(),
-                     [](const Reached& a, const Reached& b) { return a.count > b.count; });
-    if (floors.size() > kMostFloors) floors.pop_back();
+    if (so_far.Has(grid.Index(seed.cell.x, seed.cell.y), seed.height)) continue;
+    std::vector<Reached> floor = SpreadFrom(grid, seed, step, &heights);
+    for (const Reached& at : floor) so_far.Add(grid.Index(at.cell.x, at.cell.y), at.height);
+    if (floor.size() > largest.size()) largest = std::move(floor);
   }
-  return floors.empty() ? std::vector<int32_t>() : std::move(floors.front().heights);
+  for (const Reached& at : largest) heights[grid.Index(at.cell.x, at.cell.y)] = at.height;
+  return heights;
 }
 
 /// For cells without floor the height of the nearest one that has some.
@@ -242,7 +259,6 @@ Floor FindFloor(const GridOfColumns& grid, const FloorLimits& limits, double vox
   const size_t count = static_cast<size_t>(grid.width) * static_cast<size_t>(grid.height);
   floor.states.assign(count, CellState::kUnknown);
   floor.heights = LargestFloor(grid, FindSeeds(grid, limits, voxel_m, path_W), limits.step);
-  if (floor.heights.empty()) floor.heights.assign(count, kNoFloor);
   const FloorJudge judge(grid, limits, floor.heights);
   ParallelFor(static_cast<size_t>(grid.height), 4, [&](size_t y) {
     for (int x = 0; x < grid.width; ++x)

@@ -105,9 +105,16 @@ std::vector<std::vector<VoxelIndex>> Clusters(const std::vector<VoxelIndex>& all
 
 Eigen::Vector3d CentreOf(VoxelIndex leaf) { return {leaf.x + 0.5, leaf.y + 0.5, leaf.z + 0.5}; }
 
+using LeafReader = BlockTable<BlockOccupancy>::Reader;
+
+bool IsFree(LeafReader* leaves, VoxelIndex leaf) {
+  const BlockOccupancy* block = leaves->Find(BlockOf(leaf));
+  return block != nullptr && block->At(OffsetInBlock(leaf)) == CellState::kFree;
+}
+
 /// Whether the straight way between the centres of two leaves leads through free leaves only. Both
 /// ends are looked at, too.
-bool SeesThroughFree(const OccupancyMap& leaves, VoxelIndex from, VoxelIndex to) {
+bool SeesThroughFree(LeafReader* leaves, VoxelIndex from, VoxelIndex to) {
   const Eigen::Vector3d start = CentreOf(from), way = CentreOf(to) - start;
   const std::array<int32_t, 3> ends = {to.x, to.y, to.z};
   std::array<int32_t, 3> at = {from.x, from.y, from.z};
@@ -118,7 +125,7 @@ bool SeesThroughFree(const OccupancyMap& leaves, VoxelIndex from, VoxelIndex to)
     next[axis] = length > 0 ? 0.5 / length : std::numeric_limits<double>::infinity();
   }
   for (;;) {
-    if (leaves.At(VoxelIndex{at[0], at[1], at[2]}) != CellState::kFree) return false;
+    if (!IsFree(leaves, {at[0], at[1], at[2]})) return false;
     if (at == ends) return true;
     const size_t axis =
         static_cast<size_t>(std::min_element(next.begin(), next.end()) - next.begin());
@@ -160,20 +167,21 @@ struct Viewer {
   const OccupancyMap& inflated;
   std::vector<VoxelIndex> offsets;
 
-  bool Sees(VoxelIndex from, const std::vector<VoxelIndex>& cluster) const {
+  static bool Sees(LeafReader* reader, VoxelIndex from, const std::vector<VoxelIndex>& cluster) {
     const size_t sample = std::min<size_t>(kViewSample, cluster.size());
     size_t seen = 0;
     for (size_t i = 0; i < sample; ++i)
-      seen += SeesThroughFree(leaves, from, cluster[i * cluster.size() / sample]);
+      seen += SeesThroughFree(reader, from, cluster[i * cluster.size() / sample]);
     return 2 * seen >= sample;
   }
 
   std::optional<VoxelIndex> Find(VoxelIndex member, const std::vector<VoxelIndex>& cluster) const {
+    LeafReader reader(leaves.blocks()), inflated_reader(inflated.blocks());
     int looked = 0;
     for (const VoxelIndex& offset : offsets) {
       const VoxelIndex from{member.x + offset.x, member.y + offset.y, member.z + offset.z};
-      if (inflated.At(from) != CellState::kFree) continue;
-      if (Sees(from, cluster)) return from;
+      if (!IsFree(&inflated_reader, from)) continue;
+      if (Sees(&reader, from, cluster)) return from;
       if (++looked == kMostCandidates) break;
     }
     return std::nullopt;

@@ -279,17 +279,22 @@ class SiteField::RowStep {
   void Compute(int row, RowDistances* values) {
     const int before = FromEnd(row, -1), behind = FromEnd(row, 1);
     const auto& inside = kNearestInByte[SitesIn(0, row)];
+    std::array<uint8_t, kBlockSide> now;
     for (int x = 0; x < kBlockSide; ++x) {
       const int least =
           std::min({int{inside[static_cast<size_t>(x)]}, before + x, behind + kBlockSide - 1 - x});
-      const auto now = static_cast<uint8_t>(least <= field_.window_ ? least : kNoneInRow);
-      uint8_t& value = (*values)[static_cast<size_t>(kBlockSide * row + x)];
-      if (value == now) continue;
-      uint16_t& touched = (*task_->touched)[static_cast<size_t>(x + kBlockSide * (row / 8))];
-      touched = std::min(touched, SquaredHalfLeaves(std::min(value, now)));
-      value = now;
-      task_->changed = true;
+      now[static_cast<size_t>(x)] =
+          static_cast<uint8_t>(least <= field_.window_ ? least : kNoneInRow);
     }
+    uint8_t* kept = values->data() + kBlockSide * row;
+    if (std::equal(now.begin(), now.end(), kept)) return;
+    uint16_t* touched = task_->touched->data() + kBlockSide * (row / 8);
+    for (size_t x = 0; x < now.size(); ++x) {
+      if (kept[x] == now[x]) continue;
+      touched[x] = std::min(touched[x], SquaredHalfLeaves(std::min(kept[x], now[x])));
+      kept[x] = now[x];
+    }
+    task_->changed = true;
   }
 
   const SiteField& field_;

@@ -36,7 +36,7 @@ struct NearestSite {
 /// max(0, 2 |d| - 1)^2, in half leaves squared. They are found along x, then y, then z, and the
 /// results of each step are kept; so after a change, only lines are computed again whose input
 /// changed in a way that can matter, and a change goes no farther than results differ. Takes about
-/// 5.2 bytes per leaf of a block with values (BytesPerLeaf).
+/// 6 bytes per leaf of a block with values.
 class SiteField {
  public:
   using Distances = std::array<uint16_t, kBlockVoxels>;

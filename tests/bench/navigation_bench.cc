@@ -119,8 +119,8 @@ void PrintRequests(const Walk& walk) {
   size_t frontiers = 0;
   const Spent search = Measure(
       [&] { frontiers = FindFrontiers(walk.leaves, walk.inflater.inflated(), {})->size(); });
-  std::printf("grid of the whole map %.1f ms, %zu frontiers %.1f ms\n", grid.wall, frontiers,
-              search.wall);
+  std::printf("grid of the whole map %.1f ms (cpu %.1f), %zu frontiers %.1f ms (cpu %.1f)\n",
+              grid.wall, grid.cpu, frontiers, search.wall, search.cpu);
   std::vector<Eigen::Vector3d> points;
   for (const BlockIndex& index : walk.leaves.SortedIndices()) {
     for (const double offset : {0.9, 3.3, 5.8, 7.2}) {
