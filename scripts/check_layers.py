@@ -51,7 +51,7 @@ PROCS = {
 # Tests of one room see what the room sees; these folders of tests/ see everything.
 # Tests of rooms that read a map may also include the makers, since they need maps to read.
 READERS = {"meshing", "objects", "exports", "freespace", "navigation", "mapfile", "render"}
-OPEN_TESTS = {"process", "quality", "oracle", "support", "bench", "fuzz", "hostile"}
+OPEN_TESTS = {"process", "client", "quality", "oracle", "support", "bench", "fuzz", "hostile"}
 
 # Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
 OUTSIDE = [
@@ -60,8 +60,10 @@ OUTSIDE = [
     (r"octomap/(MCTables|octomap_types)\.h", ("libs/meshing/", "tests/meshing/", "tests/support/naive/"),
      True,
      "only meshing uses the marching cubes tables"),
-    (r"(octomap|dynamicEDT3D)/", ("tests/freespace/", "tests/exports/", "tests/process/", "tests/bench/"),
-     False, "only tests use OctoMap, as the reference"),
+    (r"(octomap|dynamicEDT3D|fcl)/", ("tests/freespace/", "tests/exports/", "tests/navigation/", "tests/process/", "tests/client/", "tests/bench/",
+                                      "procs/examples/"),
+     False, "only tests and examples use OctoMap and what builds on it"),
+    (r"ompl/", ("procs/examples/",), False, "only examples plan"),
     (r"(google/protobuf/|.*\.pb\.h)", ("libs/mapfile/", "libs/config/", "tests/mapfile/", "tests/config/"),
      True, "protobuf stays in mapfile and config"),
     (r"opencv2/dnn", ("libs/detection/",), True, "only detection runs networks"),

@@ -187,6 +187,16 @@ class PackagesTest(unittest.TestCase):
         call("c++", "-std=c++17", CONSUMER / "consumer.cc", *flags, "-o", program)
         self.assertRegex(call(program, self.hub(), timeout=60), r"^hub \d")
 
+    def test_a_planner_by_pkg_config(self):
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(next(self.root.glob("usr/lib/*/pkgconfig"))),
+                       "PKG_CONFIG_SYSROOT_DIR": str(self.root)}
+        flags = call("pkg-config", "--cflags", "--libs", "vismap-client", env=environment).split()
+        program = pathlib.Path(self.temporary.name) / "planner"
+        call("c++", "-std=c++17", CONSUMER / "planner.cc", *flags, "-o", program)
+        libraries = next(self.root.glob("usr/lib/*/libvismap-client.so.0")).parent
+        said = call(program, self.hub(), timeout=60, env={**os.environ, "LD_LIBRARY_PATH": str(libraries)})
+        self.assertIn("nothing was heard of the octomap exporter yet", said)
+
     def test_another_program_by_cmake(self):
         build = pathlib.Path(self.temporary.name) / "by-cmake"
         call("cmake", "-S", CONSUMER, "-B", build, f"-DCMAKE_PREFIX_PATH={self.root}/usr")
@@ -200,7 +210,7 @@ class PackagesTest(unittest.TestCase):
         build = pathlib.Path(self.temporary.name) / "examples"
         call("cmake", "-S", self.root / "usr/share/doc/vismap-dev/examples", "-B", build,
              f"-DCMAKE_PREFIX_PATH={self.root}/usr")
-        call("cmake", "--build", build)
+        call("cmake", "--build", build, "--target", "camera_driver", "plan_grid")  # plan_sphere takes a minute
         url = self.hub()
         segmenter = subprocess.Popen([self.root / "usr/bin/vismap-depth-segmenter", "--lcm-url", url, "--detections",
                                       "none"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+#include <vismap/map_reply_t.hpp>
+#include <vismap/map_request_t.hpp>
+#include <vismap/octree_t.hpp>
+
+namespace vismap {
+
+/// The trees that the octomap exporter publishes, see procs/README.md, Octrees.
+enum class TreeKind {
+  kClosed,    ///< OCTOMAP: unknown space is occupied. For planners
+  kInflated,  ///< OCTOMAP_INFLATED: closed, and grown by the radius of the robot, for a point
+  kCoarse,    ///< OCTOMAP_COARSE: closed, with larger leaves
+  kRaw,       ///< OCTOMAP_RAW: unknown space has no nodes, and collision checkers take it for free
+};
+
+struct NavigationClientOptions {
+  std::string url;  ///< of the bus, as in ClientOptions; empty = $LCM_DEFAULT_URL or the usual hub
+  std::string name = "planner";   ///< of this program on the bus; must be unique
+  double connect_timeout_s = 10;  ///< how long the constructor waits for the hub [s]
+  std::vector<TreeKind> trees{TreeKind::kClosed};  ///< which trees to receive
+  /// After so long without a word from the octomap exporter or the map server, which both speak
+  /// once a second, trees are stale [s].
+  double max_silence_s = 2.8;
+};
+
+/// A tree of free space, and how far it can be trusted.
+struct FreeSpace {
+  /// The tree as a .bt stream of OctoMap in `data`, with its bounds, map_id, revision and policy;
+  /// nullptr = there is none, and `why` says so. It is never changed: a newer tree is another
+  /// object.
+  std::shared_ptr<const octree_t> tree;
+  /// How long ago this was known to be the newest state of the map [s]. Up to about two seconds in
+  /// normal operation.
+  double age_s = std::numeric_limits<double>::infinity();
+  bool stale = true;  ///< it must be assumed that the tree is not the newest state of the map
+  std::string why;    ///< it is stale, or there is none; one sentence. Empty otherwise
+
+  explicit operator bool() const { return tree != nullptr; }
+};
+
+/// What to ask the octomap exporter for.
+struct TreeRequest {
+  struct Box {
+    std::array<double, 3> min_W, max_W;  ///< corners [m]
+  };
+  std::optional<Box> box;   ///< nullopt = the whole map
+  double resolution_m = 0;  ///< edge of a leaf, a multiple of the voxel size; 0 = the usual one
+  bool raw = false;         ///< false = closed
+  double inflate_m = 0;     ///< radius of the robot, for closed trees; 0 = none
+  std::string without;      ///< objects that are left out, such as "id=7;class=cup"; empty = none
+};
+
+/// Free space for planners: keeps the newest trees of the octomap exporter, knows how old they are
+/// and whether the programs that make them are alive, and asks for others.
+///
+///   vismap::NavigationClient navigation;
+///   navigation.Start();
+///   vismap::FreeSpace space = navigation.WaitFor(vismap::TreeKind::kClosed, 10);
+///   if (!space || space.stale) complain(space.why);
+///
+/// Messages are handled by a thread of its own after Start, else by Handle. Newest never waits for
+/// messages or for the decoding of them: it copies a pointer. After Start, all functions but Handle
+/// may be called from any thread; before, everything from one thread.
+class NavigationClient {
+ public:
+  /// Connects to the bus. Throws std::runtime_error as Client does.
+  explicit NavigationClient(const NavigationClientOptions& options = {});
+  ~NavigationClient();
+  NavigationClient(const NavigationClient&) = delete;
+  NavigationClient& operator=(const NavigationClient&) = delete;
+
+  /// Starts a thread that handles messages from now on. Once only.
+  void Start();
+
+  /// Waits up to `timeout_s` [s] for messages and handles those that have arrived. Returns true
+  /// when there was one. Without Start it must be called at least about ten times per second: a
+  /// message counts as heard when it is handled. Throws std::logic_error after Start.
+  bool Handle(double timeout_s);
+
+  /// The newest tree. With `max_age_s` [s], none that is stale or older is handed out, and `why`
+  /// says so. A tree that is empty, damaged, or raw on the channel of a closed one is never handed
+  /// out. Throws std::invalid_argument when the kind is not among NavigationClientOptions::trees.
+  FreeSpace Newest(TreeKind kind, double max_age_s = std::numeric_limits<double>::infinity()) const;
+
+  /// Waits up to `timeout_s` [s] until Newest has a tree that is not stale, and returns it, or the
+  /// last state with `why`.
+  FreeSpace WaitFor(TreeKind kind, double timeout_s,
+                    double max_age_s = std::numeric_limits<double>::infinity());
+
+  /// Asks the octomap exporter for a tree and waits up to `timeout_s` [s]. Its reasons for a
+  /// refusal are in `why`.
+  FreeSpace AskTree(const TreeRequest& request, double timeout_s);
+
+  /// Sends any request (see procs/README.md, Requests) and waits up to `timeout_s` [s] for the
+  /// reply. The request is repeated when no reply comes, and carried out once. Without an answer in
+  /// time, `ok` is false and `message` says what is known about the reason.
+  map_reply_t Ask(map_request_t request, double timeout_s);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace vismap
