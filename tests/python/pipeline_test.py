@@ -13,6 +13,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy as np
@@ -199,6 +200,28 @@ class PipelineTest(unittest.TestCase):
         box = ([1.5, 1.0, 0.2], [3.5, 2.0, 1.5])
         careful = vismap.read_octree(self.bus, box, resolution_m=0.05, unknown_occupied=True)
         self.assertTrue(careful.is_occupied([2.5, 1.5, 0.35]), "inside of the box it is unknown, which counts as occupied")
+
+    def test_live_octree_and_its_age(self):
+        self.start("exporter", BIN / "vismap-octomap-exporter")
+        found, printed = self.run_example("The live octree, for planners")
+        space = found["space"]
+        self.assertTrue(space.is_free([2.5, 1.5, 1.0]), "above the box")
+        self.assertTrue(space.is_occupied([2.5, 1.5, 0.35]), "inside of the box it is unknown, which counts as occupied")
+        self.assertIn("True", printed)
+        with vismap.LiveOctree(self.bus) as live:
+            tree = live.wait(timeout=DEADLINE, revision=FRAMES)
+            self.assertLess(live.age_s, 10)
+            self.assertIs(live.octree(), live.octree(max_age_s=60))
+            self.assertEqual(live.why_stale, "")
+            self.assertTrue(tree.is_occupied([9.0, 1.5, 1.0]) or tree.state([9.0, 1.5, 1.0]) == vismap.UNKNOWN)
+            self.processes.running["exporter"].kill()
+            start = time.monotonic()
+            wait_until(lambda: live.why_stale, "that the tree is stale")
+            self.assertLess(time.monotonic() - start, 3)
+            self.assertRegex(live.why_stale, r"the octomap exporter was not heard for \d")
+            self.assertIsNone(live.octree(max_age_s=60))
+            self.assertIsNotNone(live.octree())
+        self.processes.running.pop("exporter").wait()
 
     def test_save_load_ask(self):
         found, printed = self.run_example("Save, load, ask")

@@ -9,6 +9,7 @@ from .errors import BusError, LogError, MapError, MessageError, RequestError, Vi
 from .frames import Camera, color_of, depth_of, frame_message, publish_frame
 from .lcm_types import Message
 from .live_map import LiveMap, Mesh, MeshFollower
+from .live_octree import LiveOctree
 from .logs import LogEvent, LogReader, LogWriter
 from .map_file import SavedMap, open_map
 from .messages import decode, encode, types, version
@@ -19,7 +20,7 @@ from .status import Status
 
 __version__ = version()
 __all__ = [
-    "Bus", "BusError", "Camera", "DeviceClock", "FREE", "LiveMap", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError",
+    "Bus", "BusError", "Camera", "DeviceClock", "FREE", "LiveMap", "LiveOctree", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError",
     "MapObject", "Mesh", "MeshFollower", "Message", "MessageError", "Newest", "OCCUPIED", "Octree", "OrientedBox", "Pace",
     "Received", "Reply", "RequestError", "SavedMap", "Status", "Subscription", "UNKNOWN", "VismapError", "WaitTimeout", "ask",
     "color_of", "decode", "depth_of", "encode", "frame_message", "get_objects", "load", "now_utime", "objects_of", "open_map",
