@@ -180,7 +180,7 @@ void NavigationClient::Parts::OnTree(TreeKind kind, const octree_t& message) {
   Kept& kept = trees[kind];
   kept.problem = problem;
   if (tree) {
-    kept.tree = std::move(tree);
+    kept.tree.swap(tree);
     kept.since = now;
     const bool server_lives = now - server_followed <= options.max_silence_s;
     kept.confirmed = newest_status ? (server_lives ? now : server_followed) : kNever;
@@ -226,10 +226,11 @@ void NavigationClient::Parts::OnProcess(const process_status_t& message) {
 
 void NavigationClient::Parts::OnReply(const map_reply_t& message) {
   if (message.requester != options.name) return;
+  std::optional<map_reply_t> copy(message);  // not while planners may wait for the mutex
   const std::lock_guard lock(mutex);
   const auto found = requests.find(message.request_id);
   if (found == requests.end() || found->second.reply) return;
-  found->second.reply = message;
+  found->second.reply.swap(copy);
   ++changes;
   changed.notify_all();
 }
