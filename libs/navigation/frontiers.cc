@@ -170,9 +170,12 @@ struct Viewer {
   static bool Sees(LeafReader* reader, VoxelIndex from, const std::vector<VoxelIndex>& cluster) {
     const size_t sample = std::min<size_t>(kViewSample, cluster.size());
     size_t seen = 0;
-    for (size_t i = 0; i < sample; ++i)
+    for (size_t i = 0; i < sample; ++i) {
       seen += SeesThroughFree(reader, from, cluster[i * cluster.size() / sample]);
-    return 2 * seen >= sample;
+      if (2 * seen >= sample) return true;
+      if (2 * (seen + sample - i - 1) < sample) return false;  // the others cannot make up for it
+    }
+    return false;
   }
 
   std::optional<VoxelIndex> Find(VoxelIndex member, const std::vector<VoxelIndex>& cluster) const {
