@@ -1,12 +1,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "process/process_harness.h"
+#include "simulation/room.h"
 
 namespace vismap {
 namespace {
@@ -105,6 +110,125 @@ TEST(PlanGrid, NamesFilesThatItCannotRead) {
   const auto lacking = grid.Plan("-0.95,2.05", "-0.95,2.05", "0");
   EXPECT_EQ(lacking->WaitForExit(), 3);
   EXPECT_THAT(lacking->StandardError(), HasSubstr("map.yaml has no resolution"));
+}
+
+/// The free cells of an image as vismap writes it, which has no comment; row 0 has the smallest y.
+struct FreeCells {
+  int width = 0, height = 0;
+  std::vector<bool> free;
+
+  explicit FreeCells(const std::filesystem::path& pgm) {
+    std::ifstream file(pgm, std::ios::binary);
+    std::string magic;
+    int most = 0;
+    file >> magic >> width >> height >> most;
+    file.get();
+    free.resize(static_cast<size_t>(width) * static_cast<size_t>(height));
+    for (int y = height - 1; y >= 0; --y) {
+      for (int x = 0; x < width; ++x) free[At(x, y)] = file.get() == 254;
+    }
+  }
+  size_t At(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  }
+  /// Whether all cells up to `reach` to each side are free, too.
+  bool HasRoom(int x, int y, int reach) const {
+    if (x < reach || y < reach || x + reach >= width || y + reach >= height) return false;
+    for (int dy = -reach; dy <= reach; ++dy) {
+      for (int dx = -reach; dx <= reach; ++dx) {
+        if (!free[At(x + dx, y + dy)]) return false;
+      }
+    }
+    return true;
+  }
+  /// The cells with room that can be reached from one of them, the farthest last.
+  std::vector<std::pair<int, int>> ReachableFrom(std::pair<int, int> start, int reach) const {
+    std::vector<std::pair<int, int>> reached{start};
+    std::vector<bool> seen(free.size());
+    seen[At(start.first, start.second)] = true;
+    for (size_t i = 0; i < reached.size(); ++i) {
+      const auto [x, y] = reached[i];
+      for (const auto& [dx, dy] :
+           {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+        if (!HasRoom(x + dx, y + dy, reach) || seen[At(x + dx, y + dy)]) continue;
+        seen[At(x + dx, y + dy)] = true;
+        reached.emplace_back(x + dx, y + dy);
+      }
+    }
+    return reached;
+  }
+  /// Two cells that are connected and far from each other.
+  std::pair<std::pair<int, int>, std::pair<int, int>> FarPair(int reach) const {
+    std::vector<std::pair<int, int>> largest;
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (!HasRoom(x, y, reach)) continue;
+        auto reached = ReachableFrom({x, y}, reach);
+        if (reached.size() > largest.size()) largest = std::move(reached);
+      }
+    }
+    if (largest.empty()) throw std::runtime_error("the robot fits nowhere");
+    return {largest.back(), ReachableFrom(largest.back(), reach).back()};
+  }
+};
+
+/// "x,y" of the centre of a cell, by the origin in the YAML file.
+std::string PointIn(const std::filesystem::path& yaml, std::pair<int, int> cell) {
+  std::ifstream file(yaml);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  double x = 0, y = 0;
+  if (std::sscanf(text.c_str() + text.find("origin:"), "origin: [%lf, %lf", &x, &y) != 2)
+    throw std::runtime_error("no origin in " + text);
+  return std::to_string(x + (cell.first + 0.5) * 0.05) + "," +
+         std::to_string(y + (cell.second + 0.5) * 0.05);
+}
+
+/// How deep a standing cylinder on the floor is inside of something, at most [m]; negative = the
+/// distance to everything but the floor, at the points that are looked at.
+double DepthInObstacles(const Scene& things, double x, double y, double radius, double height) {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (double z = 0.05; z <= height; z += 0.05) {
+    for (int i = 0; i < 24; ++i) {
+      const double angle = i * std::numbers::pi / 12;
+      const Eigen::Vector3d p(x + radius * std::cos(angle), y + radius * std::sin(angle), z);
+      deepest = std::max(deepest, -SignedDistance(things, p));
+    }
+  }
+  return deepest;
+}
+
+TEST(PlanGrid, DrivesThroughAMappedRoomAndTouchesNothing) {
+  constexpr double kRobotRadius = 0.25, kRobotHeight = 1.0;  // [m]; the height is the config's
+  const TempFolder folder;
+  const auto run = [&](const std::string& program, const std::vector<std::string>& arguments) {
+    auto child = std::make_unique<ChildProcess>(program, arguments, folder.path());
+    child->WaitForExit();
+    return child;
+  };
+  const auto mapper = run("offline-mapper", {"--dataset", "synthetic:room?frames=40&width=320",
+                                             "--detections", "none", "--out", folder.path()});
+  ASSERT_EQ(mapper->WaitForExit(), 0) << mapper->StandardError();
+  const auto exported = run("map", {"export", folder / "map.vismap", "--grid", folder.path()});
+  ASSERT_EQ(exported->WaitForExit(), 0) << exported->StandardError();
+  // A robot of 0.25 m fits where five cells of 5 cm to each side are free, and one for the cell.
+  const auto [from, to] = FreeCells(folder / "map.pgm").FarPair(6);
+  const std::string start = PointIn(folder / "map.yaml", from);
+  const auto plan = [&](const std::string& goal) {
+    return run(VISMAP_EXAMPLES_DIR "/plan_grid",
+               {folder / "map.yaml", start, goal, std::to_string(kRobotRadius)});
+  };
+  const auto program = plan(PointIn(folder / "map.yaml", to));
+  ASSERT_EQ(program->WaitForExit(), 0) << program->StandardError();
+  Scene things = MakeRoom();
+  std::erase_if(things.objects, [](const SceneObject& object) { return object.name == "floor"; });
+  std::istringstream lines(program->StandardOutput());
+  int cells = 0;
+  for (double x = 0, y = 0; lines >> x >> y; ++cells)
+    EXPECT_LT(DepthInObstacles(things, x, y, kRobotRadius, kRobotHeight), 0) << x << " " << y;
+  EXPECT_GE(cells, 50);
+  const auto table = plan("0,0");
+  EXPECT_EQ(table->WaitForExit(), 1);
+  EXPECT_THAT(table->StandardError(), HasSubstr("the goal is in an occupied or unknown cell"));
 }
 
 }  // namespace
