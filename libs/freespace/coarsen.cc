@@ -104,6 +104,97 @@ BlockOccupancy Decide(const Counters& counters, const CoarsenOptions& options) {
   return BlockOccupancy(planes);
 }
 
+/// Cells of a coarse block in which some voxel is occupied, and some is not free: bit x + 8 y of
+/// word z.
+struct AnyVoxel {
+  VoxelBits occupied{}, not_free{};
+};
+
+/// Sets the cells in which any of the voxels of `plane` lies.
+void AddAny(const VoxelBits& plane, const Overlaps& xs, const Overlaps& ys, const Overlaps& zs,
+            VoxelBits* any) {
+  for (const Overlap& z : zs) {
+    uint64_t slab = 0;
+    for (int layer = z.begin; layer < z.begin + z.count; ++layer)
+      slab |= plane[static_cast<size_t>(layer)];
+    if (slab == 0) continue;
+    uint64_t cells = 0;
+    for (const Overlap& y : ys) {
+      uint64_t row = slab & y.rows;
+      row |= row >> 32;
+      row |= row >> 16;
+      row |= row >> 8;
+      for (const Overlap& x : xs)
+        cells |= uint64_t{(row & x.mask) != 0} << (x.cell + kBlockSide * y.cell);
+    }
+    (*any)[static_cast<size_t>(z.cell)] |= cells;
+  }
+}
+
+/// The cells that a block touches in a layer.
+uint64_t CellsOf(const Overlaps& xs, const Overlaps& ys) {
+  uint64_t row = 0, cells = 0;
+  for (const Overlap& x : xs) row |= uint64_t{1} << x.cell;
+  for (const Overlap& y : ys) cells |= row << (kBlockSide * y.cell);
+  return cells;
+}
+
+/// Adds a block for cells that are free only when all of their voxels are, which needs no counting.
+void AddBlock(const BlockOccupancy& block, const Overlaps& xs, const Overlaps& ys,
+              const Overlaps& zs, AnyVoxel* any) {
+  if (block.is(CellState::kFree)) return;
+  if (const OccupancyPlanes* planes = block.mixed()) {
+    VoxelBits not_free;
+    for (size_t z = 0; z < not_free.size(); ++z) not_free[z] = ~planes->free[z];
+    AddAny(planes->occupied, xs, ys, zs, &any->occupied);
+    AddAny(not_free, xs, ys, zs, &any->not_free);
+    return;
+  }
+  const uint64_t cells = CellsOf(xs, ys);
+  for (const Overlap& z : zs) {
+    any->not_free[static_cast<size_t>(z.cell)] |= cells;
+    if (block.is(CellState::kOccupied)) any->occupied[static_cast<size_t>(z.cell)] |= cells;
+  }
+}
+
+BlockOccupancy Decide(const AnyVoxel& any) {
+  OccupancyPlanes planes;
+  planes.occupied = any.occupied;
+  for (size_t z = 0; z < planes.free.size(); ++z) planes.free[z] = ~any.not_free[z];
+  return BlockOccupancy(planes);
+}
+
+void CountBlock(const BlockOccupancy& block, const Overlaps& xs, const Overlaps& ys,
+                const Overlaps& zs, Counters* counters) {
+  if (block.is(CellState::kUnknown)) return;
+  if (const OccupancyPlanes* planes = block.mixed()) {
+    AddPlane(planes->free, xs, ys, zs, &counters->free);
+    AddPlane(planes->occupied, xs, ys, zs, &counters->occupied);
+  } else {
+    const bool free = block.uniform_state() == CellState::kFree;
+    AddUniform(xs, ys, zs, free ? &counters->free : &counters->occupied);
+  }
+}
+
+/// Calls `visit(block, xs, ys, zs)` with the n^3 blocks of which a coarse block is made.
+template <typename Visit>
+void ForEachFineBlock(const OccupancyMap& fine, BlockIndex index, int n, const Visit& visit) {
+  std::vector<Overlaps> overlaps;
+  for (int position = 0; position < n; ++position) overlaps.push_back(OverlapsAt(position, n));
+  BlockTable<BlockOccupancy>::Reader reader(fine.blocks());
+  const BlockOccupancy unknown;
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        const BlockOccupancy* block =
+            reader.Find(BlockIndex{index.x * n + x, index.y * n + y, index.z * n + z});
+        visit(block == nullptr ? unknown : *block, overlaps[static_cast<size_t>(x)],
+              overlaps[static_cast<size_t>(y)], overlaps[static_cast<size_t>(z)]);
+      }
+    }
+  }
+}
+
 int32_t FloorDivide(int32_t a, int32_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 BlockIndex CoarseIndex(BlockIndex fine, int factor) {
@@ -116,29 +207,18 @@ BlockOccupancy CoarsenBlock(const OccupancyMap& fine, BlockIndex index,
                             const CoarsenOptions& options) {
   const int n = options.factor;
   Require(n >= 1 && n <= 64, "a cell has 1 to 64 voxels along its edge");
-  std::vector<Overlaps> overlaps;
-  for (int position = 0; position < n; ++position) overlaps.push_back(OverlapsAt(position, n));
-  Counters counters;
-  for (int z = 0; z < n; ++z) {
-    for (int y = 0; y < n; ++y) {
-      for (int x = 0; x < n; ++x) {
-        const BlockOccupancy& block =
-            fine.At(BlockIndex{index.x * n + x, index.y * n + y, index.z * n + z});
-        if (block.is(CellState::kUnknown)) continue;
-        const Overlaps& xs = overlaps[static_cast<size_t>(x)];
-        const Overlaps& ys = overlaps[static_cast<size_t>(y)];
-        const Overlaps& zs = overlaps[static_cast<size_t>(z)];
-        if (const OccupancyPlanes* planes = block.mixed()) {
-          AddPlane(planes->free, xs, ys, zs, &counters.free);
-          AddPlane(planes->occupied, xs, ys, zs, &counters.occupied);
-        } else {
-          const bool free = block.uniform_state() == CellState::kFree;
-          AddUniform(xs, ys, zs, free ? &counters.free : &counters.occupied);
-        }
-      }
-    }
+  if (options.free_fraction < 1) {
+    Counters counters;
+    ForEachFineBlock(fine, index, n, [&](const BlockOccupancy& block, const auto&... overlaps) {
+      CountBlock(block, overlaps..., &counters);
+    });
+    return Decide(counters, options);
   }
-  return Decide(counters, options);
+  AnyVoxel any;
+  ForEachFineBlock(fine, index, n, [&](const BlockOccupancy& block, const auto&... overlaps) {
+    AddBlock(block, overlaps..., &any);
+  });
+  return Decide(any);
 }
 
 OccupancyMap Coarsen(const OccupancyMap& fine, const CoarsenOptions& options) {

@@ -66,8 +66,8 @@ class SubtreeEncoder {
 
  private:
   NodeState EmitBlock(const OctreeCube& cube) {
-    const BlockOccupancy block =
-        leaves_ == nullptr ? BlockOccupancy() : leaves_->At(BlockOf(cube.min));
+    static const BlockOccupancy kUnknown;
+    const BlockOccupancy& block = leaves_ == nullptr ? kUnknown : leaves_->At(BlockOf(cube.min));
     if (!closed_ && block.is(CellState::kUnknown)) return NodeState::kUnknown;
     if (block.is_uniform() && Inside(cube, extent_.box)) {
       return block.is(CellState::kUnknown) ? NodeState::kOccupied : ToNode(block.uniform_state());
