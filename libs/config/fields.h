@@ -55,12 +55,13 @@ inline constexpr auto FieldsOf(const DepthNoiseModel&) {
 
 inline constexpr auto FieldsOf(const SurfaceOptions&) {
   using Options = SurfaceOptions;
-  return std::tuple(
-      Preset{"sensor", &Options::noise},  // before the keys that change it
-      Nested{"noise_", &Options::noise}, VISMAP_FIELD(min_depth_m), VISMAP_FIELD(max_depth_m),
-      VISMAP_FIELD(max_hole_px), VISMAP_FIELD(method), VISMAP_FIELD(normal_sigma_deg),
-      VISMAP_FIELD(min_radius_px), VISMAP_FIELD(max_radius_px), VISMAP_FIELD(jump_sigmas),
-      VISMAP_FIELD(max_incidence_deg), VISMAP_FIELD(window_px), VISMAP_FIELD(window_depth_ratio));
+  return std::tuple(Preset{"sensor", &Options::noise},  // before the keys that change it
+                    Nested{"noise_", &Options::noise}, VISMAP_FIELD(min_depth_m),
+                    VISMAP_FIELD(max_depth_m), VISMAP_FIELD(drop_saturated),
+                    VISMAP_FIELD(max_hole_px), VISMAP_FIELD(method), VISMAP_FIELD(normal_sigma_deg),
+                    VISMAP_FIELD(min_radius_px), VISMAP_FIELD(max_radius_px),
+                    VISMAP_FIELD(jump_sigmas), VISMAP_FIELD(max_incidence_deg),
+                    VISMAP_FIELD(window_px), VISMAP_FIELD(window_depth_ratio));
 }
 
 inline constexpr auto FieldsOf(const SegmentationOptions&) {

@@ -27,6 +27,8 @@ struct SurfaceOptions {
   DepthNoiseModel noise = KinectNoise();
   double min_depth_m = 0.1;  ///< nearer depth is no return [m]
   double max_depth_m = 10;   ///< farther depth is no return [m]
+  /// Values that a camera gives where it measured nothing are no return, see DropSaturatedDepth.
+  bool drop_saturated = true;
   /// Holes of at most this width along a row or a column are filled before anything else is made of
   /// the depth, where no depth jump can lie in them [px], see FillHoles; 0 = none.
   int max_hole_px = 4;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "geometry/compute_surface.h"
-#include "geometry/fill_holes.h"
+#include "geometry/prepare_depth.h"
 #include "segmentation/leave_out.h"
 #include "segmentation/refine.h"
 #include "segmentation/segment_depth.h"
@@ -18,7 +18,7 @@ SegmentedFrame SegmentFrame(RgbdFrame frame, const DetectionSet* detections,
     rest = WithoutLeftOut(*detections, options.refine);
     detections = &rest;
   }
-  FillHoles(HoleOptionsOf(options.surface), &frame.depth);
+  PrepareDepth(PrepareDepthOptionsOf(options.surface), &frame.depth);
   const SurfaceMap surface = ComputeSurface(frame.depth, frame.header.camera, options.surface);
   SegmentImage image = SegmentDepth(surface, frame.header.camera, options.segmentation);
   return RefineWithDetections(std::move(frame), std::move(image), detections, options.refine);

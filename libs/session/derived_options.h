@@ -7,7 +7,7 @@ namespace vismap {
 
 /// Sets the options that follow from others, so that the stages agree: association looks at the
 /// depths that integration maps, and integration knows the noise of the sensor that `surface` is
-/// set to, and the same holes are filled as for the segmentation.
+/// set to, and depth has the same limits and holes are filled as for the segmentation.
 void DeriveOptions(const SurfaceOptions& surface, MapSessionOptions* options);
 
 }  // namespace vismap

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/result.h"
-#include "geometry/fill_holes.h"
+#include "geometry/prepare_depth.h"
 #include "mapfile/map_file.h"
 #include "mapping/integrate.h"
 
@@ -19,7 +19,7 @@ struct MapSessionOptions {
   VoxelGridOptions grid;
   AssociationOptions association;
   IntegrationOptions integration;
-  HoleOptions holes{};  ///< for frames that another process has segmented
+  PrepareDepthOptions depth{};  ///< for frames that another process has segmented
 };
 
 /// A map being made. Frames go in once each; the same frames in the same order give the same map.

@@ -9,6 +9,7 @@
 #include "base/digest.h"
 #include "base/format.h"
 #include "codecs/frame_codec.h"
+#include "plausibility/depth_losses.h"
 #include "runtime/clock.h"
 #include "segmentation/leave_out.h"
 #include "segmentation/segment_frame.h"
@@ -70,8 +71,8 @@ void CopyOrigin(const rgbd_frame_t& from, rgbd_frame_t* to) {
   to->after_utime = from.after_utime;
 }
 
-/// The message of a frame that was rectified.
-rgbd_frame_t EncodeRectified(const SensorFrame& sensor, const rgbd_frame_t& original) {
+/// The message of a frame that was rectified, or has lost depth that was no measurement.
+rgbd_frame_t EncodeAgain(const SensorFrame& sensor, const rgbd_frame_t& original) {
   rgbd_frame_t message = Encode(sensor);
   CopyOrigin(original, &message);
   return message;
@@ -266,6 +267,7 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
   const StageTimer timer(&status_, "segmentation");
   Result<SensorFrame> sensor = Decode(joined.frame);
   if (!sensor) return tl::unexpected(sensor.error());
+  const bool measured = CountLosses(DropSaturatedDepth(stage_.surface, &*sensor));
   const bool ideal = !sensor->optics;
   if (!ideal) {
     const StageTimer rectification(&status_, "rectification");
@@ -297,13 +299,24 @@ Result<segmented_frame_t> Segmenter::Segment(const JoinedFrame& joined) {
     }
   }
   status_.Count("frames_with_detections", detections ? 1 : 0);
-  rgbd_frame_t message = ideal ? joined.frame : EncodeRectified(*sensor, joined.frame);
+  rgbd_frame_t message = ideal && measured ? joined.frame : EncodeAgain(*sensor, joined.frame);
   if (detections && vismap::LeaveOut(*detections, stage_.refine, &*frame) > 0)
     message = WithoutLeftOut(std::move(message), std::move(*sensor), frame->depth);
   const SegmentedFrame segmented =
       SegmentFrame(std::move(*frame), detections ? &*detections : nullptr, stage_);
   CheckSegments(segmented);
   return Encode(segmented, message);
+}
+
+// Counts the depth that is no measurement. Returns whether the frame has kept all of its depth.
+bool Segmenter::CountLosses(const DepthLosses& losses) {
+  constexpr int64_t kStride = 16;
+  depth_losses_.Add(losses);
+  status_.Count("pixels_saturated", losses.saturated);
+  status_.Count("pixels_beyond_limits", losses.too_near + losses.too_far);
+  if (depth_losses_.frames % kStride == 1)
+    status_.SetFindings("depth", FindingsOf(depth_losses_, stage_.surface));
+  return losses.saturated == 0;
 }
 
 // Looks at every 4th frame, since that takes time, and forgets what is old.

@@ -11,6 +11,7 @@
 #include "config/process_options.h"
 #include "depth_segmenter/frame_detection_join.h"
 #include "geometry/frame.h"
+#include "geometry/saturated_depth.h"
 #include "plausibility/depth_check.h"
 #include "rectify/rectifier.h"
 #include "runtime/frame_lag.h"
@@ -50,6 +51,7 @@ class Segmenter {
   void LeaveOut(const std::string& reason);
   void CheckSource(const FrameHeader& header, const rgbd_frame_t& message);
   void TellCamera(const FrameHeader& header, const std::string& source);
+  bool CountLosses(const DepthLosses& losses);
   void CheckSegments(const SegmentedFrame& frame);
 
   DepthSegmenterOptions options_;
@@ -76,6 +78,7 @@ class Segmenter {
   CameraSources sources_;
   ReasonCounts left_out_;       // frames that cannot be used
   ReasonCounts without_color_;  // frames whose colour cannot be decoded
+  DepthLosses depth_losses_;    // of all frames
   DepthCheck segment_check_;    // of the latest frames, see CheckSegments
 };
 

@@ -71,7 +71,7 @@ Result<void> FollowFrames(LogReader& reader, LogReport* report) {
   report->frames_skipped = static_cast<int64_t>(skipped.size());
   report->recording =
       CheckRecording(LogDataset(std::move(*again), SelectFrames(*run, true, {}), {}, {}),
-                     DepthLimits{}, CheckedFrames::kAll);
+                     DepthLimits{}, SurfaceOptions{}, CheckedFrames::kAll);
   if (run->commits.empty()) return {};  // the map server was not recorded
   for (const auto& entry : run->index) {
     if (!integrated.contains(entry.first) && !skipped.contains(entry.first))

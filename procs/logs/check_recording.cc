@@ -1,7 +1,9 @@
 #include "logs/check_recording.h"
 
 #include <set>
+#include <utility>
 
+#include "plausibility/depth_losses.h"
 #include "rectify/rectifier.h"
 
 namespace vismap {
@@ -16,11 +18,12 @@ int64_t CountCameras(const Dataset& dataset) {
 }  // namespace
 
 RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
-                              CheckedFrames frames) {
+                              const SurfaceOptions& surface, CheckedFrames frames) {
   RecordingCheck result;
   for (const SkippedFrame& skipped : dataset.skipped()) result.left_out.Add(skipped.reason);
   if (dataset.size() == 0) return result;
   Rectifier rectifier;
+  DepthLosses losses;
   SequenceCheck check(limits, static_cast<int64_t>(dataset.size()) / CountCameras(dataset));
   for (size_t i = 0; i < dataset.size(); ++i) {
     const FrameHeader header = dataset.Header(i);
@@ -28,7 +31,8 @@ RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
       check.Add(header, {}, dataset.depth_unit_m());
       continue;
     }
-    const Result<SensorFrame> sensor = dataset.Read(i);
+    Result<SensorFrame> sensor = dataset.Read(i);
+    if (sensor) losses.Add(DropSaturatedDepth(surface, &*sensor));
     const Result<RgbdFrame> frame =
         sensor ? rectifier.Decode(*sensor) : Fail(sensor.error().message);
     if (!frame) {
@@ -39,6 +43,7 @@ RecordingCheck CheckRecording(const Dataset& dataset, const DepthLimits& limits,
     if (!frame->color_problem.empty()) result.without_color.Add(frame->color_problem);
   }
   result.findings = check.Findings();
+  for (std::string& lost : FindingsOf(losses, surface)) result.findings.push_back(std::move(lost));
   return result;
 }
 

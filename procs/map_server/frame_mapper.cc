@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "base/format.h"
-#include "geometry/fill_holes.h"
+#include "geometry/prepare_depth.h"
 #include "map/far_parts.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -201,10 +201,11 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
   return commit;
 }
 
-// Messages carry the depth as it was measured; the segments were made of the depth without holes.
+// Messages carry the depth as it was measured; the segments were made of the depth within the
+// limits and without holes.
 Result<SegmentedFrame> FrameMapper::DecodeAndFill(const segmented_frame_t& message) const {
   Result<SegmentedFrame> frame = Decode(message);
-  if (frame) FillHoles(map_.session().options().holes, &frame->frame.depth);
+  if (frame) PrepareDepth(map_.session().options().depth, &frame->frame.depth);
   return frame;
 }
 

@@ -14,6 +14,7 @@
 #include "logs/recording.h"
 #include "map/far_parts.h"
 #include "offline_mapper/offline_mapper.h"
+#include "plausibility/depth_losses.h"
 #include "runtime/clock.h"
 #include "runtime/progress.h"
 #include "runtime/version.h"
@@ -155,6 +156,8 @@ std::vector<std::string> FindingsOf(const Arguments& arguments, const Run& run, 
   std::vector<std::string> findings = run.check.Findings();
   if (mesh.triangles.empty()) findings.emplace_back("the map has no surface");
   const MappedSequence& mapped = run.mapped;
+  for (std::string& lost : FindingsOf(mapped.depth_losses, arguments.config.surface))
+    findings.push_back(std::move(lost));
   if (const ReasonCounts left_out = run.LeftOut(); left_out.total() > 0)
     findings.push_back(LeftOutText(left_out, run.frames()));
   if (mapped.blocks_left_out > 0) {

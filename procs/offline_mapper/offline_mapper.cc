@@ -20,9 +20,11 @@ struct ReadyFrame {
   std::optional<DetectionSet> detections;
 };
 
-Result<ReadyFrame> ReadFrame(const Dataset& dataset, size_t i, Rectifier* rectifier) {
-  const Result<SensorFrame> sensor = dataset.Read(i);
+Result<ReadyFrame> ReadFrame(const Dataset& dataset, size_t i, const SurfaceOptions& options,
+                             Rectifier* rectifier, DepthLosses* losses) {
+  Result<SensorFrame> sensor = dataset.Read(i);
   if (!sensor) return tl::unexpected(sensor.error());
+  losses->Add(DropSaturatedDepth(options, &*sensor));
   Result<RgbdFrame> frame = rectifier->Decode(*sensor);
   if (!frame) return tl::unexpected(frame.error());
   return ReadyFrame{std::move(*frame), sensor->depth_unit_m, std::nullopt};
@@ -40,8 +42,9 @@ class Mapper {
       : input_(input), options_(options), session_(*session), watch_(WatchInto(times)) {}
 
   Result<void> MapOne(size_t i) {
-    Result<ReadyFrame> frame =
-        watch_.Measure("reading", [&] { return ReadFrame(input_.dataset, i, &rectifier_); });
+    Result<ReadyFrame> frame = watch_.Measure("reading", [&] {
+      return ReadFrame(input_.dataset, i, options_.surface, &rectifier_, &mapped_.depth_losses);
+    });
     if (!frame) {
       mapped_.left_out.Add(frame.error().message);
       return {};

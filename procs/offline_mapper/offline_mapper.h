@@ -9,6 +9,7 @@
 #include "datasets/dataset.h"
 #include "datasets/detections_file.h"
 #include "detection/dnn_detector.h"
+#include "geometry/saturated_depth.h"
 #include "offline_mapper/stage_times.h"
 #include "plausibility/sequence_check.h"
 #include "segmentation/segment_frame.h"
@@ -36,6 +37,7 @@ struct MappedSequence {
   int64_t weak_detections = 0;  ///< of these; they name no object, see kWeakScore
   ReasonCounts left_out;        ///< frames that could not be read, or were refused, see MapDelta
   int64_t blocks_left_out = 0;  ///< of the map, see IntegrationOptions::max_map_mb
+  DepthLosses depth_losses;     ///< of all frames that were read
   ReasonCounts without_color;   ///< frames mapped without the colour that they had
   ReasonCounts without_detections;  ///< frames mapped without the detections that they had
 };

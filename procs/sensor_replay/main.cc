@@ -64,9 +64,10 @@ Result<void> ReadOptions(const std::string& text, const std::string& path, Argum
   return read;
 }
 
-void TellFindings(const Dataset& dataset, const IntegrationOptions& options) {
+void TellFindings(const Dataset& dataset, const VismapConfig& config) {
+  const IntegrationOptions& options = config.integration;
   const RecordingCheck check = CheckRecording(dataset, {options.min_range_m, options.max_range_m},
-                                              CheckedFrames::kAFewDozen);
+                                              config.surface, CheckedFrames::kAFewDozen);
   for (const std::string& finding : check.findings) LogWarning(finding);
 }
 
@@ -80,7 +81,7 @@ Outcome Open(Arguments* arguments) {
   if (recording->dataset->size() == 0)
     return ExitWith(ExitCode::kUnreadable, arguments->dataset + ": no usable frames");
   if (recording->dataset->format() != "synthetic")  // which is right
-    TellFindings(*recording->dataset, arguments->config.integration);
+    TellFindings(*recording->dataset, arguments->config);
   arguments->opened = std::move(recording->dataset);
   return {};
 }

@@ -78,7 +78,7 @@ class InputSequence {
 
 /// A frame as SegmentFrame begins with it when there is nothing to leave out.
 inline RgbdFrame WithFilledHoles(RgbdFrame frame) {
-  FillHoles({}, &frame.depth);
+  PrepareDepth({}, &frame.depth);
   return frame;
 }
 
@@ -115,7 +115,10 @@ inline SemanticMap MapNaively(const std::vector<InputFrame>& inputs, const Voxel
   for (const InputFrame& input : inputs) {
     const PinholeCamera& camera = input.frame.header.camera;
     RgbdFrame filled = input.frame;
-    filled.depth = naive::FillHoles(input.frame.depth, {});
+    PrepareDepthOptions only_limits;
+    only_limits.holes.max_px = 0;
+    PrepareDepth(only_limits, &filled.depth);
+    filled.depth = naive::FillHoles(filled.depth, {});
     const SurfaceMap surface = ComputeSurface(filled.depth, camera, {});
     const SegmentedFrame frame = RefineWithDetections(
         std::move(filled), naive::SegmentDepth(surface, camera, {}), input.Detections(), {});
