@@ -100,8 +100,8 @@ inline constexpr auto FieldsOf(const IntegrationOptions&) {
       VISMAP_FIELD(vote_distance_voxels), VISMAP_FIELD(merge_frames), VISMAP_FIELD(split_frames),
       VISMAP_FIELD(mask_evidence), VISMAP_FIELD(cut_votes), VISMAP_FIELD(carve_frames),
       VISMAP_FIELD(free_frames), VISMAP_FIELD(carve_keep), VISMAP_FIELD(carve_margin_voxels),
-      VISMAP_FIELD(carve_sigmas), VISMAP_FIELD(carve_slope), VISMAP_FIELD(max_map_mb),
-      VISMAP_FIELD(max_frame_blocks));
+      VISMAP_FIELD(carve_sigmas), VISMAP_FIELD(carve_slope), VISMAP_FIELD(keep_thin),
+      VISMAP_FIELD(max_map_mb), VISMAP_FIELD(max_frame_blocks));
 }
 
 inline constexpr auto FieldsOf(const MeshingOptions&) {
@@ -134,7 +134,7 @@ inline constexpr auto FieldsOf(const ObjectOptions&) {
 inline constexpr auto FieldsOf(const OccupancyOptions&) {
   using Options = OccupancyOptions;
   return std::tuple(VISMAP_FIELD(occupied_max_voxels), VISMAP_FIELD(free_min_voxels),
-                    VISMAP_FIELD(min_observations));
+                    VISMAP_FIELD(min_observations), VISMAP_FIELD(thin_hits));
 }
 
 inline constexpr auto FieldsOf(const OctreeOptions&) {

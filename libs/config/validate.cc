@@ -70,6 +70,7 @@ std::vector<std::string> Problems(const OccupancyOptions& options, const VoxelGr
                    options.free_min_voxels <= grid.truncation_voxels,
                "free_min_voxels must be in [occupied_max_voxels, grid.truncation_voxels]");
   VISMAP_CHECK_RANGE(check, options.min_observations, 1, 255);
+  VISMAP_CHECK_RANGE(check, options.thin_hits, 0, 12);
   return std::move(check).problems();
 }
 

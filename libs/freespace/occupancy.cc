@@ -94,8 +94,10 @@ OccupancyPlanes BlockOccupancy::Planes() const {
   return planes;
 }
 
-BlockOccupancy ClassifyBlock(const Block& block, const VoxelGridOptions& grid,
-                             const OccupancyOptions& options) {
+namespace {
+
+BlockOccupancy ClassifyDistances(const Block& block, const VoxelGridOptions& grid,
+                                 const OccupancyOptions& options) {
   SurfaceReader reader;
   if (const SurfaceVoxels* voxels = reader.Read(block))
     return BlockOccupancy(ClassifySurface(*voxels, grid, options));
@@ -103,6 +105,22 @@ BlockOccupancy ClassifyBlock(const Block& block, const VoxelGridOptions& grid,
   if (!block.free) return BlockOccupancy(CellState::kUnknown);
   OccupancyPlanes planes;
   planes.free = options.min_observations <= 1 ? block.free->once : block.free->twice;
+  return BlockOccupancy(planes);
+}
+
+}  // namespace
+
+BlockOccupancy ClassifyBlock(const Block& block, const VoxelGridOptions& grid,
+                             const OccupancyOptions& options) {
+  BlockOccupancy occupancy = ClassifyDistances(block, grid, options);
+  if (!block.thin || options.thin_hits <= 0) return occupancy;
+  OccupancyPlanes planes = occupancy.Planes();
+  for (size_t i = 0; i < kBlockVoxels; ++i) {
+    if (block.thin->hits[i] < options.thin_hits) continue;
+    const uint64_t bit = uint64_t{1} << (i % 64);
+    planes.occupied[i / 64] |= bit;
+    planes.free[i / 64] &= ~bit;
+  }
   return BlockOccupancy(planes);
 }
 

@@ -58,6 +58,9 @@ struct OccupancyOptions {
   double free_min_voxels = 2.0;      ///< free: d >= this many v, or d = the truncation distance
   /// Frames that must have seen the voxel. Voxels far from surfaces count only to two.
   int min_observations = 2;
+  /// A voxel with so many hits of something thin (ThinVoxels) is occupied, whatever its distance; 0
+  /// = hits do not count.
+  int thin_hits = 3;
 };
 
 /// Classifies the voxels of one block.

@@ -102,6 +102,15 @@ struct FreeVoxels {
   friend bool operator==(const FreeVoxels&, const FreeVoxels&) = default;
 };
 
+/// How many frames had a reading of something thin end in each voxel of a block, less when rays
+/// passed the voxel clearly. Thin things are lost in the mean of the distance, since most rays
+/// through the centres of voxels pass beside them.
+struct ThinVoxels {
+  static constexpr uint8_t kMost = 12;  ///< more frames are not counted
+  std::array<uint8_t, kBlockVoxels> hits{};
+  friend bool operator==(const ThinVoxels&, const ThinVoxels&) = default;
+};
+
 /// Owns the voxels of a block near a surface: as they are or, while no camera sees them, packed to
 /// about a fifth of their size without loss. To read them use a SurfaceReader
 /// (map/surface_reader.h); to change them call Unpack first.
@@ -143,6 +152,7 @@ class SurfaceHolder {
 struct Block {
   SurfaceHolder surface;
   std::unique_ptr<FreeVoxels> free;
+  std::unique_ptr<ThinVoxels> thin;  ///< of a block of any kind; mostly there is none
   uint32_t last_used = 0;  ///< revision that last changed the surface; 0 = none since it was packed
   bool all_free = false;
 };

@@ -30,7 +30,8 @@ size_t BytesOf(const SemanticMap& map);
 /// and may repeat: their votes are summed.
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes);
 
-/// Hash of the whole content of a map: grid, voxels, votes, labels, revision. It does not depend on
+/// Hash of the whole content of a map: grid, voxels, votes, labels, revision; not of the hits of
+/// thin things (ThinVoxels), which only tell which voxels are not free. It does not depend on
 /// the layout in memory or the number of threads: equal maps have equal hashes.
 std::string HashMap(const SemanticMap& map);
 

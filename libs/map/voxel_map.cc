@@ -39,15 +39,17 @@ void VoxelMap::PackUnused(uint32_t before, size_t most) {
 
 size_t BytesOf(const Block& block) {
   constexpr size_t kPalette = 64;  // rarely more; looking would cost a cache miss
-  if (block.surface.packed()) return block.surface.packed_bytes();
-  if (block.surface) return sizeof(SurfaceVoxels) + kPalette;
-  return block.free ? sizeof(FreeVoxels) : 0;
+  const size_t thin = block.thin ? sizeof(ThinVoxels) : 0;
+  if (block.surface.packed()) return block.surface.packed_bytes() + thin;
+  if (block.surface) return sizeof(SurfaceVoxels) + kPalette + thin;
+  return (block.free ? sizeof(FreeVoxels) : 0) + thin;
 }
 
 VoxelMapMemory MeasureMemory(const VoxelMap& map) {
   VoxelMapMemory memory;
   memory.table_bytes = map.blocks().bytes();
   map.blocks().ForEach([&](BlockIndex, const Block& block) {
+    if (block.thin) memory.free_bytes += sizeof(ThinVoxels);
     if (block.surface) {
       ++memory.surface_blocks;
       if (block.surface.packed()) {

@@ -235,4 +235,53 @@ Result<std::vector<IndexedBlock>> DecodeBlocks(std::span<const uint8_t> bytes, s
   return decoded;
 }
 
+std::string EncodeThin(const VoxelMap& map, std::span<const BlockIndex> indices) {
+  Writer writer;
+  for (size_t number = 0; number < indices.size(); ++number) {
+    const Block& block = *map.Find(indices[number]);
+    if (!block.thin) continue;
+    const auto& hits = block.thin->hits;
+    writer.Put(static_cast<uint32_t>(number));
+    writer.Put(static_cast<uint16_t>(
+        std::count_if(hits.begin(), hits.end(), [](uint8_t count) { return count > 0; })));
+    for (size_t voxel = 0; voxel < hits.size(); ++voxel) {
+      if (hits[voxel] == 0) continue;
+      writer.Put(static_cast<uint16_t>(voxel));
+      writer.Put(hits[voxel]);
+    }
+  }
+  const std::vector<uint8_t> bytes = writer.Finish();
+  return {bytes.begin(), bytes.end()};
+}
+
+Result<void> DecodeThin(std::span<const uint8_t> bytes, std::vector<IndexedBlock>* blocks) {
+  Reader reader(bytes);
+  int64_t last_block = -1;
+  while (reader.left() > 0) {
+    uint32_t number = 0;
+    uint16_t count = 0;
+    reader.Read(&number);
+    reader.Read(&count);
+    if (reader.is_short() || number >= blocks->size() || int64_t{number} <= last_block ||
+        count == 0)
+      return Fail("hits of thin things belong to no block of the chunk");
+    last_block = number;
+    auto thin = std::make_unique<ThinVoxels>();
+    for (int i = 0, last_voxel = -1; i < count; ++i) {
+      uint16_t voxel = 0;
+      uint8_t hits = 0;
+      reader.Read(&voxel);
+      reader.Read(&hits);
+      if (reader.is_short() || voxel >= kBlockVoxels || voxel <= last_voxel || hits == 0 ||
+          hits > ThinVoxels::kMost) {
+        return Fail("hits of thin things cannot be read");
+      }
+      last_voxel = voxel;
+      thin->hits[voxel] = hits;
+    }
+    (*blocks)[number].second.thin = std::move(thin);
+  }
+  return {};
+}
+
 }  // namespace vismap::mapfile

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,5 +25,14 @@ std::vector<uint8_t> EncodeBlocks(const VoxelMap& map, std::span<const BlockInde
 /// votes must be for these. Fails on everything that EncodeBlocks cannot have written.
 Result<std::vector<IndexedBlock>> DecodeBlocks(std::span<const uint8_t> bytes, size_t blocks,
                                                size_t labels);
+
+/// The hits of thin things in the blocks: for each block that has any, its number in `indices` (4
+/// bytes), how many voxels have hits (2 bytes), and of each its offset (2 bytes) and hits (1 byte),
+/// both ascending.
+std::string EncodeThin(const VoxelMap& map, std::span<const BlockIndex> indices);
+
+/// Inverse of EncodeThin for the blocks of a chunk. Fails on everything that EncodeThin cannot have
+/// written.
+Result<void> DecodeThin(std::span<const uint8_t> bytes, std::vector<IndexedBlock>* blocks);
 
 }  // namespace vismap::mapfile

@@ -68,6 +68,7 @@ std::vector<std::string> EncodeChunks(const VoxelMap& voxels) {
     chunk.set_blocks(static_cast<uint32_t>(parts[i].size()));
     chunk.set_raw_bytes(static_cast<uint32_t>(raw.size()));
     chunk.set_zstd(Compress(raw));
+    chunk.set_thin(mapfile::EncodeThin(voxels, parts[i]));
     chunks[i] = chunk.SerializeAsString();
   });
   return chunks;
@@ -93,6 +94,10 @@ Result<std::vector<IndexedBlock>> DecodeChunk(const Record& record, size_t label
     return Fail(std::string("zstd cannot decompress it: ") + ZSTD_getErrorName(size));
   if (size != raw.size()) return Fail("it does not have its stated size");
   auto blocks = mapfile::DecodeBlocks(raw, chunk.blocks(), labels);
+  if (blocks) {
+    if (const auto thin = mapfile::DecodeThin(AsBytes(chunk.thin()), &*blocks); !thin)
+      return tl::unexpected(thin.error());
+  }
   if (blocks && pack) {
     for (IndexedBlock& entry : *blocks) entry.second.surface.Pack();
   }

@@ -119,12 +119,20 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
       labels_(std::move(labels)),
       cut_votes_(options.cut_votes),
       voxel_size_(grid.voxel_size_m),
-      carving_(CarvingLimitsOf(options, grid)) {
+      carving_(CarvingLimitsOf(options, grid)),
+      keep_thin_(options.keep_thin && options.free_space) {
   const Pose T_C_W = frame.frame.header.T_W_C.inverse();
   R_C_W_ = T_C_W.linear();
   t_C_W_ = T_C_W.translation();
   limits_ = LimitsOf(options, grid);
   weights_ = WeightLimitsOf(options);
+  if (keep_thin_) {
+    thin_hits_ = FindThinHits(frame.frame.header, frame.frame.depth,
+                              {.voxel_size = grid.voxel_size_m,
+                               .min_range = options.min_range_m,
+                               .max_range = options.max_range_m,
+                               .noise = options.noise});
+  }
   if (options.carve_frames <= 0) return;
   clear_depth_ =
       ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
@@ -223,8 +231,61 @@ FrameProjection::Outcome FrameProjection::FuseSurface(const ProjectedVoxels& pro
   return outcome;
 }
 
+std::span<const ThinHit> FrameProjection::ThinHitsIn(BlockIndex index) const {
+  const auto before = [](const ThinHit& hit, BlockIndex block) { return hit.block < block; };
+  const auto first = std::lower_bound(thin_hits_.begin(), thin_hits_.end(), index, before);
+  auto end = first;
+  while (end != thin_hits_.end() && end->block == index) ++end;
+  return {first, end};
+}
+
+// Counts the thin things of the frame in a block; voxels that the camera clearly sees past lose
+// half of their hits. Returns the voxels whose hits changed.
+VoxelBits FrameProjection::CountThin(BlockIndex index, Block& block) const {
+  const std::span<const ThinHit> hits = ThinHitsIn(index);
+  VoxelBits changed{};
+  if (!block.thin && hits.empty()) return changed;
+  if (!block.thin) block.thin = std::make_unique<ThinVoxels>();
+  std::array<uint8_t, kBlockVoxels>& counts = block.thin->hits;
+  const auto set = [&](size_t voxel, uint8_t count) {
+    if (counts[voxel] != count) changed[voxel / 64] |= uint64_t{1} << (voxel % 64);
+    counts[voxel] = count;
+  };
+  if (!clear_depth_.empty()) {
+    ProjectedVoxels projected;
+    ProjectVoxels(LatticeOf(index), frame_.frame.header.camera, projected);
+    alignas(64) VoxelArray<float> clear;
+    LookUpDepth(projected, clear_depth_.data(), clear);
+    for (size_t i = 0; i < kBlockVoxels; ++i) {
+      if (counts[i] > 0 && projected.z[i] > 0 && clear[i] > projected.z[i])
+        set(i, static_cast<uint8_t>(counts[i] / 2));
+    }
+  }
+  for (const ThinHit& hit : hits) {
+    const auto voxel = static_cast<size_t>(hit.voxel);
+    set(voxel, static_cast<uint8_t>(std::min(counts[voxel] + 1, int{ThinVoxels::kMost})));
+  }
+  if (*block.thin == ThinVoxels{}) block.thin.reset();
+  return changed;
+}
+
 FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockVisibility view,
                                                Block& block) const {
+  Outcome outcome = FuseVoxels(index, view, block);
+  const bool seen = block.surface || block.free || block.all_free;
+  if (keep_thin_ && seen) outcome.affected |= AffectedBy(CountThin(index, block));
+  return outcome;
+}
+
+VoxelLattice FrameProjection::LatticeOf(BlockIndex index) const {
+  const Eigen::Vector3d first_W =
+      Eigen::Vector3d(index.x, index.y, index.z) * (kBlockSide * voxel_size_) +
+      Eigen::Vector3d::Constant(0.5 * voxel_size_);
+  return {(R_C_W_ * first_W + t_C_W_).cast<float>(), (R_C_W_ * voxel_size_).cast<float>()};
+}
+
+FrameProjection::Outcome FrameProjection::FuseVoxels(BlockIndex index, BlockVisibility view,
+                                                     Block& block) const {
   if (view == BlockVisibility::kWhollyFree && !block.surface) {
     static constexpr VoxelBits kAll{~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull, ~0ull};
     return {.affected = AffectedBy(MarkFree(kAll, block))};
@@ -235,13 +296,8 @@ FrameProjection::Outcome FrameProjection::Fuse(BlockIndex index, BlockVisibility
     PrefetchAll(there->observations);
     PrefetchLine(&there->palette);
   }
-  const Eigen::Vector3d first_W =
-      Eigen::Vector3d(index.x, index.y, index.z) * (kBlockSide * voxel_size_) +
-      Eigen::Vector3d::Constant(0.5 * voxel_size_);
-  const VoxelLattice lattice{(R_C_W_ * first_W + t_C_W_).cast<float>(),
-                             (R_C_W_ * voxel_size_).cast<float>()};
   ProjectedVoxels voxels;
-  ProjectVoxels(lattice, frame_.frame.header.camera, voxels);
+  ProjectVoxels(LatticeOf(index), frame_.frame.header.camera, voxels);
   alignas(64) VoxelArray<float> depth;
   LookUpDepth(voxels, frame_.frame.depth.data(), depth);
   VoxelSamples samples;

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "mapping/depth_pyramid.h"
 #include "mapping/integrate.h"
 #include "mapping/mask_cuts.h"
+#include "mapping/thin_hits.h"
 #include "mapping/visible_blocks.h"
 #include "mapping/voxel_kernels.h"
 
@@ -43,6 +45,10 @@ class FrameProjection {
   Outcome Fuse(BlockIndex index, BlockVisibility view, Block& block) const;
 
  private:
+  VoxelLattice LatticeOf(BlockIndex index) const;
+  Outcome FuseVoxels(BlockIndex index, BlockVisibility view, Block& block) const;
+  VoxelBits CountThin(BlockIndex index, Block& block) const;
+  std::span<const ThinHit> ThinHitsIn(BlockIndex index) const;
   Outcome FuseSurface(const ProjectedVoxels& projected, VoxelSamples& samples,
                       SurfaceVoxels& voxels) const;
   VoxelBits CarvePassedVoxels(const ProjectedVoxels& projected, VoxelSamples& samples,
@@ -65,6 +71,8 @@ class FrameProjection {
   WeightLimits weights_;
   CarvingLimits carving_;
   Image<float> clear_depth_;  // see ClearDepth; empty without carving
+  bool keep_thin_;
+  std::vector<ThinHit> thin_hits_;  // of the frame
 };
 
 }  // namespace vismap

@@ -113,9 +113,10 @@ std::vector<WorkItem> FindWork(const FrameHeader& header, const DepthPyramid& py
   visibility.max_cost = static_cast<size_t>(options.max_frame_blocks) * kCostPerBlock;
   const auto may_change = [&](const VisibleBlock& target) {
     if (target.view == BlockVisibility::kMixed) return true;
-    // The whole block was seen empty: nothing new for a block that is free everywhere already.
+    // The whole block was seen empty: nothing new for a block that is free everywhere already,
+    // unless something thin was there.
     const Block* block = map->voxels.Find(target.index);
-    return block == nullptr || !block->all_free;
+    return block == nullptr || !block->all_free || block->thin;
   };
   const std::vector<VisibleBlock> visible =
       FindVisibleBlocks(header, pyramid, visibility, may_change);

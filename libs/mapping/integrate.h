@@ -80,6 +80,10 @@ struct IntegrationOptions {
   double carve_slope = 8.0;
   DepthNoiseModel noise = KinectNoise();  ///< of the sensor; only AxialSigma is used
 
+  /// Counts the voxels in which readings of thin things end (ThinVoxels), so that they are not
+  /// called free. Needs free_space.
+  bool keep_thin = true;
+
   /// A voxel whose mean distance is at least 0.9 truncations keeps no more weight than this many
   /// frames like the present one, so that an object put there later appears as fast; 0 = no limit.
   double free_frames = 10.0;

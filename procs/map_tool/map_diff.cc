@@ -18,6 +18,8 @@ std::string Text(BlockIndex index) {
 std::string DiffBlocks(const Block& a, const Block& b) {
   if (static_cast<bool>(a.surface) != static_cast<bool>(b.surface))
     return "a surface in one map only";
+  if ((a.thin != nullptr) != (b.thin != nullptr) || (a.thin != nullptr && *a.thin != *b.thin))
+    return "different hits of thin things";
   if (!a.surface) {
     const bool equal = a.all_free == b.all_free && (a.free != nullptr) == (b.free != nullptr) &&
                        (a.free == nullptr || *a.free == *b.free);

@@ -44,6 +44,32 @@ TEST(ClassifyBlock, SurfaceVoxelsFollowTheRule) {
   EXPECT_EQ(StateAt(4.0, 2), CellState::kFree);
 }
 
+TEST(ClassifyBlock, VoxelsThatThinThingsHitAreOccupiedInBlocksOfEveryKind) {
+  for (const int kind : {0, 1, 2}) {
+    Block block;
+    if (kind == 0) block.all_free = true;
+    if (kind == 1) {
+      block.free = std::make_unique<FreeVoxels>();
+      block.free->twice.fill(~uint64_t{0});
+    }
+    if (kind == 2) {
+      block.surface = std::make_unique<SurfaceVoxels>();
+      block.surface->distance.fill(kTruncationSteps);
+      block.surface->weight.fill(100);
+      block.surface->observations.fill(9);
+    }
+    block.thin = std::make_unique<ThinVoxels>();
+    block.thin->hits[70] = 3;
+    block.thin->hits[71] = 2;
+    const BlockOccupancy occupancy = ClassifyBlock(block, kGrid, {});
+    for (int i = 0; i < kBlockVoxels; ++i)
+      EXPECT_EQ(occupancy.At(i), i == 70 ? CellState::kOccupied : CellState::kFree) << kind;
+    OccupancyOptions off;
+    off.thin_hits = 0;
+    EXPECT_TRUE(ClassifyBlock(block, kGrid, off).is(CellState::kFree));
+  }
+}
+
 TEST(ClassifyBlock, TooFewObservationsAreUnknown) {
   for (const double voxels : {-3.0, 0.0, 1.5, 4.0}) {
     EXPECT_EQ(StateAt(voxels, 0), CellState::kUnknown);

@@ -87,6 +87,11 @@ SemanticMap RandomMap(uint64_t seed, int blocks) {
         block.free->twice[word] = block.free->once[word] & Next(&state);
       }
     }
+    if (i % 7 == 0) {
+      block.thin = std::make_unique<ThinVoxels>();
+      for (int voxel = 0; voxel < 9; ++voxel)
+        block.thin->hits[Next(&state) % kBlockVoxels] = static_cast<uint8_t>(1 + voxel);
+    }
   }
   map.revision = 41;
   map.last_utime = 1234567890123;
@@ -114,6 +119,7 @@ MapMetadata SomeMetadata() {
 bool SameVoxels(const Block& a, const Block& b) {
   if (a.all_free != b.all_free || !a.surface != !b.surface || !a.free != !b.free) return false;
   if (a.free && !(*a.free == *b.free)) return false;
+  if (!a.thin != !b.thin || (a.thin && !(*a.thin == *b.thin))) return false;
   if (!a.surface) return true;
   const SurfaceVoxels& x = *a.surface;
   const SurfaceVoxels& y = *b.surface;
@@ -399,6 +405,35 @@ TEST(BlockChunk, FlippedBitsGiveValidBlocksOrAnError) {
       }
     }
   }
+}
+
+TEST(ThinChunk, OnlyWhatIsWrittenIsRead) {
+  const SemanticMap map = RandomMap(6, 40);
+  const std::vector<BlockIndex> indices = map.voxels.SortedIndices();
+  const std::string text = mapfile::EncodeThin(map.voxels, indices);
+  const std::vector<uint8_t> bytes(text.begin(), text.end());
+  ASSERT_GT(bytes.size(), 50u);
+  const auto decode = [](std::span<const uint8_t> some, size_t blocks) {
+    std::vector<mapfile::IndexedBlock> decoded(blocks);
+    return mapfile::DecodeThin(some, &decoded).has_value();
+  };
+  EXPECT_TRUE(decode(bytes, indices.size()));
+  EXPECT_TRUE(decode({}, 0));
+  EXPECT_FALSE(decode(bytes, 1)) << "hits of blocks that are not in the chunk";
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    std::vector<uint8_t> flipped = bytes;
+    flipped[i] ^= static_cast<uint8_t>(1 + i % 255);
+    std::vector<mapfile::IndexedBlock> decoded(indices.size());
+    if (!mapfile::DecodeThin(flipped, &decoded)) continue;
+    for (const auto& [index, block] : decoded) {
+      for (int voxel = 0; block.thin && voxel < kBlockVoxels; ++voxel)
+        EXPECT_LE(block.thin->hits[static_cast<size_t>(voxel)], ThinVoxels::kMost);
+    }
+  }
+  int whole = 0;
+  for (size_t size = 1; size < bytes.size(); ++size)
+    whole += decode(std::span(bytes.data(), size), indices.size()) ? 1 : 0;
+  EXPECT_LT(whole, 10) << "only between two blocks";
 }
 
 }  // namespace
