@@ -1,0 +1,120 @@
+// Free space beside OctoMap's own insertPointCloud on the same frames: leaves that are called free
+// but reach into a surface, and what a planner meets that moves a sphere of 20 cm.
+//   free_space_bench [SCENENN_FOLDER]
+#include <array>
+#include <cstdio>
+#include <map>
+#include <optional>
+
+#include "freespace/octree.h"
+#include "freespace/octree_reading.h"
+#include "support/planner_scenes.h"
+
+namespace vismap {
+namespace {
+
+using testing_support::FalseFree;
+using testing_support::PlannerScene;
+
+constexpr int kStates = 20000;
+constexpr double kRadius = 0.2, kWider = 0.8, kRange = 5;  // [m]
+
+std::unique_ptr<octomap::OcTree> OwnTree(const SemanticMap& map, double resolution) {
+  const auto octree = BuildOctree(
+      ClassifyMap(map, {}),
+      {.resolution_m = resolution, .unknown = UnknownPolicy::kOccupied, .bounds_W = {}});
+  return std::move(*testing_support::ReadOctree(octree->bytes, "own"));
+}
+
+/// The points of a frame, every second pixel each way.
+octomap::Pointcloud PointsOf(const RgbdFrame& frame) {
+  octomap::Pointcloud points;
+  for (int v = 0; v < frame.depth.height(); v += 2) {
+    for (int u = 0; u < frame.depth.width(); u += 2) {
+      const double z = double{frame.depth(v, u)};
+      if (!(z > 0.1 && z < 10)) continue;
+      const Eigen::Vector3d p_W = frame.header.T_W_C * frame.header.camera.BackProject(u, v, z);
+      points.push_back(static_cast<float>(p_W.x()), static_cast<float>(p_W.y()),
+                       static_cast<float>(p_W.z()));
+    }
+  }
+  return points;
+}
+
+std::unique_ptr<octomap::OcTree> OctomapTree(const Dataset& dataset, double resolution) {
+  auto tree = std::make_unique<octomap::OcTree>(resolution);
+  Rectifier rectifier;
+  for (size_t i = 0; i < dataset.size(); ++i) {
+    const auto frame = rectifier.Decode(*dataset.Read(i));
+    const Eigen::Vector3d eye = frame->header.T_W_C.translation();
+    const octomap::point3d origin(static_cast<float>(eye.x()), static_cast<float>(eye.y()),
+                                  static_cast<float>(eye.z()));
+    tree->insertPointCloud(PointsOf(*frame), origin, kRange, true, true);
+  }
+  tree->updateInnerOccupancy();
+  return tree;
+}
+
+/// Where only points of the surface are known, a leaf is false when one of them lies in it, and
+/// reaches as deep as the point is from the nearest face of the leaf.
+FalseFree CountPoints(const octomap::OcTree& tree, const GroundTruth& truth) {
+  FalseFree result;
+  for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
+    if (tree.isNodeOccupied(*leaf)) continue;
+    const auto side = static_cast<int64_t>(std::lround(leaf.getSize() / tree.getResolution()));
+    result.free += side * side * side;
+  }
+  const double r = tree.getResolution();
+  std::map<std::array<int, 3>, double> deepest;
+  for (const Eigen::Vector3f& point : truth.points_W) {
+    const octomap::OcTreeNode* node = tree.search(point.x(), point.y(), point.z());
+    if (node == nullptr || tree.isNodeOccupied(node)) continue;
+    const Eigen::Array3d p = point.cast<double>().array() / r;
+    const Eigen::Array3d low = p.floor();
+    const double depth = r * (p - low).min(low + 1 - p).minCoeff();
+    double& most =
+        deepest[{static_cast<int>(low.x()), static_cast<int>(low.y()), static_cast<int>(low.z())}];
+    most = std::max(most, depth);
+  }
+  for (const auto& [cell, depth] : deepest) {
+    result.cells += depth > 0.001 ? 1 : 0;
+    result.worst = std::max(result.worst, depth);
+  }
+  return result;
+}
+
+void Compare(const PlannerScene& scene, const std::optional<GroundTruth>& points) {
+  MapSession session({}, {});
+  testing_support::MapFrames(*scene.dataset, {}, SIZE_MAX, &session);
+  std::optional<Eigen::AlignedBox3d> bounds;
+  const auto tell = [&](const std::string& name, const octomap::OcTree& tree) {
+    if (!bounds) bounds = testing_support::Wider(testing_support::BoundsOfFree(tree), kWider);
+    Print(name,
+          points ? CountPoints(tree, *points)
+                 : testing_support::CountFalseFree(tree, scene.signed_distance),
+          testing_support::ScoreStates(tree, scene.truth, *bounds, kStates, kRadius));
+    std::fflush(stdout);
+  };
+  std::printf("%s\n", scene.name.c_str());
+  for (const double resolution : {0.04, 0.05, 0.1}) {
+    const std::string size = std::to_string(std::lround(100 * resolution)) + " cm";
+    tell("  vismap, closed, " + size, *OwnTree(session.map(), resolution));
+    tell("  OctoMap, " + size, *OctomapTree(*scene.dataset, resolution));
+  }
+}
+
+}  // namespace
+}  // namespace vismap
+
+int main(int argc, char** argv) {
+  using namespace vismap;
+  using namespace vismap::testing_support;
+  for (const char* room :
+       {"synthetic:room?frames=80", "synthetic:room?frames=80&pose_noise=0.02"}) {
+    PlannerScene scene = SyntheticPlannerScene(room);
+    if (std::string(room).find("pose_noise") != std::string::npos) scene.truth.tolerance = 0.1;
+    Compare(scene, std::nullopt);
+  }
+  Compare(HallPlannerScene(), std::nullopt);
+  if (argc > 1) Compare(RecordedPlannerScene(argv[1]), *ReadSceneNnTruth(argv[1]));
+}
