@@ -63,6 +63,8 @@ struct RgbdFrame {
   Image<float> depth;              ///< HxW [m] along optical z; NaN = no return
   Image<Rgb8> color;               ///< HxW, registered to depth; empty = none
   std::string color_problem = {};  ///< why there is no colour, although the camera took some
+  /// The depth before PrepareDepth took out what is beyond the limits; empty = nothing was.
+  Image<float> measured_depth = {};
 };
 
 }  // namespace vismap

@@ -9,6 +9,11 @@ namespace vismap {
 
 namespace {
 constexpr size_t kMaxCameras = 16;  // others are not checked
+
+// Also what is beyond the limits of depth, so that a wrong unit of the depth can be told.
+const Image<float>& MeasuredDepth(const RgbdFrame& frame) {
+  return frame.measured_depth.empty() ? frame.depth : frame.measured_depth;
+}
 }  // namespace
 
 SequenceCheck::CameraChecks* SequenceCheck::ChecksOf(const FrameHeader& header) {
@@ -36,7 +41,7 @@ void SequenceCheck::Add(const FrameHeader& header, const Image<float>& depth,
 }
 
 void SequenceCheck::Add(const SegmentedFrame& frame, double depth_unit_m) {
-  Add(frame.frame.header, frame.frame.depth, &frame.image, depth_unit_m);
+  Add(frame.frame.header, MeasuredDepth(frame.frame), &frame.image, depth_unit_m);
 }
 
 void SequenceCheck::Add(const FrameHeader& header, const Image<float>& depth, double depth_unit_m) {

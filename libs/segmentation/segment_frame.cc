@@ -18,7 +18,7 @@ SegmentedFrame SegmentFrame(RgbdFrame frame, const DetectionSet* detections,
     rest = WithoutLeftOut(*detections, options.refine);
     detections = &rest;
   }
-  PrepareDepth(PrepareDepthOptionsOf(options.surface), &frame.depth);
+  PrepareDepth(PrepareDepthOptionsOf(options.surface), &frame);
   const SurfaceMap surface = ComputeSurface(frame.depth, frame.header.camera, options.surface);
   SegmentImage image = SegmentDepth(surface, frame.header.camera, options.segmentation);
   return RefineWithDetections(std::move(frame), std::move(image), detections, options.refine);

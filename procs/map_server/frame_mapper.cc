@@ -205,7 +205,7 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
 // limits and without holes.
 Result<SegmentedFrame> FrameMapper::DecodeAndFill(const segmented_frame_t& message) const {
   Result<SegmentedFrame> frame = Decode(message);
-  if (frame) PrepareDepth(map_.session().options().depth, &frame->frame.depth);
+  if (frame) PrepareDepth(map_.session().options().depth, &frame->frame);
   return frame;
 }
 

@@ -81,6 +81,27 @@ TEST_F(SegmenterOnABus, TellsThatHardlyAnyDepthLiesInSegmentsAndWhy) {
                                 HasSubstr("beside a hole"), HasSubstr("max_hole_px"))));
 }
 
+TEST_F(SegmenterOnABus, TakesOutSaturatedDepthForAllThatFollowsAndTellsHowMuch) {
+  SensorFrame frame = WallWithHoles(1000);
+  for (int v = 10; v < 40; ++v) {
+    for (int u = 10; u < 50; ++u) frame.depth(v, u) = 8000;
+  }
+  Segmenter segmenter(options_, stage_, &context_);
+  bus_->Publish(kRgbdFrameChannel, Encode(frame));
+  while (bus_->Spin(0)) {
+  }
+  ASSERT_EQ(answers_.size(), 1u);
+  const Result<SensorFrame> passed_on = Decode(answers_[0].frame);
+  ASSERT_TRUE(passed_on) << passed_on.error().message;
+  EXPECT_EQ(passed_on->depth(20, 20), 0);
+  EXPECT_EQ(passed_on->depth(1, 1), 1500);
+  EXPECT_EQ(answers_[0].frame.utime, 1000);
+  EXPECT_EQ(status_.counter("pixels_saturated"), 1200);
+  EXPECT_THAT(status_.findings(),
+              ElementsAre(AllOf(HasSubstr("of the pixels have exactly the same depth, 8 m"),
+                                HasSubstr("drop_saturated"))));
+}
+
 // Raw colour and depth, seen through a lens.
 rgbd_frame_t FrameOfALens(int64_t utime) {
   SensorFrame frame = SmallSensorFrame(utime);

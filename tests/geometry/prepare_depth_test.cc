@@ -42,5 +42,19 @@ TEST(PrepareDepth, TheOptionsOfTheSurfaceDecide) {
   EXPECT_EQ(depth(5, 5), 1.0F);
 }
 
+TEST(PrepareDepth, KeepsTheMeasuredDepthOfAFrameOnlyWhenSomeIsTakenOut) {
+  RgbdFrame frame;
+  frame.depth = Image<float>(40, 40, 2.0F);
+  frame.depth(20, 20) = std::nanf("");
+  PrepareDepth({}, &frame);
+  EXPECT_TRUE(frame.measured_depth.empty());
+  EXPECT_NEAR(frame.depth(20, 20), 2.0, 1e-4);
+  frame.depth(3, 3) = 12.0F;
+  PrepareDepth({}, &frame);
+  ASSERT_FALSE(frame.measured_depth.empty());
+  EXPECT_EQ(frame.measured_depth(3, 3), 12.0F);
+  EXPECT_NEAR(frame.depth(3, 3), 2.0, 1e-4);
+}
+
 }  // namespace
 }  // namespace vismap
