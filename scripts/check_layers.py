@@ -61,7 +61,7 @@ OUTSIDE = [
      True,
      "only meshing uses the marching cubes tables"),
     (r"(octomap|dynamicEDT3D|fcl)/", ("tests/freespace/", "tests/exports/", "tests/navigation/", "tests/process/", "tests/client/", "tests/bench/",
-                                      "procs/examples/"),
+                                      "tests/quality/", "tests/support/planner_", "procs/examples/"),
      False, "only tests and examples use OctoMap and what builds on it"),
     (r"ompl/", ("procs/examples/",), False, "only examples plan"),
     (r"(google/protobuf/|.*\.pb\.h)", ("libs/mapfile/", "libs/config/", "tests/mapfile/", "tests/config/"),
