@@ -92,7 +92,8 @@ void Compare(const PlannerScene& scene, const std::optional<GroundTruth>& points
     Print(name,
           points ? CountPoints(tree, *points)
                  : testing_support::CountFalseFree(tree, scene.signed_distance),
-          testing_support::ScoreStates(tree, scene.truth, *bounds, kStates, kRadius));
+          testing_support::ScoreStates(tree, scene.truth, *bounds, kStates, kRadius,
+                                       testing_support::AbsentLeaves::kOccupied));
     std::fflush(stdout);
   };
   std::printf("%s\n", scene.name.c_str());

@@ -1,5 +1,5 @@
-// A sphere that lies in free leaves of the closed tree collides with nothing and lies in space that
-// the camera saw.
+// A sphere that touches no occupied leaf of the closed tree collides with nothing and lies in space
+// that the camera saw, also beyond the bounds of the tree, where it has a shell.
 #include <gtest/gtest.h>
 
 #include "freespace/octree.h"
@@ -15,7 +15,7 @@ using testing_support::PlannerScene;
 using testing_support::StateScore;
 
 constexpr int kStates = 20000;
-constexpr double kRadius = 0.2, kWider = 0.8;  // [m]
+constexpr double kSphereRadius = 0.2, kWider = 0.8;  // [m]
 
 std::unique_ptr<octomap::OcTree> ClosedTree(const Dataset& dataset) {
   MapSession session({}, {});
@@ -33,7 +33,7 @@ StateScore Score(const PlannerScene& scene) {
   const auto tree = ClosedTree(*scene.dataset);
   const StateScore states = testing_support::ScoreStates(
       *tree, scene.truth, testing_support::Wider(testing_support::BoundsOfFree(*tree), kWider),
-      kStates, kRadius);
+      kStates, kSphereRadius, testing_support::AbsentLeaves::kFree);
   const auto cells = scene.signed_distance
                          ? testing_support::CountFalseFree(*tree, scene.signed_distance)
                          : testing_support::FalseFree{};

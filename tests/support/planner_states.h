@@ -67,8 +67,12 @@ struct PlannerTruth {
   double tolerance = 0.04;  ///< of what counts as seen [m]
 };
 
-/// Whether all leaves that a sphere touches are in the tree and free.
-inline bool IsSphereFree(const octomap::OcTree& tree, const Eigen::Vector3d& p_W, double radius) {
+/// What space without a leaf is taken for. Collision checkers like FCL take it for free.
+enum class AbsentLeaves { kFree, kOccupied };
+
+/// Whether all leaves that a sphere touches are free.
+inline bool IsSphereFree(const octomap::OcTree& tree, const Eigen::Vector3d& p_W, double radius,
+                         AbsentLeaves absent) {
   const double r = tree.getResolution();
   const Eigen::Array3i low = ((p_W.array() - radius) / r).floor().cast<int>();
   const Eigen::Array3i high = ((p_W.array() + radius) / r).floor().cast<int>();
@@ -80,7 +84,8 @@ inline bool IsSphereFree(const octomap::OcTree& tree, const Eigen::Vector3d& p_W
         if ((nearest - p_W.array()).matrix().norm() > radius) continue;
         const Eigen::Array3d center = corner + r / 2;
         const octomap::OcTreeNode* node = tree.search(center.x(), center.y(), center.z());
-        if (node == nullptr || tree.isNodeOccupied(node)) return false;
+        if (node == nullptr ? absent == AbsentLeaves::kOccupied : tree.isNodeOccupied(node))
+          return false;
       }
     }
   }
@@ -116,7 +121,8 @@ struct StateScore {
 
 /// Draws `count` spheres evenly within `bounds_W`.
 inline StateScore ScoreStates(const octomap::OcTree& tree, const PlannerTruth& truth,
-                              const Eigen::AlignedBox3d& bounds_W, int count, double radius) {
+                              const Eigen::AlignedBox3d& bounds_W, int count, double radius,
+                              AbsentLeaves absent) {
   std::mt19937_64 random(19);
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Eigen::Vector3d> centers;
@@ -128,7 +134,7 @@ inline StateScore ScoreStates(const octomap::OcTree& tree, const PlannerTruth& t
   std::vector<StateScore> scores(centers.size());
   ParallelFor(centers.size(), 64, [&](size_t i) {
     StateScore& score = scores[i];
-    const bool free = IsSphereFree(tree, centers[i], radius);
+    const bool free = IsSphereFree(tree, centers[i], radius, absent);
     const bool clear = truth.distance(centers[i]) >= radius;
     const auto all_seen = [&](double tolerance) {
       const std::vector<Eigen::Vector3d> points = PointsOfSphere(centers[i], radius);
