@@ -38,7 +38,7 @@ LIBS = {
 PROCS = {
     "wire": ["rectify", "exports"],
     "runtime": ["wire"],
-    "client": ["runtime"],
+    "client": ["runtime", "navigation"],
     "requests": ["runtime", "navigation"],
     "foreign": ["wire", "config"],
     "logs": ["wire", "simulation", "plausibility", "foreign"],

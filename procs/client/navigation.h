@@ -45,6 +45,41 @@ struct FreeSpace {
   explicit operator bool() const { return tree != nullptr; }
 };
 
+/// The distance from a point to the nearest face of a leaf.
+struct SpaceDistance {
+  enum class Nearest {
+    kNothing,   ///< within the limit
+    kObstacle,  ///< an occupied leaf
+    kUnknown,   ///< space that was not seen, or outside of the tree
+  };
+  double distance_m = 0;           ///< exact; the limit when there is nothing within it [m]
+  std::array<double, 3> away_W{};  ///< gradient: the unit vector away from that face; or zero
+  Nearest nearest = Nearest::kNothing;
+};
+
+/// Distances in a tree, for planners that check them instead of collisions: a ball around a point
+/// is in free space as long as its radius is less than From(point).distance_m. Of a raw tree it
+/// knows whether an obstacle or unknown space is near; in a closed one both are obstacles. Making
+/// it computes all distances, so not in a control loop. It never changes, and any threads may read.
+class SpaceDistances {
+ public:
+  /// Distances are exact up to `limit_m` [m]. Throws std::invalid_argument when the tree is damaged
+  /// or covers too much (more than 2^20 blocks of 8x8x8 leaves), and on a limit that is out of
+  /// range.
+  explicit SpaceDistances(const octree_t& tree, double limit_m = 2);
+  ~SpaceDistances();
+  SpaceDistances(SpaceDistances&&) noexcept;
+  SpaceDistances& operator=(SpaceDistances&&) noexcept;
+
+  SpaceDistance FromObstacle(const std::array<double, 3>& p_W) const;  ///< p_W [m]
+  SpaceDistance FromUnknown(const std::array<double, 3>& p_W) const;
+  SpaceDistance From(const std::array<double, 3>& p_W) const;  ///< the smaller of the two
+
+ private:
+  struct Field;
+  std::unique_ptr<Field> field_;
+};
+
 /// What to ask the octomap exporter for.
 struct TreeRequest {
   struct Box {

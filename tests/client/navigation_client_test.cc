@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <thread>
 #include <vismap/map_request_t.hpp>
 
@@ -234,6 +236,38 @@ TEST_F(NavigationClientTest, AsksAndRepeatsAndTellsTheReasonsOfARefusal) {
   const FreeSpace refused = ask(0.07);
   EXPECT_FALSE(refused);
   EXPECT_EQ(refused.why, "resolution_m: expected 0.1, found something else");
+}
+
+TEST(SpaceDistances, TellObstaclesFromUnknownSpace) {
+  const SpaceDistances distances(TreeMessage(TwoRooms(false), UnknownPolicy::kAbsent, 1));
+  using Nearest = SpaceDistance::Nearest;
+  // The pillar is from 0.8 to 1.2 m along x and y.
+  const SpaceDistance pillar = distances.From({0.55, 0.55, 0.8});
+  EXPECT_EQ(pillar.nearest, Nearest::kObstacle);
+  EXPECT_NEAR(pillar.distance_m, 0.25 * std::sqrt(2), 1e-9);
+  EXPECT_NEAR(pillar.away_W[0], -std::sqrt(0.5), 1e-9);
+  EXPECT_NEAR(pillar.away_W[2], 0, 1e-9);
+  EXPECT_NEAR(distances.FromUnknown({0.5, 0.55, 0.8}).distance_m, 0.5, 1e-9);
+  const SpaceDistance rim = distances.From({2.3, 0.8, 0.8});  // the space between the rooms
+  EXPECT_EQ(rim.nearest, Nearest::kUnknown);
+  EXPECT_NEAR(rim.distance_m, 0.3, 1e-9);
+  EXPECT_NEAR(rim.away_W[0], 1, 1e-9);
+  for (const std::array<double, 3>& unseen :
+       {std::array{1.8, 0.8, 0.8}, std::array{0.5, -3.0, 0.8}})
+    EXPECT_EQ(distances.From(unseen).distance_m, 0);
+  EXPECT_EQ(distances.From({1, 1, 0.8}).distance_m, 0);
+  EXPECT_EQ(SpaceDistances(TreeMessage(TwoRooms(true), UnknownPolicy::kAbsent, 1), 0.5)
+                .FromObstacle({3, 0.3, 0.8})
+                .nearest,
+            Nearest::kNothing);
+  const SpaceDistances closed(TreeMessage(TwoRooms(false), UnknownPolicy::kOccupied, 1));
+  EXPECT_EQ(closed.From({2.3, 0.8, 0.8}).nearest, Nearest::kObstacle);
+  EXPECT_NEAR(closed.From({2.3, 0.8, 0.8}).distance_m, 0.3, 1e-9);
+  octree_t damaged = TreeMessage(TwoRooms(false), UnknownPolicy::kAbsent, 1);
+  damaged.data.pop_back();
+  EXPECT_THROW(SpaceDistances{damaged}, std::invalid_argument);
+  EXPECT_THROW(SpaceDistances(TreeMessage(TwoRooms(false), UnknownPolicy::kAbsent, 1), -1),
+               std::invalid_argument);
 }
 
 }  // namespace
