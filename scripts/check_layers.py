@@ -45,7 +45,7 @@ PROCS = {
     "queueing": ["runtime"],
     "hub": ["queueing", "settings"],
     "bridge": ["queueing", "settings"],
-    "doctor": ["runtime"],
+    "doctor": ["runtime", "settings"],
     "settings": ["runtime", "config"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.

@@ -201,6 +201,11 @@ inline constexpr auto FieldsOf(const HubOptions&) {
                     VISMAP_FIELD(latest), VISMAP_FIELD(drop_newest));
 }
 
+inline constexpr auto FieldsOf(const SharedBusOptions&) {
+  using Options = SharedBusOptions;
+  return std::tuple(VISMAP_FIELD(channel_prefix));
+}
+
 inline constexpr auto FieldsOf(const BridgeOptions&) {
   using Options = BridgeOptions;
   return std::tuple(VISMAP_FIELD(remote_url), VISMAP_FIELD(send), VISMAP_FIELD(receive),
@@ -236,7 +241,7 @@ inline constexpr auto FieldsOf(const VismapConfig&) {
                     VISMAP_FIELD(octree), VISMAP_FIELD(depth_segmenter), VISMAP_FIELD(map_server),
                     VISMAP_FIELD(octomap_exporter), VISMAP_FIELD(sensor_replay),
                     VISMAP_FIELD(detector), VISMAP_FIELD(hub), VISMAP_FIELD(bridge),
-                    VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid));
+                    VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid), VISMAP_FIELD(bus));
 }
 
 #undef VISMAP_FIELD

@@ -116,6 +116,11 @@ struct HubOptions {
   std::vector<std::string> lossless, latest, drop_newest;
 };
 
+/// What all processes of a pipeline must agree on.
+struct SharedBusOptions {
+  std::string channel_prefix;  ///< stands before the names of our channels
+};
+
 struct BridgeOptions {
   std::string remote_url;            ///< the other bus
   std::vector<std::string> send;     ///< channels passed on to the other bus, besides STATUS

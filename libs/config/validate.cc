@@ -165,7 +165,7 @@ std::vector<std::string> Problems(const HubOptions& hub) {
 
 bool IsChannelName(const std::string& name) {
   constexpr const char* kAllowed =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-/.#";
   return !name.empty() && name.size() <= 63 &&
          name.find_first_not_of(kAllowed) == std::string::npos;
 }
@@ -178,7 +178,7 @@ std::vector<std::string> Problems(const BridgeOptions& bridge) {
     for (const std::string& channel : channels) {
       check.Unless(IsChannelName(channel),
                    std::string(key) + ": '" + channel +
-                       "' is not the name of a channel (letters, digits, _ and -)");
+                       "' is not the name of a channel (letters, digits, _ - / . and #)");
     }
   };
   check_channels("send", bridge.send);

@@ -12,15 +12,19 @@
 #include "runtime/log.h"
 #include "runtime/status.h"
 #include "runtime/status_message.h"
+#include "wire/channel_types.h"
 #include "wire/channels.h"
 #include "wire/envelope.h"
 
 namespace vismap {
 namespace {
 
-std::map<std::string, ForwardCounters> ZeroCounters(const std::vector<std::string>& channels) {
-  std::map<std::string, ForwardCounters> counters = {{kStatusChannel.name, {}}};
-  for (const std::string& channel : channels) counters[channel];
+// The channels to forward by their names on the bus: ours have the prefix.
+std::map<std::string, ForwardCounters> ZeroCounters(const std::vector<std::string>& channels,
+                                                    const std::string& prefix) {
+  std::map<std::string, ForwardCounters> counters = {{prefix + kStatusChannel.name, {}}};
+  for (const std::string& channel : channels)
+    counters[FindChannelType(channel) != nullptr ? prefix + channel : channel];
   return counters;
 }
 
@@ -30,8 +34,8 @@ std::vector<std::string> Names(const std::map<std::string, ForwardCounters>& cou
   return names;
 }
 
-Result<ChannelPolicies> PoliciesOf(const BridgeOptions& options) {
-  return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest});
+Result<ChannelPolicies> PoliciesOf(const BridgeOptions& options, const std::string& prefix = "") {
+  return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest, prefix});
 }
 
 }  // namespace
@@ -41,19 +45,23 @@ Result<void> CheckOptions(const BridgeOptions& options) {
   return policies ? Result<void>() : tl::unexpected(policies.error());
 }
 
-Bridge::Bridge(const std::string& name, ChannelPolicies policies)
-    : name_(name), policies_(std::move(policies)), start_utime_(WallUtime()) {}
+Bridge::Bridge(const BridgePlace& place, ChannelPolicies policies)
+    : name_(place.name.empty() ? "bridge-" + HostName() : place.name),
+      channel_prefix_(place.channel_prefix),
+      policies_(std::move(policies)),
+      start_utime_(WallUtime()) {}
 
 Result<std::unique_ptr<Bridge>> Bridge::Open(const BridgePlace& place,
                                              const BridgeOptions& options) {
-  Result<ChannelPolicies> policies = PoliciesOf(options);
+  const std::string& prefix = place.channel_prefix;
+  Result<ChannelPolicies> policies = PoliciesOf(options, prefix);
   if (!policies) return tl::unexpected(policies.error());
-  const std::string name = place.name.empty() ? "bridge-" + HostName() : place.name;
-  std::unique_ptr<Bridge> bridge(new Bridge(name, std::move(*policies)));
+  std::unique_ptr<Bridge> bridge(new Bridge(place, std::move(*policies)));
   Direction& send = bridge->directions_[0];
   Direction& receive = bridge->directions_[1];
-  send = {"send", BridgeSide::kLocal, nullptr, nullptr, ZeroCounters(options.send)};
-  receive = {"receive", BridgeSide::kRemote, nullptr, nullptr, ZeroCounters(options.receive)};
+  send = {"send", BridgeSide::kLocal, nullptr, nullptr, ZeroCounters(options.send, prefix)};
+  receive = {"receive", BridgeSide::kRemote, nullptr, nullptr,
+             ZeroCounters(options.receive, prefix)};
   const auto open = [&](const LcmUrl& url, const Direction& direction) {
     return OpenBridgeEnd(
         url, {Names(direction.counters), static_cast<size_t>(options.queue_mb) * kMegabyte});
@@ -104,12 +112,12 @@ void Bridge::Forward(Direction& direction, const TcpqRecord& record) {
   const auto entry = direction.counters.find(record.name);
   if (entry == direction.counters.end()) return;
   ForwardCounters& counters = entry->second;
-  if (record.data().size() > MaxBytesOf(record.name)) {
+  const size_t most = MaxBytesOf(NameOfOurs(record.name, channel_prefix_));
+  if (record.data().size() > most) {
     ++counters.rejected;
     LogWarningRateLimited("large " + record.name,
                           record.name + ": a message of " + FormatBytes(record.data().size()) +
-                              " was not forwarded; at most " +
-                              FormatBytes(MaxBytesOf(record.name)) + " are allowed");
+                              " was not forwarded; at most " + FormatBytes(most) + " are allowed");
     return;
   }
   if (WouldLoop(direction, record)) return;
@@ -165,7 +173,7 @@ void Bridge::PublishStatus() {
   AddCounter(&message, "local.reconnects", local_->reconnects());
   AddCounter(&message, "remote.reconnects", remote_->reconnects());
   const RoutedMessage routed =
-      RouteMessage(TcpqPublish(kStatusChannel.name, Pack(message)), &policies_);
+      RouteMessage(TcpqPublish(channel_prefix_ + kStatusChannel.name, Pack(message)), &policies_);
   for (BridgeEnd* end : {local_.get(), remote_.get()}) {
     end->Add(routed);
     end->Flush();

@@ -18,7 +18,8 @@ namespace vismap {
 /// The two buses that a bridge connects, and its name.
 struct BridgePlace {
   LcmUrl local, remote;
-  std::string name;  ///< on both buses; "" = bridge-COMPUTER
+  std::string name;                 ///< on both buses; "" = bridge-COMPUTER
+  std::string channel_prefix = {};  ///< of our channels on both buses
 };
 
 /// Fails when a pattern of channels is not a valid regular expression.
@@ -59,17 +60,18 @@ class Bridge {
     BridgeSide side{};  ///< the bus from which the messages come
     BridgeEnd* from = nullptr;
     BridgeEnd* to = nullptr;
-    std::map<std::string, ForwardCounters> counters;  // of the channels that are forwarded
+    /// Of the channels that are forwarded, by their names on the bus.
+    std::map<std::string, ForwardCounters> counters;
   };
 
-  Bridge(const std::string& name, ChannelPolicies policies);
+  Bridge(const BridgePlace& place, ChannelPolicies policies);
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Forward(Direction& direction, const TcpqRecord& record);
   bool WouldLoop(const Direction& direction, const TcpqRecord& record);
   void PublishStatus();
   std::string StatusSentence() const;
 
-  std::string name_;
+  std::string name_, channel_prefix_;
   ChannelPolicies policies_;
   std::unique_ptr<BridgeEnd> local_, remote_;
   std::array<Direction, 2> directions_;

@@ -73,7 +73,7 @@ class HubEnd : public BridgeEnd {
     }
     std::vector<uint8_t> subscriptions;
     for (const std::string& channel : options_.channels) {
-      const std::vector<uint8_t> record = TcpqSubscribe(channel);
+      const std::vector<uint8_t> record = TcpqSubscribe(ExpressionFor(channel));
       subscriptions.insert(subscriptions.end(), record.begin(), record.end());
     }
     RecordReader reader(TcpqMagic::kHub, kMaxMessageBytes);
@@ -138,7 +138,7 @@ Result<std::unique_ptr<BridgeEnd>> OpenBridgeEnd(const LcmUrl& url,
   if (url.provider == "tcpq") return std::make_unique<HubEnd>(url, options);
   Result<std::unique_ptr<Transport>> transport = OpenLcmTransport(url);
   if (!transport) return tl::unexpected(transport.error());
-  for (const std::string& channel : options.channels) (*transport)->Subscribe(channel);
+  for (const std::string& channel : options.channels) (*transport)->Subscribe(ExpressionFor(channel));
   return std::make_unique<LcmEnd>(url, std::move(*transport));
 }
 

@@ -15,6 +15,9 @@ struct ClientOptions {
   /// Name of this program on the bus. Two programs with one name are a finding of vismap-doctor.
   std::string name = "client";
   double connect_timeout_s = 10;  ///< how long the constructor waits for the hub [s]
+  /// Stands before the names of vismap's channels on the bus, as the option --channel-prefix of
+  /// vismap's programs; the functions of Client take the names without it.
+  std::string channel_prefix;
 };
 
 /// Totals of one channel since the client was made.

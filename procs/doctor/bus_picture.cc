@@ -33,15 +33,16 @@ int64_t CounterOf(const process_status_t& status, const std::string& name) {
              : status.counter_values[static_cast<size_t>(found - status.counter_names.begin())];
 }
 
-void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
+void BusPicture::AddMessage(const std::string& on_bus, std::span<const uint8_t> data, double now,
                             int64_t utime) {
-  if (!HasRoom(channels_, channel)) return;
-  ChannelPicture& picture = channels_[channel];
+  if (!HasRoom(channels_, on_bus)) return;
+  ChannelPicture& picture = channels_[on_bus];
   ++picture.messages;
   picture.bytes += static_cast<int64_t>(data.size());
   picture.last = now;
+  const std::string channel = WithoutPrefix(on_bus, channel_prefix_).value_or("");
   const ChannelType* type = FindChannelType(channel);
-  if (type == nullptr) return;  // a channel of another program
+  if (type == nullptr) return AddStranger(on_bus, data, now, utime);
   const std::optional<MessageHead> head = PeekHead(data);
   if (!head || head->fingerprint != type->fingerprint || data.size() > type->channel.max_bytes) {
     ++picture.foreign;
@@ -52,8 +53,23 @@ void BusPicture::AddMessage(const std::string& channel, std::span<const uint8_t>
     if (!first) picture.gaps += std::max<int64_t>(0, head->seq - entry->second - 1);
     entry->second = head->seq;
   }
-  if (channel == kStatusChannel.name) AddStatus(data, now, utime);
+  if (channel == kStatusChannel.name) AddStatus(data, now, utime, false);
   AddFrame(channel, data, now);
+}
+
+// A channel of another program, or one of ours with another prefix.
+void BusPicture::AddStranger(const std::string& on_bus, std::span<const uint8_t> data, double now,
+                             int64_t utime) {
+  const std::optional<MessageHead> head = PeekHead(data);
+  if (!head) return;
+  for (const ChannelType& type : ChannelTypes()) {
+    const std::string name = type.channel.name;
+    if (head->fingerprint != type.fingerprint || !on_bus.ends_with(name)) continue;
+    ChannelPicture& picture = channels_[on_bus];
+    picture.type_of_ours = type.type;
+    picture.other_prefix = on_bus.substr(0, on_bus.size() - name.size());
+    if (name == kStatusChannel.name) AddStatus(data, now, utime, true);
+  }
 }
 
 double CameraPicture::Lag() const {
@@ -116,9 +132,11 @@ ProcessPicture* BusPicture::PictureOf(const process_status_t& status) {
   return &other;
 }
 
-void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t utime) {
+void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t utime,
+                           bool other_prefix) {
   const Result<process_status_t> status = Unpack<process_status_t>(data, kStatusChannel.max_bytes);
   if (!status) return;
+  if (other_prefix && status->process != "hub" && status->process != "bridge") return;
   ProcessPicture* picture = PictureOf(*status);
   if (picture == nullptr) return;
   if (picture->first.source.empty()) picture->first = *status;
@@ -128,7 +146,7 @@ void BusPicture::AddStatus(std::span<const uint8_t> data, double now, int64_t ut
 }
 
 int64_t BusPicture::messages(const std::string& channel) const {
-  const auto found = channels_.find(channel);
+  const auto found = channels_.find(channel_prefix_ + channel);
   return found == channels_.end() ? 0 : found->second.messages;
 }
 

@@ -27,6 +27,8 @@ struct ChannelPicture {
   int64_t foreign = 0;  ///< messages of a wrong type, of another version of the type, or too large
   double last = 0;      ///< time of the latest message [s]
   std::map<std::string, int64_t> last_seq;  ///< latest sequence number of each source
+  /// Set for a channel that is none of ours by its prefix, but carries messages of our type.
+  std::string type_of_ours = {}, other_prefix = {};
 };
 
 /// What was observed of the frames of one camera.
@@ -42,29 +44,37 @@ struct CameraPicture {
 };
 
 /// Summary of all messages that were received on a bus. Decodes only the heads of messages, except
-/// for STATUS.
+/// for STATUS. Of programs with another prefix, only hubs and bridges count.
 class BusPicture {
  public:
+  /// `channel_prefix` stands before the names of our channels on the bus.
+  explicit BusPicture(const std::string& channel_prefix = "") : channel_prefix_(channel_prefix) {}
+
   /// Adds a received message. `now` is the time of a monotonic clock [s], `utime` that of the wall
   /// clock [us].
-  void AddMessage(const std::string& channel, std::span<const uint8_t> data, double now,
+  void AddMessage(const std::string& on_bus, std::span<const uint8_t> data, double now,
                   int64_t utime);
 
   /// All processes, by the name of their instance. When several have one name, all but one have
   /// their place added: "map-server (computer, pid N)", so that none hides another.
   const std::map<std::string, ProcessPicture>& processes() const { return processes_; }
+  /// By the names on the bus, with their prefixes.
   const std::map<std::string, ChannelPicture>& channels() const { return channels_; }
+  const std::string& channel_prefix() const { return channel_prefix_; }
   const std::map<int32_t, CameraPicture>& cameras() const { return cameras_; }
-  /// Number of messages of one channel.
+  /// Number of messages of one of our channels, by its name without prefix.
   int64_t messages(const std::string& channel) const;
   /// Whether an instance of this program was observed that is not stopping.
   bool Has(const std::string& process) const;
 
  private:
+  void AddStranger(const std::string& on_bus, std::span<const uint8_t> data, double now,
+                   int64_t utime);
   void AddFrame(const std::string& channel, std::span<const uint8_t> data, double now);
-  void AddStatus(std::span<const uint8_t> data, double now, int64_t utime);
+  void AddStatus(std::span<const uint8_t> data, double now, int64_t utime, bool other_prefix);
   ProcessPicture* PictureOf(const process_status_t& status);
 
+  std::string channel_prefix_;
   std::map<std::string, ProcessPicture> processes_;
   std::map<std::string, ChannelPicture> channels_;
   std::map<int32_t, CameraPicture> cameras_;  // by id

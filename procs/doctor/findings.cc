@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/format.h"
 #include "runtime/version.h"
@@ -35,6 +36,7 @@ class Diagnosis {
           "start the processes with --lcm-url " + listening_.lcm_url);
       return std::move(findings_);
     }
+    OtherPrefixes();
     FlowOfFrames();
     for (const auto& [name, process] : picture_.processes()) OneProcess(name, process);
     for (const auto& [name, channel] : picture_.channels()) OneChannel(name, channel);
@@ -49,6 +51,24 @@ class Diagnosis {
   std::string Observed() const { return FormatDuration(listening_.seconds); }
   std::string NoneOf(const Channel& channel) const {
     return "no " + std::string(channel.name) + " was received in " + Observed();
+  }
+
+  // Another pipeline may run beside a complete one of this prefix.
+  bool PipelineIsComplete() const {
+    const bool frames = Flows(kRgbdFrameChannel) || Flows(kSegmentedFrameChannel);
+    return picture_.Has("map-server") && frames && !SegmenterWaits();
+  }
+
+  void OtherPrefixes() {
+    if (PipelineIsComplete()) return;
+    std::set<std::string> told;
+    for (const auto& [name, channel] : picture_.channels()) {
+      if (channel.type_of_ours.empty() || !told.insert(channel.other_prefix).second) continue;
+      Add("channel " + name + " carries " + channel.type_of_ours + ", a type of vismap, but this " +
+              "doctor uses the prefix '" + picture_.channel_prefix() + "' for vismap's channels",
+          "give all processes of a pipeline and vismap-doctor one prefix; for this one, --channel-prefix '" +
+              channel.other_prefix + "'");
+    }
   }
 
   // Follows a frame through the pipeline and reports the first stage that it does not pass.

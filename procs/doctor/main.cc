@@ -10,6 +10,7 @@
 #include "doctor/report.h"
 #include "runtime/clock.h"
 #include "runtime/transport.h"
+#include "settings/settings.h"
 
 namespace {
 
@@ -41,11 +42,12 @@ Result<std::unique_ptr<Transport>> Join(const LcmUrl& url, const StopSignal& sto
 }
 
 /// Observes the bus once and prints the report; returns whether the bus is healthy.
-bool Examine(const LcmUrl& url, const Arguments& arguments, const StopSignal& stop) {
+bool Examine(const LcmUrl& url, const Arguments& arguments, ProcessContext& context) {
+  const StopSignal& stop = context.stop;
   Listening listening;
   listening.lcm_url = url.text;
   listening.checks = CheckBus(url, 2);
-  BusPicture picture;
+  BusPicture picture(context.options.channel_prefix);
   const double start = MonotonicSeconds();
   if (const auto transport = Join(url, stop)) {
     Listen(transport->get(), arguments.seconds, stop, &picture);
@@ -65,10 +67,10 @@ bool Examine(const LcmUrl& url, const Arguments& arguments, const StopSignal& st
 Outcome Run(const Arguments& arguments, ProcessContext& context) {
   const Result<LcmUrl> url = ParseLcmUrl(context.options.lcm_url);
   if (!url) return ExitWith(ExitCode::kUsage, url.error().message);
-  bool healthy = Examine(*url, arguments, context.stop);
+  bool healthy = Examine(*url, arguments, context);
   while (arguments.watch && !context.stop.WaitFor(0.5)) {
     std::fputs("\n", stdout);
-    healthy = Examine(*url, arguments, context.stop);
+    healthy = Examine(*url, arguments, context);
   }
   if (healthy) return {};
   return ExitWith(ExitCode::kFailed, "problems were found; see the report");
@@ -78,6 +80,7 @@ Outcome Run(const Arguments& arguments, ProcessContext& context) {
 
 int main(int argc, char** argv) {
   Arguments arguments;
+  VismapConfig config;
   ProcessSpec spec;
   spec.name = "doctor";
   spec.summary =
@@ -91,6 +94,7 @@ int main(int argc, char** argv) {
     line.Flag("--json", &arguments.json, "Print the report as JSON");
     line.Flag("--watch", &arguments.watch, "Repeat until stopped");
   };
+  UseConfig(&config, &spec);
   spec.run = [&](ProcessContext& context) { return Run(arguments, context); };
   return RunProcess(argc, argv, spec);
 }

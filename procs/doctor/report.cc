@@ -4,6 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/format.h"
 #include "base/printable.h"
@@ -139,6 +140,14 @@ std::string TextReport(const Listening& listening, const BusPicture& picture,
       rates += Format("The map is %.1f s behind camera %d.\n", camera.Lag(), id);
   }
   if (!rates.empty()) text += "\n" + rates;
+  std::set<std::string> prefixes;
+  for (const auto& [name, channel] : picture.channels()) {
+    if (!channel.type_of_ours.empty()) prefixes.insert(channel.other_prefix);
+  }
+  for (const std::string& prefix : prefixes) {
+    text += "\nPrograms of vismap with the prefix '" + PrintableText(prefix) +
+            "' are on this bus, too; this report is not about them.\n";
+  }
   std::string losses;
   for (const auto& [name, process] : picture.processes()) {
     for (const auto& [counter, value] : LossesOf(process.last)) {
@@ -195,7 +204,8 @@ std::string JsonReport(const Listening& listening, const BusPicture& picture,
                                 {"bytes_per_s", PerSecond(channel.bytes, listening)},
                                 {"age_s", listening.now - channel.last},
                                 {"gaps", channel.gaps},
-                                {"foreign", channel.foreign}});
+                                {"foreign", channel.foreign},
+                                {"type_of_other_prefix", channel.type_of_ours}});
   }
   for (const DetectionRate& rate : DetectionRates(listening, picture)) {
     json["detection_rates"].push_back({{"segmenter", rate.segmenter},

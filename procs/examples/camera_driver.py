@@ -168,6 +168,7 @@ class Driver:
 def main() -> int:
     parser = argparse.ArgumentParser(description="Publishes the frames of an RGB-D camera.")
     parser.add_argument("--lcm-url", help="the bus; default $LCM_DEFAULT_URL, else tcpq://127.0.0.1:7700")
+    parser.add_argument("--channel-prefix", default="", help="as that of the other processes of vismap")
     parser.add_argument("--name", default="camera-driver", help="name of this instance, unique on the bus")
     parser.add_argument("--camera-id", type=int, default=0, help="identifies the camera")
     parser.add_argument("--rate", type=float, default=10.0, help="frames per second")
@@ -177,7 +178,8 @@ def main() -> int:
     if options.rate <= 0 or options.camera_id < 0 or options.frames < 0:
         parser.error("--rate must be positive; --camera-id and --frames must not be negative")
     try:
-        with vismap.Bus(options.lcm_url, options.name) as bus, vismap.Status(bus, "camera-driver") as status:
+        with vismap.Bus(options.lcm_url, options.name, channel_prefix=options.channel_prefix) as bus, \
+                vismap.Status(bus, "camera-driver") as status:
             source = Source(options.rate)
             driver = Driver(bus, status, source, options.camera_id, options.rate)
             for number in (signal.SIGINT, signal.SIGTERM):

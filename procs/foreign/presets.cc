@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "foreign/mount.h"
+#include "wire/channels.h"
 
 namespace vismap {
 namespace {
@@ -119,14 +120,8 @@ bool ChannelMatches(const std::string& pattern, const std::string& channel) {
 }
 
 std::string ChannelExpression(const std::string& pattern) {
-  constexpr std::string_view kSpecial = ".+?()[]{}|^$\\*";
-  std::string expression;
-  const size_t plain = EndsWithStar(pattern) ? pattern.size() - 1 : pattern.size();
-  for (size_t i = 0; i < plain; ++i) {
-    if (kSpecial.find(pattern[i]) != std::string_view::npos) expression += '\\';
-    expression += pattern[i];
-  }
-  return plain < pattern.size() ? expression + ".*" : expression;
+  if (!EndsWithStar(pattern)) return ExpressionFor(pattern);
+  return ExpressionFor(std::string_view(pattern).substr(0, pattern.size() - 1)) + ".*";
 }
 
 std::set<std::string> ChannelsOf(const AdapterOptions& options) {

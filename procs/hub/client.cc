@@ -18,8 +18,8 @@ HubClient::HubClient(Socket socket, const std::string& address, size_t max_messa
                   TcpqHello(TcpqMagic::kHub));
 }
 
-void HubClient::LearnName(const TcpqRecord& record) {
-  if (named || record.name != kStatusChannel.name) return;
+void HubClient::LearnName(const TcpqRecord& record, std::string_view channel_prefix) {
+  if (named || NameOfOurs(record.name, channel_prefix) != kStatusChannel.name) return;
   const std::optional<MessageHead> head = PeekHead(record.data());
   if (!head || head->source.empty() || head->source.size() > 64) return;
   source = head->source;

@@ -17,7 +17,7 @@ struct HubClient : std::enable_shared_from_this<HubClient> {
 
   /// Sets the name of this client if the record is its STATUS message, which has the name of the
   /// process.
-  void LearnName(const TcpqRecord& record);
+  void LearnName(const TcpqRecord& record, std::string_view channel_prefix);
   /// Stops reading from this client until the queue of `slow` has room again or `slow` has gone.
   void WaitFor(const std::shared_ptr<HubClient>& slow);
   /// Whether this client still has to wait for a slow one, so that the hub must not read from it.

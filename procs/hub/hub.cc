@@ -42,8 +42,8 @@ void AddCounts(process_status_t* message, const NamedCounts& counts, const std::
   for (const auto& [name, count] : counts.all()) AddCounter(message, name + what, count);
 }
 
-Result<ChannelPolicies> PoliciesOf(const HubOptions& options) {
-  return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest});
+Result<ChannelPolicies> PoliciesOf(const HubOptions& options, const std::string& prefix = "") {
+  return ChannelPolicies::Make({options.lossless, options.latest, options.drop_newest, prefix});
 }
 
 Result<ChannelPatterns> CriticalOf(const HubOptions& options) {
@@ -57,7 +57,7 @@ Result<ChannelPatterns> CriticalOf(const HubOptions& options) {
 
 // Whether a message is also delivered to clients that subscribe later. Requests, replies and
 // commits are not: such a client would take them for replies to its own messages.
-bool IsForLateReaders(const std::string& channel) {
+bool IsForLateReaders(std::string_view channel) {
   return channel != kMapRequestChannel.name && channel != kMapReplyChannel.name &&
          channel != kMapCommitChannel.name;
 }
@@ -84,11 +84,12 @@ Result<void> CheckOptions(const HubOptions& options) {
 }
 
 Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options, const std::string& name,
-                                       const FaultOptions& faults) {
+                                       const FaultOptions& faults,
+                                       const std::string& channel_prefix) {
   if (const Result<void> checked = CheckOptions(options); !checked)
     return tl::unexpected(checked.error());
-  std::unique_ptr<Hub> hub(new Hub(options, name, faults));
-  hub->policies_ = std::move(*PoliciesOf(options));
+  std::unique_ptr<Hub> hub(new Hub(options, name, faults, channel_prefix));
+  hub->policies_ = std::move(*PoliciesOf(options, channel_prefix));
   hub->critical_ = std::move(*CriticalOf(options));
   if (const auto listening = hub->Listen(*ParseTcpAddress(options.listen)); !listening)
     return Fail("cannot listen on " + options.listen + ": " + listening.error().message);
@@ -97,11 +98,13 @@ Result<std::unique_ptr<Hub>> Hub::Open(const HubOptions& options, const std::str
   return hub;
 }
 
-Hub::Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults)
+Hub::Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults,
+         const std::string& channel_prefix)
     : options_(options),
       queue_bytes_(static_cast<size_t>(options.queue_mb) * kMegabyte),
       total_bytes_(static_cast<size_t>(options.total_mb) * kMegabyte),
       name_(name),
+      channel_prefix_(channel_prefix),
       faults_(faults),
       loses_messages_(faults.drop_fraction > 0),
       budgets_(options.max_hold_s),
@@ -240,7 +243,7 @@ void Hub::HandleRecord(Client& client, TcpqRecord record) {
     case TcpqRecord::Kind::kPublish:
       ++counters_.received;
       counters_.received_bytes += static_cast<int64_t>(record.bytes->size());
-      client.LearnName(record);
+      client.LearnName(record, channel_prefix_);
       UpdateCritical(&client);
       if (faults_.Drops(record.name)) {
         ++counters_.dropped_on_purpose;
@@ -276,7 +279,7 @@ void Hub::Route(const TcpqRecord& record, Client* sender) {
   RoutedMessage message = RouteMessage(record, &policies_);
   // A program that uses the name of another one does not replace the waiting messages of that one.
   if (sender != nullptr) message.source += "\n" + std::to_string(sender->number);
-  if (sender != nullptr && IsForLateReaders(record.name))
+  if (sender != nullptr && IsForLateReaders(NameOfOurs(record.name, channel_prefix_)))
     backlog_.Keep(message, sender->shared_from_this(), MonotonicSeconds());
   for (const std::shared_ptr<Client>& client : clients_) {
     if (client->dead || !client->subscriptions.Match(record.name)) continue;
@@ -397,7 +400,7 @@ void Hub::PublishStatus() {
   AddCounts(&message, counters_.dropped_by_channel, ".dropped");
   AddCounts(&message, counters_.replaced_by_channel, ".replaced");
   AddCounts(&message, counters_.dropped_by_client, ": dropped");
-  Route(TcpqPublish(kStatusChannel.name, Pack(message)), nullptr);
+  Route(TcpqPublish(channel_prefix_ + kStatusChannel.name, Pack(message)), nullptr);
   for (const std::shared_ptr<Client>& client : clients_) client->connection.Flush();
 }
 

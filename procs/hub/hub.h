@@ -59,10 +59,12 @@ struct HubCounters {
 class Hub {
  public:
   /// Starts to listen. `name` is that on the bus; "" = hub-COMPUTER-PORT, which is unique also on
-  /// bridged buses. `faults` is for tests. Fails as CheckOptions does, and with the reason when the
-  /// address is in use or does not belong to this computer.
+  /// bridged buses. `faults` is for tests. `channel_prefix`: of its STATUS; channels of ours with
+  /// other prefixes are treated by their names as well, see NameOfOurs. Fails as CheckOptions does,
+  /// and with the reason when the address is in use or does not belong to this computer.
   static Result<std::unique_ptr<Hub>> Open(const HubOptions& options, const std::string& name = "",
-                                           const FaultOptions& faults = {});
+                                           const FaultOptions& faults = {},
+                                           const std::string& channel_prefix = "");
   ~Hub();
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
@@ -78,7 +80,8 @@ class Hub {
 
  private:
   using Client = HubClient;
-  Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults);
+  Hub(const HubOptions& options, const std::string& name, const FaultOptions& faults,
+      const std::string& channel_prefix);
   Result<void> Listen(const TcpAddress& at);
   void ServeOnce(const StopSignal& stop, int timeout_ms);
   void Accept();
@@ -99,7 +102,7 @@ class Hub {
 
   HubOptions options_;
   size_t queue_bytes_, total_bytes_;
-  std::string name_;
+  std::string name_, channel_prefix_;
   ChannelPolicies policies_;
   ChannelPatterns critical_;  // names of processes
   int socket_ = -1;

@@ -31,9 +31,10 @@ Result<ConvertResult> WriteFolder(const Dataset& dataset, const DetectionSource*
 
 /// Writes a sequence as a log: one RGBD_FRAME per frame and, if a detector ran on it, one
 /// DETECTIONS after it. The time of recording is the utime of the frame. `detections` may be
-/// nullptr. Frames that cannot be read are left out. Fails when none is left, and, naming the file,
-/// when the log cannot be written.
+/// nullptr. The channels get `channel_prefix`. Frames that cannot be read are left out. Fails when
+/// none is left, and, naming the file, when the log cannot be written.
 Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* detections,
-                               const std::filesystem::path& log);
+                               const std::filesystem::path& log,
+                               const std::string& channel_prefix = "");
 
 }  // namespace vismap

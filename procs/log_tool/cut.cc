@@ -7,12 +7,14 @@
 namespace vismap {
 namespace {
 
-bool Keeps(const CutOptions& options, const LogEvent& event, int64_t start) {
+// `own`: the name of our channel of the event, without its prefix.
+bool Keeps(const CutOptions& options, const LogEvent& event, const std::string& own, int64_t start) {
   // Compare whole microseconds, as double, which cannot overflow.
   const double elapsed = static_cast<double>(event.timestamp) - static_cast<double>(start);
   return elapsed >= std::round(options.from * 1e6) &&
          (!options.to || elapsed < std::round(*options.to * 1e6)) &&
-         (options.channels.empty() || options.channels.contains(event.channel));
+         (options.channels.empty() || options.channels.contains(event.channel) ||
+          options.channels.contains(own));
 }
 
 }  // namespace
@@ -25,7 +27,7 @@ Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
   std::optional<int64_t> start;
   const auto on_event = [&](const LogEvent& event) -> Result<void> {
     if (!start) start = event.timestamp;
-    if (!Keeps(options, event, *start)) {
+    if (!Keeps(options, event, reader.OwnChannel(event), *start)) {
       ++result.left_out;
       return {};
     }

@@ -12,16 +12,19 @@ namespace {
 
 /// Writes a message to the log as a process would publish it on a bus.
 template <typename Message>
-void Add(Message message, const Channel& channel, int64_t seq, LogWriter* writer) {
+void Add(Message message, const std::string& channel, int64_t seq, LogWriter* writer) {
   message.source = "vismap-log";
   message.seq = seq;
-  writer->Add(message.utime, channel.name, Pack(message));
+  writer->Add(message.utime, channel, Pack(message));
 }
 
 }  // namespace
 
 Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* detections,
-                               const std::filesystem::path& log) {
+                               const std::filesystem::path& log,
+                               const std::string& channel_prefix) {
+  const std::string frame_channel = channel_prefix + kRgbdFrameChannel.name;
+  const std::string detections_channel = channel_prefix + kDetectionsChannel.name;
   Result<LogWriter> writer = LogWriter::Create(log);
   if (!writer) return tl::unexpected(writer.error());
   ConvertResult result;
@@ -36,11 +39,11 @@ Result<ConvertResult> WriteLog(const Dataset& dataset, const DetectionSource* de
     }
     if (!frame->color_problem.empty()) without_color.Add(frame->color_problem);
     const FrameHeader& header = frame->header;
-    Add(Encode(*frame), kRgbdFrameChannel, result.frames++, &*writer);
+    Add(Encode(*frame), frame_channel, result.frames++, &*writer);
     if (detections == nullptr || !detections->DetectorRan(header)) continue;
     const Result<DetectionSet> set = detections->ForFrame(header);
     if (!set) return tl::unexpected(set.error());
-    Add(Encode(*set, header.camera.width, header.camera.height), kDetectionsChannel,
+    Add(Encode(*set, header.camera.width, header.camera.height), detections_channel,
         detection_messages++, &*writer);
   }
   const int64_t all = result.frames + left_out.total();

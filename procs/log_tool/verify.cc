@@ -38,12 +38,12 @@ void RecordProblem(const LogEvent& event, const std::string& what, ChannelReport
     report->first_problem = "at byte " + std::to_string(event.offset) + ": " + what;
 }
 
-void AddMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences* sequences,
-                ChannelReport* report) {
+void AddMessage(const LogEvent& event, const std::string& own_channel,
+                std::span<const uint8_t> bytes, Sequences* sequences, ChannelReport* report) {
   if (report->messages++ == 0) report->first_time = event.timestamp;
   report->last_time = event.timestamp;
   report->bytes += event.data_size;
-  const ChannelType* type = FindChannelType(event.channel);
+  const ChannelType* type = FindChannelType(own_channel);
   if (type == nullptr) return;  // a channel of another program
   const std::optional<MessageHead> head = PeekHead(bytes);
   const Result<void> checked = type->check(bytes, type->channel);
@@ -57,7 +57,7 @@ void AddMessage(const LogEvent& event, std::span<const uint8_t> bytes, Sequences
 
 // Counts the integrated and skipped frames.
 Result<void> FollowFrames(LogReader& reader, LogReport* report) {
-  Result<LogReader> again = LogReader::Open(reader.path());
+  Result<LogReader> again = LogReader::Open(reader.path(), reader.channel_prefix());
   if (!again) return tl::unexpected(again.error());
   const Result<RecordedRun> run = ReadRun(*again);
   if (!run) return tl::unexpected(run.error());
@@ -91,12 +91,14 @@ double ChannelReport::rate() const {
 Result<LogReport> VerifyLog(LogReader& reader) {
   LogReport report;
   report.bytes = reader.size();
+  report.channel_prefix = reader.channel_prefix();
   Sequences sequences;
   const auto on_event = [&](const LogEvent& event) -> Result<void> {
     const Result<std::vector<uint8_t>> bytes = reader.ReadData(event);
     if (!bytes) return tl::unexpected(bytes.error());
     ++report.events;
-    AddMessage(event, *bytes, &sequences, &report.channels[event.channel]);
+    AddMessage(event, reader.OwnChannel(event), *bytes, &sequences,
+               &report.channels[event.channel]);
     return {};
   };
   const Result<void> read = ForEachEvent(
@@ -126,7 +128,7 @@ std::vector<std::string> LogReport::Problems() const {
     add(channel.undecodable, "damaged message", "", first);
   }
   // Damaged messages were told above.
-  const auto frames = channels.find(kRgbdFrameChannel.name);
+  const auto frames = channels.find(channel_prefix + kRgbdFrameChannel.name);
   const int64_t told =
       frames == channels.end() ? 0 : frames->second.undecodable + frames->second.other_type;
   if (const int64_t left_out = recording.left_out.total(); left_out > told) {

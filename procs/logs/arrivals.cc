@@ -10,14 +10,15 @@ namespace vismap {
 namespace {
 
 std::optional<FrameKey> KeyOfEvent(const LogReader& reader, const LogEvent& event) {
-  if (event.channel == kRgbdFrameChannel.name) {
+  const std::string channel = reader.OwnChannel(event);
+  if (channel == kRgbdFrameChannel.name) {
     const Result<std::vector<uint8_t>> bytes = reader.ReadData(event, kFramePeekBytes);
     const Result<FrameHeader> header = bytes ? PeekFrameHeader(*bytes, event.data_size) : Fail("");
     if (header) return FrameKey{header->camera_id, header->utime};
-  } else if (event.channel == kDetectionsChannel.name) {
+  } else if (channel == kDetectionsChannel.name) {
     if (const auto message = ReadMessage<detections_t>(reader, event, kDetectionsChannel))
       return KeyOf(*message);
-  } else if (event.channel == kSegmentedFrameChannel.name) {
+  } else if (channel == kSegmentedFrameChannel.name) {
     if (const auto message = ReadMessage<segmented_frame_t>(reader, event, kSegmentedFrameChannel))
       return KeyOf(message->frame);
   }
@@ -32,7 +33,7 @@ Result<std::vector<Arrival>> ReadArrivals(LogReader& reader) {
       reader,
       [&](const LogEvent& event) -> Result<void> {
         if (const std::optional<FrameKey> key = KeyOfEvent(reader, event))
-          arrivals.push_back({event.channel, *key});
+          arrivals.push_back({reader.OwnChannel(event), *key});
         return {};
       },
       [](const LogDamage&) {});

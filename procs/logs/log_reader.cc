@@ -33,11 +33,13 @@ bool IsChannelName(std::span<const uint8_t> name) {
 
 }  // namespace
 
-Result<LogReader> LogReader::Open(const std::filesystem::path& path) {
+Result<LogReader> LogReader::Open(const std::filesystem::path& path,
+                                  const std::string& channel_prefix) {
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC |
                                         O_NONBLOCK);  // O_NONBLOCK: opening a pipe must not block
   if (fd < 0) return Fail(path.string() + ": cannot open the log: " + std::strerror(errno));
   LogReader reader(path.string(), fd, 0);
+  reader.channel_prefix_ = channel_prefix;
   struct stat info {};
   if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode))
     return Fail(path.string() + ": expected a log, but this is not a regular file");
@@ -51,12 +53,14 @@ LogReader::~LogReader() {
 
 LogReader::LogReader(LogReader&& other) noexcept
     : path_(std::move(other.path_)),
+      channel_prefix_(std::move(other.channel_prefix_)),
       fd_(std::exchange(other.fd_, -1)),
       size_(other.size_),
       next_(other.next_) {}
 
 LogReader& LogReader::operator=(LogReader&& other) noexcept {
   std::swap(path_, other.path_);
+  std::swap(channel_prefix_, other.channel_prefix_);
   std::swap(fd_, other.fd_);
   std::swap(size_, other.size_);
   std::swap(next_, other.next_);
@@ -165,6 +169,10 @@ Result<std::optional<LogItem>> LogReader::SkipDamage(uint64_t search_from, bool 
   const LogDamage damage{next_, end - next_, may_be_truncated && !*found};
   next_ = end;
   return LogItem(damage);
+}
+
+std::string LogReader::OwnChannel(const LogEvent& event) const {
+  return WithoutPrefix(event.channel, channel_prefix_).value_or("");
 }
 
 Result<std::vector<uint8_t>> LogReader::ReadData(const LogEvent& event, size_t max_bytes) const {

@@ -19,8 +19,6 @@ namespace vismap {
 
 /// The first word of every event.
 inline constexpr uint32_t kLogSyncWord = 0xeda1da01;
-/// The longest channel name that LCM sends [bytes].
-inline constexpr size_t kMaxChannelName = 63;
 
 /// One recorded message: its head, and the position of its data in the file.
 struct LogEvent {
@@ -49,8 +47,9 @@ using LogItem = std::variant<LogEvent, LogDamage>;
 class LogReader {
  public:
   /// Fails, naming the path, when the file cannot be opened or is not a regular file. Data appended
-  /// to the file later is not read.
-  static Result<LogReader> Open(const std::filesystem::path& path);
+  /// to the file later is not read. `channel_prefix` stands before the names of our channels in it.
+  static Result<LogReader> Open(const std::filesystem::path& path,
+                                const std::string& channel_prefix = "");
   ~LogReader();
   LogReader(LogReader&& other) noexcept;
   LogReader& operator=(LogReader&& other) noexcept;
@@ -63,6 +62,10 @@ class LogReader {
   /// once.
   Result<std::vector<uint8_t>> ReadData(const LogEvent& event, size_t max_bytes = SIZE_MAX) const;
 
+  /// The name of our channel on which an event came, without the prefix; "" = it has not the prefix.
+  std::string OwnChannel(const LogEvent& event) const;
+
+  const std::string& channel_prefix() const { return channel_prefix_; }
   uint64_t size() const { return size_; }      ///< of the file [bytes]
   uint64_t position() const { return next_; }  ///< where Next continues [bytes]
   const std::string& path() const { return path_; }
@@ -81,7 +84,7 @@ class LogReader {
   Result<std::optional<LogItem>> AcceptEvent(LogEvent event);
   Result<std::optional<LogItem>> SkipDamage(uint64_t search_from, bool may_be_truncated);
 
-  std::string path_;
+  std::string path_, channel_prefix_;
   int fd_ = -1;
   uint64_t size_ = 0;
   uint64_t next_ = 0;

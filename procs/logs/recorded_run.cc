@@ -73,9 +73,11 @@ Result<RecordedRun> ReadRun(LogReader& reader) {
   int64_t events = 0;
   const auto on_event = [&](const LogEvent& event) -> Result<void> {
     ++events;
-    if (event.channel == kRgbdFrameChannel.name) return AddFrame(reader, event, &run);
-    if (event.channel == kDetectionsChannel.name) AddDetections(reader, event, &run);
-    if (event.channel == kMapCommitChannel.name) AddCommit(reader, event, &run);
+    const std::string channel = reader.OwnChannel(event);
+    if (channel == kRgbdFrameChannel.name) return AddFrame(reader, event, &run);
+    if (channel == kDetectionsChannel.name) AddDetections(reader, event, &run);
+    if (channel == kMapCommitChannel.name) AddCommit(reader, event, &run);
+    if (event.channel.ends_with(kRgbdFrameChannel.name)) run.other_frames = event.channel;
     return {};
   };
   const Result<void> read =

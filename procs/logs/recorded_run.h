@@ -32,6 +32,7 @@ struct RecordedRun {
   std::vector<frame_commit_t> commits;        ///< in recorded order
   std::vector<SkippedFrame> unusable_frames;  ///< RGBD_FRAMEs that cannot be used, and why
   int64_t damaged = 0;                        ///< number of damaged parts of the file
+  std::string other_frames;  ///< a channel of RGBD_FRAMEs with another prefix; "" = there is none
 };
 
 /// Scans the whole log once, without reading the images. Fails when the file cannot be read or has

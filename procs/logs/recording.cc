@@ -84,6 +84,11 @@ Result<void> CheckIntrinsics(const DatasetOptions& options,
 }
 
 std::string WhyNoFrames(const RecordedRun& run, const FrameSelection& selection) {
+  if (run.frames.empty() && run.unusable_frames.empty() && !run.other_frames.empty()) {
+    const size_t prefix = run.other_frames.size() - std::string(kRgbdFrameChannel.name).size();
+    return "the log has frames on the channel " + run.other_frames +
+           "; to read them, give --channel-prefix '" + run.other_frames.substr(0, prefix) + "'";
+  }
   if (run.frames.empty() && run.unusable_frames.empty())
     return "the log has no RGBD_FRAME, and no channels of DimOS, Drake or bot_core";
   ReasonCounts reasons;
@@ -124,11 +129,11 @@ bool IsForeign(const std::string& file, const RecordedRun& run, const AdapterOpt
 }
 
 Result<Recording> OpenLog(const std::string& path, const DatasetOptions& options,
-                          const AdapterOptions& adapter) {
+                          const AdapterOptions& adapter, const std::string& channel_prefix) {
   const Result<LogPath> parsed = ParseLogPath(path);
   if (!parsed) return tl::unexpected(parsed.error());
   if (parsed->foreign) return OpenForeignLog(parsed->file, options, adapter);
-  Result<LogReader> reader = LogReader::Open(parsed->file);
+  Result<LogReader> reader = LogReader::Open(parsed->file, channel_prefix);
   if (!reader) return tl::unexpected(reader.error());
   const Result<RecordedRun> run = ReadRun(*reader);
   if (!run) return tl::unexpected(run.error());
@@ -160,18 +165,21 @@ bool IsLog(const std::string& path) {
 }
 
 Result<Recording> OpenRecording(const std::string& path, const std::string& format,
-                                const DatasetOptions& options, const AdapterOptions& adapter) {
-  if (format == "lcmlog" || (format.empty() && IsLog(path))) return OpenLog(path, options, adapter);
+                                const DatasetOptions& options, const AdapterOptions& adapter,
+                                const std::string& channel_prefix) {
+  if (format == "lcmlog" || (format.empty() && IsLog(path)))
+    return OpenLog(path, options, adapter, channel_prefix);
   Result<std::unique_ptr<Dataset>> dataset = OpenSequence(path, format, options);
   if (!dataset) return tl::unexpected(dataset.error());
   return Recording{std::move(*dataset), {}};
 }
 
-Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(const std::string& path) {
+Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(
+    const std::string& path, const std::string& channel_prefix) {
   if (!IsLog(path)) return OpenDetections(path);
   const Result<LogPath> parsed = ParseLogPath(path);
   if (!parsed) return tl::unexpected(parsed.error());
-  Result<LogReader> reader = LogReader::Open(parsed->file);
+  Result<LogReader> reader = LogReader::Open(parsed->file, channel_prefix);
   if (!reader) return tl::unexpected(reader.error());
   const Result<RecordedRun> run = ReadRun(*reader);
   if (!run) return tl::unexpected(run.error());

@@ -29,13 +29,16 @@ bool IsLog(const std::string& path);
 /// "run.lcmlog?frames=foreign", is read as one of other robots' programs, see ForeignDataset; the
 /// intrinsics, depth unit and camera id of `options` replace those of `adapter` there. Fails when
 /// options.camera_id is set for a log of ours, and when a log has no usable frames.
+/// `channel_prefix` stands before the names of our channels in the log.
 Result<Recording> OpenRecording(const std::string& path, const std::string& format,
                                 const DatasetOptions& options = {},
-                                const AdapterOptions& adapter = {});
+                                const AdapterOptions& adapter = {},
+                                const std::string& channel_prefix = "");
 
 /// Opens the detections in a log, or other detections as OpenDetections does. DetectorRan is false
 /// for frames without a DETECTIONS message and, if the log has commits, for frames that were
 /// integrated without detections because these arrived too late.
-Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(const std::string& path);
+Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(
+    const std::string& path, const std::string& channel_prefix = "");
 
 }  // namespace vismap

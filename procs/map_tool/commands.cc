@@ -146,8 +146,10 @@ Outcome RunDiff(const MapToolArguments& arguments, ProcessContext&) {
   return {};
 }
 
-Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext&) {
-  const Result<RunRecord> a = ReadRunRecord(arguments.map), b = ReadRunRecord(arguments.other_map);
+Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext& context) {
+  const std::string& prefix = context.options.channel_prefix;
+  const Result<RunRecord> a = ReadRunRecord(arguments.map, prefix),
+                          b = ReadRunRecord(arguments.other_map, prefix);
   if (!a) return ExitWith(ExitCode::kUnreadable, a.error().message);
   if (!b) return ExitWith(ExitCode::kUnreadable, b.error().message);
   for (const std::string& fact : CompareFacts(*a, *b))

@@ -96,15 +96,15 @@ std::string CompareArrivals(const RunRecord& a, const RunRecord& b) {
 
 }  // namespace
 
-Result<RunRecord> ReadRunRecord(const std::string& path) {
-  Result<LogReader> reader = LogReader::Open(path);
+Result<RunRecord> ReadRunRecord(const std::string& path, const std::string& channel_prefix) {
+  Result<LogReader> reader = LogReader::Open(path, channel_prefix);
   if (!reader) return tl::unexpected(reader.error());
   const Result<RecordedRun> run = ReadRun(*reader);
   if (!run) return tl::unexpected(run.error());
   RunRecord record{path, HistoryOfNewestMap(run->commits), {}};
   if (record.history.integrated.empty())
     return Fail(path + ": the log has no MAP_COMMIT of an integrated frame");
-  reader = LogReader::Open(path);
+  reader = LogReader::Open(path, channel_prefix);
   if (!reader) return tl::unexpected(reader.error());
   Result<std::vector<Arrival>> arrivals = ReadArrivals(*reader);
   if (!arrivals) return tl::unexpected(arrivals.error());

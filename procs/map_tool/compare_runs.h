@@ -17,7 +17,7 @@ struct RunRecord {
 };
 
 /// Reads a log. Fails when it cannot be read or holds no MAP_COMMIT of an integrated frame.
-Result<RunRecord> ReadRunRecord(const std::string& path);
+Result<RunRecord> ReadRunRecord(const std::string& path, const std::string& channel_prefix = "");
 
 /// A sentence on the first frame at which two runs differ, in the order of integration; "" = they
 /// built the same map from the same input.

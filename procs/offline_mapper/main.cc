@@ -62,9 +62,10 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
 Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& arguments,
                                                         const Dataset& dataset) {
   if (arguments.detections == "none") return nullptr;
-  if (!arguments.detections.empty()) return OpenRecordedDetections(arguments.detections);
+  const std::string& prefix = arguments.config.bus.channel_prefix;
+  if (!arguments.detections.empty()) return OpenRecordedDetections(arguments.detections, prefix);
   if (const std::optional<std::string> inside = dataset.default_detections_path())
-    return OpenRecordedDetections(*inside);
+    return OpenRecordedDetections(*inside, prefix);
   LogWarning(dataset.name() +
              " has no detections, so only geometry is mapped and no object gets a class");
   return nullptr;
@@ -269,7 +270,7 @@ Outcome WriteResults(const Arguments& arguments, Run* run) {
 Outcome MapDataset(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
   const auto recording = OpenRecording(arguments.dataset, arguments.format, arguments.frames,
-                                       arguments.config.adapter);
+                                       arguments.config.adapter, arguments.config.bus.channel_prefix);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   const Dataset& dataset = *recording->dataset;
   for (const std::string& remark : recording->remarks) LogWarning(remark);

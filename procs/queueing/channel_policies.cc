@@ -31,6 +31,7 @@ Result<void> AddAll(const std::vector<std::string>& list, ChannelPatterns* patte
 
 Result<ChannelPolicies> ChannelPolicies::Make(const PolicyLists& lists) {
   ChannelPolicies made;
+  made.channel_prefix_ = lists.channel_prefix;
   for (const auto& [list, patterns] :
        {std::pair(&lists.lossless, &made.lossless_), std::pair(&lists.latest, &made.latest_),
         std::pair(&lists.drop_newest, &made.drop_newest_)}) {
@@ -41,10 +42,14 @@ Result<ChannelPolicies> ChannelPolicies::Make(const PolicyLists& lists) {
   return made;
 }
 
-QueuePolicy ChannelPolicies::Of(const std::string& channel) {
-  if (lossless_.Match(channel)) return QueuePolicy::kLossless;
-  if (latest_.Match(channel)) return QueuePolicy::kLatest;
-  if (drop_newest_.Match(channel)) return QueuePolicy::kDropNewest;
+QueuePolicy ChannelPolicies::Of(const std::string& on_bus) {
+  const std::string channel(NameOfOurs(on_bus, channel_prefix_));
+  const auto match = [&](ChannelPatterns& patterns) {
+    return patterns.Match(on_bus) || (channel != on_bus && patterns.Match(channel));
+  };
+  if (match(lossless_)) return QueuePolicy::kLossless;
+  if (match(latest_)) return QueuePolicy::kLatest;
+  if (match(drop_newest_)) return QueuePolicy::kDropNewest;
   if (Contains(kLossless, channel)) return QueuePolicy::kLossless;
   return Contains(kLatest, channel) ? QueuePolicy::kLatest : QueuePolicy::kDropNewest;
 }

@@ -15,9 +15,11 @@ enum class QueuePolicy {
   kDropNewest,  ///< when the queue is full, new messages are dropped
 };
 
-/// Patterns of the channels whose policy differs from the default.
+/// Patterns of the channels whose policy differs from the default. They match the name on the bus,
+/// or that of ours without its prefix.
 struct PolicyLists {
   std::vector<std::string> lossless, latest, drop_newest;
+  std::string channel_prefix = {};  ///< see NameOfOurs
 };
 
 /// The queue policy of every channel. The defaults are: kLossless for the data from which the map
@@ -31,9 +33,10 @@ class ChannelPolicies {
   /// the first one counts.
   static Result<ChannelPolicies> Make(const PolicyLists& lists);
 
-  QueuePolicy Of(const std::string& channel);
+  QueuePolicy Of(const std::string& on_bus);
 
  private:
+  std::string channel_prefix_;
   ChannelPatterns lossless_, latest_, drop_newest_;
 };
 

@@ -30,6 +30,8 @@ Result<std::unique_ptr<Bus>> Bus::Open(const BusOptions& options) {
   signal(SIGPIPE, SIG_IGN);
   const Result<LcmUrl> url = ParseLcmUrl(options.url);
   if (!url) return tl::unexpected(url.error());
+  if (const auto checked = CheckChannelPrefix(options.channel_prefix); !checked)
+    return tl::unexpected(checked.error());
   std::unique_ptr<Bus> bus(new Bus(options, *url));
   WarnAboutBus(*url);
   if (const Result<void> joined = bus->JoinWithin(options.connect_timeout); !joined) {
@@ -65,7 +67,7 @@ Result<void> Bus::Join() {
   urgent_.reset();
   JoinUrgent();
   for (const std::unique_ptr<Route>& route : routes_) {
-    if (route->counts && !IsUrgent(*route)) transport_->Subscribe(route->channel.name);
+    if (route->counts && !IsUrgent(*route)) Subscribe(transport_.get(), route->channel);
   }
   if (!connected()) return Fail("the hub closed the connection");
   return {};
@@ -92,7 +94,7 @@ void Bus::JoinUrgent() {
   if (!opened) return;
   urgent_ = std::move(*opened);
   for (const std::unique_ptr<Route>& route : routes_) {
-    if (route->counts && IsUrgent(*route)) urgent_->Subscribe(route->channel.name);
+    if (route->counts && IsUrgent(*route)) Subscribe(urgent_.get(), route->channel);
   }
 }
 
@@ -120,17 +122,23 @@ void Bus::AddRoute(std::unique_ptr<Route> route) {
   const bool urgent = IsUrgent(*route);
   routes_.push_back(std::move(route));
   if (!connected() || !routes_.back()->counts) return;
-  if (!urgent) return transport_->Subscribe(name);
+  if (!urgent) return Subscribe(transport_.get(), routes_.back()->channel);
   urgent_.reset();  // it is opened for all urgent channels
   next_urgent_attempt_ = 0;
   JoinUrgent();
 }
 
-void Bus::Dispatch(const std::string& channel, std::span<const uint8_t> bytes) {
+void Bus::Subscribe(Transport* transport, const Channel& channel) const {
+  transport->Subscribe(ExpressionFor(options_.channel_prefix + channel.name));
+}
+
+void Bus::Dispatch(const std::string& on_bus, std::span<const uint8_t> bytes) {
+  const std::optional<std::string> channel = WithoutPrefix(on_bus, options_.channel_prefix);
+  if (!channel) return;
   try {
     for (size_t i = 0; i < routes_.size(); ++i) {  // a handler may add routes
       Route& route = *routes_[i];
-      if (channel == route.channel.name) Receive(route, bytes);
+      if (*channel == route.channel.name) Receive(route, bytes);
     }
   } catch (...) {
     thrown_ = std::current_exception();
@@ -192,7 +200,7 @@ bool Bus::Send(const Channel& channel, std::span<const uint8_t> bytes) {
                               FormatBytes(bytes.size()) + " was not sent; at most " +
                               FormatBytes(channel.max_bytes) + " are allowed");
   }
-  if (!fits || !connected() || !transport_->Publish(channel.name, bytes)) {
+  if (!fits || !connected() || !transport_->Publish(options_.channel_prefix + channel.name, bytes)) {
     ++counters.unsent;
     return false;
   }
@@ -221,8 +229,8 @@ double Bus::RunTimers() {
 
 // Handles a message that has arrived. Returns false when there is none.
 bool Bus::HandleOne(Transport* transport) {
-  const Transport::Sink sink = [this](const std::string& channel, std::span<const uint8_t> bytes) {
-    Dispatch(channel, bytes);
+  const Transport::Sink sink = [this](const std::string& on_bus, std::span<const uint8_t> bytes) {
+    Dispatch(on_bus, bytes);
   };
   if (transport == nullptr || stop_requested() || !transport->Receive(sink)) return false;
   if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
@@ -247,8 +255,9 @@ bool Bus::HandleWaiting() {
 std::map<std::string, int64_t> Bus::CountUnhandled(double timeout) {
   constexpr int kSilenceMs = 20;  // after which nothing more is expected
   std::map<std::string, int64_t> unhandled;
-  const Transport::Sink sink = [&](const std::string& channel, std::span<const uint8_t>) {
-    if (counters_.contains(channel)) ++unhandled[channel];
+  const Transport::Sink sink = [&](const std::string& on_bus, std::span<const uint8_t>) {
+    const std::optional<std::string> channel = WithoutPrefix(on_bus, options_.channel_prefix);
+    if (channel && counters_.contains(*channel)) ++unhandled[*channel];
   };
   const double end = MonotonicSeconds() + timeout;
   while (transport_ != nullptr && MonotonicSeconds() < end) {

@@ -26,6 +26,8 @@ struct BusOptions {
   std::string source;           ///< name of this process; it is in every message that it publishes
   double connect_timeout = 10;  ///< how long Open waits for a hub [s]
   const StopSignal* stop = nullptr;  ///< ends waiting and Run; must outlive the bus
+  /// Stands before the names of all channels on the bus, see CheckChannelPrefix.
+  std::string channel_prefix = {};
 };
 
 /// Which messages a handler gets when several arrive while the process is busy.
@@ -53,7 +55,7 @@ struct ChannelCounters {
 /// are counted per channel, and reported in the log at a limited rate.
 class Bus {
  public:
-  /// Connects to the bus. Fails when the URL is wrong, when no hub answers within connect_timeout,
+  /// Connects to the bus. Fails when the URL or the prefix is wrong, when no hub answers within connect_timeout,
   /// when there is no multicast route, or when stop was requested. The message names the command
   /// that solves the problem.
   static Result<std::unique_ptr<Bus>> Open(const BusOptions& options);
@@ -103,6 +105,7 @@ class Bus {
   double SecondsWithoutWork() const;
   const std::string& source() const { return options_.source; }
   const std::string& url() const { return url_.text; }
+  const std::string& channel_prefix() const { return options_.channel_prefix; }
   const std::map<std::string, ChannelCounters>& counters() const { return counters_; }
   int64_t reconnects() const { return reconnects_; }
 
@@ -130,7 +133,8 @@ class Bus {
   Result<void> JoinWithin(double timeout);
   void Rejoin();
   void AddRoute(std::unique_ptr<Route> route);
-  void Dispatch(const std::string& channel, std::span<const uint8_t> bytes);
+  void Subscribe(Transport* transport, const Channel& channel) const;
+  void Dispatch(const std::string& on_bus, std::span<const uint8_t> bytes);
   void Receive(Route& route, std::span<const uint8_t> bytes);
   void Deliver(Route& route, std::span<const uint8_t> bytes);
   void TrackSequence(Route& route, std::span<const uint8_t> bytes);

@@ -31,11 +31,14 @@ struct Arguments {
   LogFormat log_format = LogFormat::kText;
 };
 
-void AddCommonOptions(CommandLine& line, Arguments* arguments) {
+void AddCommonOptions(CommandLine& line, Arguments* arguments, std::string* channel_prefix) {
   CommonOptions& common = arguments->common;
   line.Option("--lcm-url", &common.lcm_url,
               "URL of the bus: tcpq://A.B.C.D:PORT of a vismap-hub, or udpm://...; if not given, "
               "$LCM_DEFAULT_URL");
+  line.Option("--channel-prefix", channel_prefix,
+              "Stands before the names of vismap's channels: with vismap/ the channel OCTOMAP is "
+              "vismap/OCTOMAP; all processes of a pipeline need the same");
   line.Option("--name", &common.name, "Name of this instance on the bus");
   line.Option("--connect-timeout", &common.connect_timeout, "Longest wait for the hub [s]")
       .AtLeast(0);
@@ -128,7 +131,8 @@ Outcome RunGuarded(const ProcessSpec& spec, const CommonOptions& options, StopSi
 
 Result<std::unique_ptr<Bus>> OpenBus(const CommonOptions& options, const std::string& source,
                                      const StopSignal* stop) {
-  return Bus::Open({options.lcm_url, source, options.connect_timeout, stop});
+  return Bus::Open(
+      {options.lcm_url, source, options.connect_timeout, stop, options.channel_prefix});
 }
 
 int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
@@ -136,7 +140,9 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   CommandLine line("vismap-" + spec.name, spec.summary, Version());
   Arguments arguments;
   arguments.common.name = spec.name;
-  AddCommonOptions(line, &arguments);
+  std::string* const channel_prefix =
+      spec.channel_prefix != nullptr ? spec.channel_prefix : &arguments.common.channel_prefix;
+  AddCommonOptions(line, &arguments, channel_prefix);
   if (spec.add_options) spec.add_options(line);
   if (const std::optional<ExitCode> end = line.Parse(argc, argv)) return static_cast<int>(*end);
   line.Apply();
@@ -145,6 +151,11 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
 
   const Result<std::string> config = Configure(spec, line, arguments.common);
   if (!config) return Report(ExitWith(ExitCode::kUsage, config.error().message));
+  arguments.common.channel_prefix = *channel_prefix;
+  if (const auto checked = CheckChannelPrefix(*channel_prefix); !checked) {
+    return Report(ExitWith(ExitCode::kUsage, "bus.channel_prefix (--channel-prefix): " +
+                                                 checked.error().message));
+  }
   if (arguments.print_config) {
     std::fputs(config->c_str(), stdout);
     return static_cast<int>(ExitCode::kOk);

@@ -32,6 +32,7 @@ struct CommonOptions {
   std::string name;             ///< of this instance on the bus; "" = the name of the program
   double connect_timeout = 10;  ///< longest wait for the hub [s]
   std::string config_path;      ///< --config; "" = not given
+  std::string channel_prefix;   ///< of our channels on the bus and in logs
 };
 
 /// The objects that the work of a process uses.
@@ -48,6 +49,10 @@ struct ProcessSpec {
   std::string name;       ///< without "vismap-", for example "depth-segmenter"
   std::string summary;    ///< one sentence for --help
   bool joins_bus = true;  ///< false: `run` gets no bus, but may open one with OpenBus
+
+  /// Where the config of the program keeps the prefix of our channels, which --channel-prefix
+  /// overrides; nullptr = it has no config.
+  std::string* channel_prefix = nullptr;
 
   /// Adds the options of this program; may be empty.
   std::function<void(CommandLine&)> add_options;
@@ -70,7 +75,7 @@ struct ProcessSpec {
 };
 
 /// Runs a program: handles the common options (--help, --version, --config, --print-config,
-/// --lcm-url, --name, --connect-timeout, --log-level), the log, signals, the bus, the status, the
+/// --lcm-url, --channel-prefix, --name, --connect-timeout, --log-level), the log, signals, the bus, the status, the
 /// service manager and exceptions. Returns the exit code for main: 0 success, 1 failure, 2 wrong
 /// usage or config, 3 unreadable input.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);

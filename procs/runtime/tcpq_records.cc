@@ -11,11 +11,11 @@
 
 #include "base/format.h"
 #include "runtime/clock.h"
+#include "wire/channels.h"
 
 namespace vismap {
 namespace {
 
-constexpr uint32_t kMaxChannelName = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
 constexpr uint32_t kMaxPattern = 1024;
 // The buffer grows by as much as has arrived, within these limits, so that a client that only
 // claims a large message takes little memory [bytes].

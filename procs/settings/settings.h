@@ -15,7 +15,7 @@ namespace vismap {
 
 // Shared by the processes that use a vismap config file.
 
-/// Fills read_config and check_config of the spec, so that --config and the command line set
+/// Fills read_config, check_config and channel_prefix of the spec, so that --config and the command line set
 /// `config`. `check` is called after both were read, for further checks.
 void UseConfig(
     VismapConfig* config, ProcessSpec* spec,

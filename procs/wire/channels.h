@@ -2,7 +2,11 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <string_view>
+
+#include "base/result.h"
 
 namespace vismap {
 
@@ -51,5 +55,27 @@ constexpr size_t MaxBytesOf(std::string_view channel) {
   }
   return kMaxMessageBytes;
 }
+
+// Other programs may have channels with names of ours: director reads another type on OCTOMAP. So a
+// prefix can stand before the names of all our channels on a bus: with "vismap/" the channel OCTOMAP
+// is vismap/OCTOMAP there. The code knows the names without it; what connects to a bus or opens a
+// log puts it on and takes it off.
+
+/// The longest channel name that LCM sends [bytes].
+inline constexpr size_t kMaxChannelName = 63;
+
+/// Fails when a prefix has other characters than letters, digits and `_ - / . #`, or leaves no room
+/// for our longest name.
+Result<void> CheckChannelPrefix(std::string_view prefix);
+
+/// The name of ours that a channel of the bus has; nullopt when it does not begin with the prefix.
+std::optional<std::string> WithoutPrefix(const std::string& on_bus, const std::string& prefix);
+
+/// For programs that serve pipelines with any prefix: the name of ours with which a channel ends,
+/// after `prefix` or after `/`, `.`, `-` or `#`; else the whole name.
+std::string_view NameOfOurs(std::string_view on_bus, std::string_view prefix);
+
+/// The regular expression that matches this channel name alone.
+std::string ExpressionFor(std::string_view channel);
 
 }  // namespace vismap

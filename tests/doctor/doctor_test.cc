@@ -153,6 +153,44 @@ TEST(Doctor, OtherTypesAndVersionsAreFindings) {
               Contains(HasSubstr("MAP_DELTA: 50 of 50 messages have a wrong type")));
 }
 
+TEST(Doctor, NamesThePrefixThatOtherProcessesUse) {
+  Scene scene;
+  process_status_t status = scene.Status("map-server");
+  scene.Receives("vismap/STATUS", Pack(status), 1);
+  scene.Receives("vismap/OCTOMAP", {1, 2, 3}, 1);  // no message of ours
+  EXPECT_THAT(scene.Findings(), Contains(AllOf(HasSubstr("channel vismap/STATUS carries"),
+                                               HasSubstr("process_status_t"), HasSubstr("''"),
+                                               HasSubstr("--channel-prefix 'vismap/'"))));
+  EXPECT_FALSE(scene.picture.Has("map-server"));
+}
+
+TEST(Doctor, AnotherPipelineBesideACompleteOneIsNoFinding) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t other = scene.Status("map-server", "waiting");
+  other.source = "other";
+  other.message = "no frame";
+  scene.Receives("B_STATUS", Pack(other), 4);
+  EXPECT_THAT(scene.Findings(), IsEmpty());
+  EXPECT_THAT(TextReport(scene.listening, scene.picture, {}), HasSubstr("with the prefix 'B_'"));
+}
+
+TEST(Doctor, WithAPrefixItKnowsTheChannelsThatHaveIt) {
+  BusPicture picture("vismap/");
+  Scene scene;
+  const auto receive = [&](const std::string& channel, const std::string& process) {
+    process_status_t status = scene.Status(process);
+    picture.AddMessage(channel, Pack(status), 1, kUtime);
+  };
+  receive("vismap/STATUS", "map-server");
+  receive("STATUS", "depth-segmenter");
+  receive("STATUS", "hub");  // serves all of them
+  EXPECT_TRUE(picture.Has("map-server"));
+  EXPECT_TRUE(picture.Has("hub"));
+  EXPECT_FALSE(picture.Has("depth-segmenter"));
+  EXPECT_EQ(picture.messages("STATUS"), 1);
+}
+
 TEST(Doctor, ClockDifferencesAreFindings) {
   Scene scene;
   scene.FullPipeline();

@@ -196,6 +196,13 @@ TEST(ChannelPolicies, ConfiguredListsOverrideTheDefaults) {
   EXPECT_EQ(policies->Of("DETECTIONS"), QueuePolicy::kLossless);
   EXPECT_EQ(policies->Of("OBJECTS"), QueuePolicy::kLatest);
   EXPECT_EQ(policies->Of("MAP_DELTA"), QueuePolicy::kDropNewest);
+  EXPECT_EQ(policies->Of("vismap/DETECTIONS"), QueuePolicy::kLossless);
+  EXPECT_EQ(policies->Of("vismap/RGBD_FRAME"), QueuePolicy::kLatest);
+  EXPECT_EQ(policies->Of("ROBOT_DETECTIONS"), QueuePolicy::kDropNewest) << "of other programs";
+  auto prefixed = ChannelPolicies::Make({{}, {}, {}, "ROBOT_"});
+  ASSERT_TRUE(prefixed);
+  EXPECT_EQ(prefixed->Of("ROBOT_DETECTIONS"), QueuePolicy::kLossless);
+  EXPECT_EQ(prefixed->Of("DETECTIONS"), QueuePolicy::kLossless);
   const auto broken = ChannelPolicies::Make({{"("}, {}, {}});
   ASSERT_FALSE(broken);
   EXPECT_THAT(broken.error().message, ::testing::HasSubstr("("));

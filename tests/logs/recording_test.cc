@@ -55,6 +55,24 @@ TEST(OpenRecording, FramesAreReadInOrderOfArrival) {
   EXPECT_EQ(read->depth_unit_m, sent.depth_unit_m);
 }
 
+TEST(OpenRecording, ChannelsMayHaveAPrefix) {
+  LogBuilder builder;
+  rgbd_frame_t frame = Encode(SmallSensorFrame(1000, 3));
+  rgbd_frame_t other = Encode(SmallSensorFrame(2000, 3));
+  detections_t found = Encode(SmallDetections(1000, 3), kSmallCamera.width, kSmallCamera.height);
+  builder.AddBytes("vismap/RGBD_FRAME", Pack(frame)).AddBytes("other/RGBD_FRAME", Pack(other));
+  const std::string path = builder.AddBytes("vismap/DETECTIONS", Pack(found)).Finish();
+  const Result<Recording> recording = OpenRecording(path, "", {}, {}, "vismap/");
+  ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_THAT(Utimes(*recording->dataset), ElementsAre(1000));
+  const auto source = OpenRecordedDetections(path, "vismap/");
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_TRUE((*source)->DetectorRan(recording->dataset->Header(0)));
+  const Result<Recording> without = OpenRecording(path, "");
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().message, HasSubstr("--channel-prefix 'other/'"));
+}
+
 TEST(OpenRecording, WithCommitsTheOrderIsThatOfTheMap) {
   LogBuilder builder;
   builder.Frame(1000).Frame(2000).Frame(2000).Frame(3000).Frame(4000).Detections(1000);

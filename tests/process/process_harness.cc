@@ -39,11 +39,12 @@ void EnterNetwork(const std::string& name) {
 }
 
 /// Opens a bus in a network namespace; the calling thread stays in its own.
-Result<std::unique_ptr<Bus>> OpenBusOn(const Host& host, const std::string& url) {
+Result<std::unique_ptr<Bus>> OpenBusOn(const Host& host, const std::string& url,
+                                       const std::string& channel_prefix) {
   Result<std::unique_ptr<Bus>> bus = Fail("not opened");
   std::thread([&] {
     EnterNetwork(host.network_namespace);
-    bus = Bus::Open({url, "test", kProcessDeadline, nullptr});
+    bus = Bus::Open({url, "test", kProcessDeadline, nullptr, channel_prefix});
   }).join();
   return bus;
 }
@@ -112,7 +113,16 @@ std::string ChildProcess::StandardError() const { return ReadText(err_); }
 ProcessBus::ProcessBus(const std::vector<std::string>& hub_arguments, const Host& host)
     : hub_arguments_(hub_arguments), host_(host) {
   StartHub(host.address + ":0");
-  auto bus = OpenBusOn(host, url_);
+  JoinBus();
+}
+
+ProcessBus::ProcessBus(const ProcessBus& other, const std::string& channel_prefix)
+    : host_(other.host_), url_(other.url_), channel_prefix_(channel_prefix) {
+  JoinBus();
+}
+
+void ProcessBus::JoinBus() {
+  auto bus = OpenBusOn(host_, url_, channel_prefix_);
   if (!bus) throw std::runtime_error(bus.error().message);
   bus_ = std::move(*bus);
   peers_ = std::make_unique<Peers>(bus_.get());
@@ -144,6 +154,7 @@ void ProcessBus::RestartHub() {
 std::unique_ptr<ChildProcess> ProcessBus::Start(const std::string& name,
                                                 const std::vector<std::string>& arguments) {
   std::vector<std::string> all = {"--lcm-url", url_};
+  if (!channel_prefix_.empty()) all.insert(all.end(), {"--channel-prefix", channel_prefix_});
   all.insert(all.end(), arguments.begin(), arguments.end());
   return std::make_unique<ChildProcess>(name, all, folder(), host_);
 }

@@ -58,6 +58,8 @@ class ProcessBus {
  public:
   /// `hub_arguments` are additional arguments of the hub.
   explicit ProcessBus(const std::vector<std::string>& hub_arguments = {}, const Host& host = {});
+  /// Joins the hub of another one, which must outlive it. Its programs and its bus use a prefix.
+  ProcessBus(const ProcessBus& other, const std::string& channel_prefix);
 
   /// Starts a program with --lcm-url and these arguments.
   std::unique_ptr<ChildProcess> Start(const std::string& name,
@@ -79,12 +81,13 @@ class ProcessBus {
 
  private:
   void StartHub(const std::string& listen);
+  void JoinBus();
 
   TempFolder folder_;
   std::vector<std::string> hub_arguments_;
   Host host_;
   std::unique_ptr<ChildProcess> hub_;
-  std::string url_;
+  std::string url_, channel_prefix_;
   std::unique_ptr<Bus> bus_;
   std::unique_ptr<Peers> peers_;
 };

@@ -14,7 +14,7 @@ from typing import Any, Iterator
 from . import messages
 from .errors import BusError, MessageError, WaitTimeout
 from .lcm_types import Message
-from .transports import Transport, open_transport, parse_url
+from .transports import Transport, check_channel_prefix, open_transport, parse_url
 
 _log = logging.getLogger("vismap")
 _REJOIN_S = 0.25  # between two attempts to connect again
@@ -127,10 +127,15 @@ class Bus:
     url: tcpq://A.B.C.D:PORT or udpm://...; None = $LCM_DEFAULT_URL, else the hub at tcpq://127.0.0.1:7700.
     name: the `source` of the messages that are published. It must be unique on the bus.
     connect_timeout_s: how long to wait for the hub; then BusError says how to start one.
+    channel_prefix: stands before the names of all channels on the bus, as the option --channel-prefix of vismap's programs;
+    all functions take and give the names without it. Channels without the prefix need a Bus of their own.
     """
 
-    def __init__(self, url: str | None = None, name: str = "", connect_timeout_s: float = 10.0) -> None:
+    def __init__(self, url: str | None = None, name: str = "", connect_timeout_s: float = 10.0,
+                 channel_prefix: str = "") -> None:
         self._url = parse_url(url)
+        check_channel_prefix(channel_prefix)
+        self.channel_prefix = channel_prefix
         self.url = self._url.text
         self.name = name or f"python-{os.getpid()}"
         self.published: collections.Counter[str] = collections.Counter()  # messages by channel
@@ -227,7 +232,7 @@ class Bus:
         end = time.monotonic() + timeout
         while True:
             try:
-                transport = open_transport(self._url, max(0.1, min(1.0, timeout)))
+                transport = open_transport(self._url, max(0.1, min(1.0, timeout)), self.channel_prefix)
                 warning = getattr(transport, "warning", "")
                 if warning:
                     _log.warning("%s", warning)
@@ -267,7 +272,7 @@ class Bus:
 
     def _rejoin(self) -> None:
         try:
-            transport = open_transport(self._url, 1.0)
+            transport = open_transport(self._url, 1.0, self.channel_prefix)
             with self._lock:
                 for pattern in {subscription.pattern for subscription in self._subscriptions}:
                     transport.subscribe(pattern)

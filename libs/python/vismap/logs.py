@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 import pathlib
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, BinaryIO, Iterator
 
@@ -48,12 +48,14 @@ class LogReader:
 
     All sizes in the file are checked before they are used. At a damaged part LogError says where it is; with
     `skip_damage=True` reading goes on with the next whole event, and `damage` lists what was passed over.
+
+    channel_prefix: see Bus; events of other channels are left out, and those that are given have no prefix.
     """
 
-    def __init__(self, path: str | os.PathLike[str], skip_damage: bool = False) -> None:
+    def __init__(self, path: str | os.PathLike[str], skip_damage: bool = False, channel_prefix: str = "") -> None:
         self.path = pathlib.Path(path)
         self.damage: list[LogDamage] = []
-        self._skip = skip_damage
+        self._skip, self._prefix = skip_damage, channel_prefix
         with self._open() as file:
             self._size = os.fstat(file.fileno()).st_size
 
@@ -76,7 +78,8 @@ class LogReader:
                 self._tell(LogDamage(at, end - at))
                 at = end
                 continue
-            yield event
+            if event.channel.startswith(self._prefix):
+                yield replace(event, channel=event.channel[len(self._prefix):]) if self._prefix else event
             at += _HEAD.size + len(event.channel.encode()) + len(event.data)
 
     def _tell(self, damage: LogDamage) -> None:
@@ -121,10 +124,11 @@ class LogReader:
 
 
 class LogWriter:
-    """Writes a log. An existing file is replaced only with `overwrite=True`."""
+    """Writes a log. An existing file is replaced only with `overwrite=True`. channel_prefix: see Bus."""
 
-    def __init__(self, path: str | os.PathLike[str], overwrite: bool = False) -> None:
+    def __init__(self, path: str | os.PathLike[str], overwrite: bool = False, channel_prefix: str = "") -> None:
         self.path = pathlib.Path(path)
+        self._prefix = channel_prefix
         self._number = 0
         try:
             self._file: BinaryIO = open(self.path, "wb" if overwrite else "xb")
@@ -136,7 +140,7 @@ class LogWriter:
     def write(self, channel: str, message: Message | bytes, utime: int | None = None) -> None:
         """Appends a message. utime: when it was recorded [us since 1970]; None = now."""
         data = messages.encode(message) if isinstance(message, Message) else bytes(message)
-        name = channel.encode()
+        name = (self._prefix + channel).encode()
         if not 1 <= len(name) <= _MAX_CHANNEL:
             raise LogError(f"the channel name '{channel}' has {len(name)} bytes; expected 1 to {_MAX_CHANNEL}")
         head = _HEAD.pack(_SYNC, self._number, now_utime() if utime is None else utime, len(name), len(data))

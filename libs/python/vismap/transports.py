@@ -14,7 +14,7 @@ from typing import Protocol
 from urllib.parse import parse_qsl
 
 from .errors import BusError
-from .messages import MAX_MESSAGE_BYTES, max_bytes_of
+from .messages import CHANNELS, MAX_MESSAGE_BYTES, max_bytes_of
 
 DEFAULT_URL = "tcpq://127.0.0.1:7700"
 _MAX_CHANNEL = 63  # the longest channel name that LCM sends [bytes]
@@ -81,11 +81,48 @@ class Transport(Protocol):
     def close(self) -> None: ...
 
 
-def open_transport(url: Url, timeout: float) -> Transport:
-    """Connects; for a hub within `timeout` [s]."""
-    if url.provider == "tcpq":
-        return TcpqTransport(url, timeout)
-    return UdpmTransport(url)
+def open_transport(url: Url, timeout: float, channel_prefix: str = "") -> Transport:
+    """Connects; for a hub within `timeout` [s]. All channels have the prefix on the bus."""
+    transport: Transport = TcpqTransport(url, timeout) if url.provider == "tcpq" else UdpmTransport(url)
+    return PrefixedTransport(transport, channel_prefix) if channel_prefix else transport
+
+
+def check_channel_prefix(prefix: str) -> None:
+    """Raises BusError when a prefix cannot stand before the names of vismap's channels."""
+    if not re.fullmatch(r"[A-Za-z0-9_\-/.#]*", prefix):
+        raise BusError(f"the prefix '{prefix}' has other characters than letters, digits, _ - / . and #")
+    most = _MAX_CHANNEL - max(map(len, CHANNELS))
+    if len(prefix) > most:
+        raise BusError(f"the prefix '{prefix}' has {len(prefix)} characters, but at most {most} are allowed: LCM's names of "
+                       f"channels have at most {_MAX_CHANNEL}")
+
+
+class PrefixedTransport:
+    """Puts a prefix before the names of all channels on the bus, and takes it off what is received. See Transport."""
+
+    def __init__(self, transport: Transport, prefix: str) -> None:
+        self._transport, self._prefix = transport, prefix
+        self.warning: str = getattr(transport, "warning", "")
+
+    def _expression(self, pattern: str) -> str:
+        return f"{re.escape(self._prefix)}(?:{pattern})"
+
+    def subscribe(self, pattern: str) -> None:
+        self._transport.subscribe(self._expression(pattern))
+
+    def unsubscribe(self, pattern: str) -> None:
+        self._transport.unsubscribe(self._expression(pattern))
+
+    def publish(self, channel: str, data: bytes) -> None:
+        _check_size(channel, len(data))
+        self._transport.publish(self._prefix + channel, data)
+
+    def receive(self, timeout: float) -> list[tuple[str, bytes]]:
+        return [(channel[len(self._prefix):], data) for channel, data in self._transport.receive(timeout)
+                if channel.startswith(self._prefix)]
+
+    def close(self) -> None:
+        self._transport.close()
 
 
 def _channel_bytes(channel: str) -> bytes:
