@@ -2,6 +2,7 @@
 #include <google/protobuf/text_format.h>
 
 #include <array>
+#include <set>
 #include <type_traits>
 
 #include "base/byte_order_mark.h"
@@ -32,6 +33,12 @@ struct KnownSensor {
 };
 constexpr std::array<KnownSensor, 3> kKnownSensors = {
     {{"KINECT", KinectNoise}, {"REALSENSE", RealSenseNoise}, {"CLEAN", CleanNoise}}};
+
+bool IsSet(const Message& message, const FieldDescriptor* field) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  return field->is_repeated() ? reflection.FieldSize(message, field) > 0
+                              : reflection.HasField(message, field);
+}
 
 /// Reads one field, which is set, into its member. Returns what is wrong with it; empty = nothing.
 class FieldReader {
@@ -101,8 +108,34 @@ class FieldReader {
     for (int i = 0; i < 3; ++i) (*member)[i] = reflection_.GetRepeatedDouble(message_, field_, i);
     return "";
   }
+  /// `member` has as many cameras as the field, with the values of the keys that they do not have.
+  std::string Read(std::vector<AdapterCameraOptions>& member) const {
+    std::string problems;
+    for (int i = 0; i < size(); ++i) {
+      const Message& values = reflection_.GetRepeatedMessage(message_, field_, i);
+      const std::string problem = ReadCamera(values, member[static_cast<size_t>(i)]);
+      if (!problem.empty()) problems += (problems.empty() ? "" : "; ") + problem;
+    }
+    return problems;
+  }
 
  private:
+  static std::string ReadCamera(const Message& values, AdapterCameraOptions& camera) {
+    std::string problem;
+    std::set<std::string> keys;
+    config::ForEachKey(camera, "", [&](const std::string& key, auto& member) {
+      keys.insert(key);
+      const FieldDescriptor* field = FieldNamed(values, key);
+      if (IsSet(values, field)) problem += FieldReader(values, field).Read(member);
+    });
+    std::vector<const FieldDescriptor*> given;
+    values.GetReflection()->ListFields(values, &given);
+    for (const FieldDescriptor* field : given) {
+      if (!keys.contains(field->name()))
+        problem = field->name() + " is no key of a camera; give it in the section itself";
+    }
+    return problem;
+  }
   int size() const { return reflection_.FieldSize(message_, field_); }
   std::string EnumText() const { return reflection_.GetEnum(message_, field_)->name(); }
 
@@ -147,18 +180,20 @@ class FieldWriter {
     if (!member) return;
     for (const double coordinate : *member) reflection_.AddDouble(message_, field_, coordinate);
   }
+  void Write(const std::vector<AdapterCameraOptions>& member) const {
+    for (const AdapterCameraOptions& camera : member) {
+      Message* values = reflection_.AddMessage(message_, field_);
+      config::ForEachKey(camera, "", [&](const std::string& key, const auto& value) {
+        FieldWriter(values, FieldNamed(*values, key)).Write(value);
+      });
+    }
+  }
 
  private:
   Message* message_;
   const google::protobuf::Reflection& reflection_;
   const FieldDescriptor* field_;
 };
-
-bool IsSet(const Message& message, const FieldDescriptor* field) {
-  const google::protobuf::Reflection& reflection = *message.GetReflection();
-  return field->is_repeated() ? reflection.FieldSize(message, field) > 0
-                              : reflection.HasField(message, field);
-}
 
 /// The values of a config that the message has. Returns everything that is wrong with them.
 std::vector<std::string> FromMessage(const config::Config& message, VismapConfig* config) {
@@ -169,6 +204,10 @@ std::vector<std::string> FromMessage(const config::Config& message, VismapConfig
             message.GetReflection()->GetMessage(message, FieldNamed(message, section));
         const FieldDescriptor* field = FieldNamed(values, key);
         if (!IsSet(values, field)) return;
+        if constexpr (std::is_same_v<decltype(member), std::vector<AdapterCameraOptions>&>) {
+          const auto count = static_cast<size_t>(values.GetReflection()->FieldSize(values, field));
+          member.assign(count, config->adapter);
+        }
         const std::string problem = FieldReader(values, field).Read(member);
         if (!problem.empty()) problems.push_back(section + "." + key + ": " + problem);
       });

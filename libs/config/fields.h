@@ -213,23 +213,33 @@ inline constexpr auto FieldsOf(const BridgeOptions&) {
                     VISMAP_FIELD(drop_newest));
 }
 
-inline constexpr auto FieldsOf(const AdapterOptions&) {
-  using Options = AdapterOptions;
+inline constexpr auto FieldsOf(const AdapterCameraOptions&) {
+  using Options = AdapterCameraOptions;
   return std::tuple(
-      VISMAP_FIELD(robot_url), VISMAP_FIELD(camera_id), VISMAP_FIELD(preset),
-      VISMAP_FIELD(color_channel), VISMAP_FIELD(depth_channel), VISMAP_FIELD(intrinsics_channel),
+      VISMAP_FIELD(camera_id), VISMAP_FIELD(preset), VISMAP_FIELD(color_channel),
+      VISMAP_FIELD(depth_channel), VISMAP_FIELD(intrinsics_channel),
       VISMAP_FIELD(depth_intrinsics_channel), VISMAP_FIELD(intrinsics),
       VISMAP_FIELD(distortion_model), VISMAP_FIELD(distortion), VISMAP_FIELD(swap_red_blue),
-      VISMAP_FIELD(depth_unit_m), VISMAP_FIELD(registered), VISMAP_FIELD(pair_within_ms),
-      VISMAP_FIELD(pose_channels), VISMAP_FIELD(root), VISMAP_FIELD(camera_frame),
-      VISMAP_FIELD(body_frame), VISMAP_FIELD(mounts), VISMAP_FIELD(lookup), VISMAP_FIELD(wait_ms),
+      VISMAP_FIELD(depth_unit_m), VISMAP_FIELD(none_values), VISMAP_FIELD(registered),
+      VISMAP_FIELD(pair_within_ms), VISMAP_FIELD(pose_channels), VISMAP_FIELD(root),
+      VISMAP_FIELD(camera_frame), VISMAP_FIELD(body_frame), VISMAP_FIELD(mounts),
+      VISMAP_FIELD(lookup), VISMAP_FIELD(constant_edges), VISMAP_FIELD(wait_ms),
       VISMAP_FIELD(max_gap_ms), VISMAP_FIELD(intrinsics_wait_ms), VISMAP_FIELD(time),
-      VISMAP_FIELD(queue_mb), VISMAP_FIELD(publish_period_s), VISMAP_FIELD(cloud_channel),
-      VISMAP_FIELD(cloud_spacing_m), VISMAP_FIELD(costmap_channel),
-      VISMAP_FIELD(costmap_resolution_m), VISMAP_FIELD(costmap_min_z_m),
-      VISMAP_FIELD(costmap_max_z_m), VISMAP_FIELD(costmap_unknown),
-      VISMAP_FIELD(detections_channel), VISMAP_FIELD(drake_cloud_channel),
-      VISMAP_FIELD(drake_objects_channel), VISMAP_FIELD(director_channel));
+      VISMAP_FIELD(queue_mb));
+}
+
+inline constexpr auto FieldsOf(const AdapterOptions& adapter) {
+  using Options = AdapterOptions;
+  return std::tuple_cat(
+      std::tuple(VISMAP_FIELD(robot_url)),
+      FieldsOf(static_cast<const AdapterCameraOptions&>(adapter)),
+      std::tuple(VISMAP_FIELD(publish_period_s), VISMAP_FIELD(cloud_channel),
+                 VISMAP_FIELD(cloud_spacing_m), VISMAP_FIELD(costmap_channel),
+                 VISMAP_FIELD(costmap_resolution_m), VISMAP_FIELD(costmap_min_z_m),
+                 VISMAP_FIELD(costmap_max_z_m), VISMAP_FIELD(costmap_unknown),
+                 VISMAP_FIELD(detections_channel), VISMAP_FIELD(drake_cloud_channel),
+                 VISMAP_FIELD(drake_objects_channel), VISMAP_FIELD(director_channel),
+                 VISMAP_FIELD(camera)));  // begins with the keys before it
 }
 
 /// The sections of a config file.

@@ -182,10 +182,21 @@ inline constexpr auto NamesOf(ImageTime) {
       {{"MESSAGE", ImageTime::kMessage}, {"RECEIVED", ImageTime::kReceived}});
 }
 
+/// What an edge of a tree of frames is whose pose has never changed.
+enum class ConstantEdges {
+  kFixedWhenUnchanged,  ///< a mount, whose pose holds at any time
+  kMoving,              ///< one that rests at present: its pose holds between two samples
+};
+
+inline constexpr auto NamesOf(ConstantEdges) {
+  return std::to_array<EnumName<ConstantEdges>>(
+      {{"FIXED_WHEN_UNCHANGED", ConstantEdges::kFixedWhenUnchanged},
+       {"MOVING", ConstantEdges::kMoving}});
+}
+
 /// How one RGB-D camera of a robot is read from other programs' channels. Empty strings and lists
 /// are set by the preset, see foreign/presets.h.
-struct AdapterOptions {
-  std::string robot_url;  ///< bus of the robot; empty = that of vismap
+struct AdapterCameraOptions {
   int camera_id = 0;
   AdapterPreset preset = AdapterPreset::kAuto;
   std::string color_channel;  ///< "none" = a camera without colour; an ending * matches any ending
@@ -197,6 +208,9 @@ struct AdapterOptions {
   std::vector<double> distortion;
   bool swap_red_blue = false;
   double depth_unit_m = 0.001;  ///< of depth images with integers
+  /// Values of depth images that mean that nothing was measured: integers as they are sent, floats
+  /// in metres. 0 and 65535, and floats that are no positive number, always mean it.
+  std::vector<double> none_values = {0, 65535};
   DepthIsRegistered registered = DepthIsRegistered::kByFrameId;
   double pair_within_ms = 20;  ///< most time between a depth image and its colour image
   std::vector<std::string> pose_channels;
@@ -205,11 +219,19 @@ struct AdapterOptions {
   std::string body_frame;           ///< child of poses that name none
   std::vector<std::string> mounts;  ///< "parent child x y z qw qx qy qz"
   PoseLookup lookup = PoseLookup::kInterpolate;
+  ConstantEdges constant_edges = ConstantEdges::kFixedWhenUnchanged;
   double wait_ms = 200;              ///< longest wait of an image for a pose or a partner
   double max_gap_ms = 100;           ///< longest time between two poses that are interpolated
   double intrinsics_wait_ms = 1500;  ///< longest wait of an image for intrinsics
   ImageTime time = ImageTime::kMessage;
   int queue_mb = 256;  ///< of images that wait
+};
+
+/// How vismap-adapter, and logs of other robots' programs, are read and answered. The keys of a
+/// camera that are members of AdapterOptions itself hold for every camera that does not have them.
+struct AdapterOptions : AdapterCameraOptions {
+  std::string robot_url;  ///< bus of the robot; empty = that of vismap
+  std::vector<AdapterCameraOptions> camera;  ///< empty = one camera, as AdapterOptions itself says
   /// What is made of the map for other programs; empty = nothing. See foreign/map_messages.h.
   double publish_period_s = 1;
   std::string cloud_channel;  ///< PointCloud2

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/option_check.h"
 #include "config/config.h"
@@ -186,27 +188,47 @@ std::vector<std::string> Problems(const BridgeOptions& bridge) {
   return std::move(check).problems();
 }
 
+bool IsNoneValue(double value) { return value >= 0 && value <= 1e6; }
+
+std::vector<std::string> Problems(const AdapterCameraOptions& camera) {
+  OptionCheck check;
+  VISMAP_CHECK_AT_LEAST(check, camera.camera_id, 0);
+  VISMAP_CHECK_RANGE(check, camera.depth_unit_m, 1e-6, 1);
+  VISMAP_CHECK_RANGE(check, camera.pair_within_ms, 0, 1000);
+  VISMAP_CHECK_RANGE(check, camera.wait_ms, 0, 60000);
+  VISMAP_CHECK_RANGE(check, camera.max_gap_ms, 1, 10000);
+  VISMAP_CHECK_RANGE(check, camera.intrinsics_wait_ms, 0, 60000);
+  VISMAP_CHECK_RANGE(check, camera.queue_mb, 1, 65536);
+  check.Unless(camera.intrinsics.empty() || camera.intrinsics.size() == 4,
+               "intrinsics must be the four numbers fx, fy, cx, cy");
+  check.Unless(camera.distortion.empty() || !camera.intrinsics.empty(),
+               "distortion needs adapter.intrinsics");
+  check.Unless(camera.mounts.size() <= 64, "mounts must be at most 64");
+  check.Unless(camera.pose_channels.size() <= 64, "pose_channels must be at most 64");
+  check.Unless(camera.none_values.size() <= 64 &&
+                   std::all_of(camera.none_values.begin(), camera.none_values.end(), IsNoneValue),
+               "none_values must be at most 64 numbers in [0, 1000000]");
+  return std::move(check).problems();
+}
+
 std::vector<std::string> Problems(const AdapterOptions& adapter) {
   OptionCheck check;
-  VISMAP_CHECK_AT_LEAST(check, adapter.camera_id, 0);
-  VISMAP_CHECK_RANGE(check, adapter.depth_unit_m, 1e-6, 1);
-  VISMAP_CHECK_RANGE(check, adapter.pair_within_ms, 0, 1000);
-  VISMAP_CHECK_RANGE(check, adapter.wait_ms, 0, 60000);
-  VISMAP_CHECK_RANGE(check, adapter.max_gap_ms, 1, 10000);
-  VISMAP_CHECK_RANGE(check, adapter.intrinsics_wait_ms, 0, 60000);
-  VISMAP_CHECK_RANGE(check, adapter.queue_mb, 1, 65536);
   VISMAP_CHECK_RANGE(check, adapter.publish_period_s, 0.01, kDay);
   VISMAP_CHECK_RANGE(check, adapter.cloud_spacing_m, 0.001, 10);
   VISMAP_CHECK_RANGE(check, adapter.costmap_resolution_m, 0.001, 10);
   VISMAP_CHECK_RANGE(check, adapter.costmap_unknown, -1, 100);
   check.Unless(adapter.costmap_min_z_m < adapter.costmap_max_z_m,
                "costmap_min_z_m must be below costmap_max_z_m");
-  check.Unless(adapter.intrinsics.empty() || adapter.intrinsics.size() == 4,
-               "intrinsics must be the four numbers fx, fy, cx, cy");
-  check.Unless(adapter.distortion.empty() || !adapter.intrinsics.empty(),
-               "distortion needs adapter.intrinsics");
-  check.Unless(adapter.mounts.size() <= 64, "mounts must be at most 64");
-  check.Unless(adapter.pose_channels.size() <= 64, "pose_channels must be at most 64");
+  if (adapter.camera.empty())
+    check.Add("", Problems(static_cast<const AdapterCameraOptions&>(adapter)));
+  check.Unless(adapter.camera.size() <= 64, "camera must be given at most 64 times");
+  std::set<int> ids;
+  for (const AdapterCameraOptions& camera : adapter.camera) {
+    const std::string name = "camera " + std::to_string(camera.camera_id);
+    check.Add(name + ": ", Problems(camera));
+    check.Unless(ids.insert(camera.camera_id).second,
+                 name + " is there twice; every camera needs a camera_id of its own");
+  }
   return std::move(check).problems();
 }
 

@@ -22,10 +22,12 @@ constexpr double kTellDropsFor = 10;   // [s]
 Result<std::unique_ptr<Adapter>> Adapter::Create(const AdapterOptions& options, Bus* bus,
                                                  Status* status, RobotBus* robot) {
   std::unique_ptr<Adapter> adapter(new Adapter(options, bus, status, robot));
-  Result<FrameJoiner> joiner = FrameJoiner::Create(
-      options, [made = adapter.get()](ForeignFrame&& frame) { made->Publish(std::move(frame)); });
-  if (!joiner) return tl::unexpected(joiner.error());
-  adapter->joiner_ = std::make_unique<FrameJoiner>(std::move(*joiner));
+  Result<CameraJoiners> joiners = CameraJoiners::Create(
+      adapter->cameras_, [made = adapter.get()](size_t camera, ForeignFrame&& frame) {
+        made->Publish(made->cameras_[camera], std::move(frame));
+      });
+  if (!joiners) return tl::unexpected(joiners.error());
+  adapter->joiners_ = std::make_unique<CameraJoiners>(std::move(*joiners));
   adapter->outputs_ = std::make_unique<MapOutputs>(options, bus, status, robot);
   return adapter;
 }
@@ -42,41 +44,44 @@ void Adapter::Run() {
   status_->Set(ProcessState::kReady);
   while (!bus_->stop_requested()) {
     robot_->Spin(kTurn, [&](const std::string& channel, std::span<const uint8_t> data) {
-      const Result<void> added = joiner_->Add(channel, data, Now());
+      const Result<void> added = joiners_->Add(channel, data, Now());
       if (!added) LogWarningRateLimited(channel, added.error().message);
     });
-    joiner_->Advance(Now());
+    joiners_->Advance(Now());
     bus_->Spin(0);
   }
-  joiner_->Finish();
+  joiners_->Finish();
 }
 
-void Adapter::Publish(ForeignFrame&& frame) {
+void Adapter::Publish(const AdapterCameraOptions& camera, ForeignFrame&& frame) {
   status_->AddTiming("waiting for poses", static_cast<double>(Now() - frame.received) / 1e3);
   const StageTimer timer(status_, "publishing");
   const int64_t utime = frame.utime;
-  bus_->Publish(kRgbdFrameChannel, ToMessage(std::move(frame), options_));
-  status_->SetCounter("newest_utime.camera" + std::to_string(options_.camera_id), utime);
+  bus_->Publish(kRgbdFrameChannel, ToMessage(std::move(frame), camera));
+  status_->SetCounter("newest_utime.camera" + std::to_string(camera.camera_id), utime);
 }
 
 std::vector<std::string> Adapter::SilentChannels() const {
   std::vector<std::string> sentences;
   if (MonotonicSeconds() - start_ < kSilence) return sentences;
-  std::set<std::string> channels = ChannelsOf(joiner_->options());
-  channels.erase(options_.depth_intrinsics_channel);  // is not always needed
-  for (const std::string& channel : channels) {
-    if (joiner_->received().contains(channel)) continue;
-    sentences.push_back("no message came on " + channel + " at " + robot_->url() +
-                        "; start its publisher, or correct the section adapter of the config");
+  std::set<std::string> told;
+  for (const FrameJoiner& joiner : joiners_->cameras()) {
+    const AdapterCameraOptions& camera = joiner.options();
+    for (const std::string& channel : ChannelsOf(camera)) {
+      const bool needed = channel != camera.depth_intrinsics_channel;
+      if (!needed || joiner.received().contains(channel) || !told.insert(channel).second) continue;
+      sentences.push_back("no message came on " + channel + " at " + robot_->url() +
+                          "; start its publisher, or correct the section adapter of the config");
+    }
   }
   return sentences;
 }
 
 void Adapter::UpdateStatus() {
-  const int64_t dropped = joiner_->dropped().total(), frames = joiner_->frames();
+  const int64_t dropped = joiners_->dropped(), frames = joiners_->frames();
   status_->SetCounter("frames", frames);
   status_->SetCounter("images_dropped", dropped);
-  status_->SetCounter("frames_waiting", joiner_->waiting());
+  status_->SetCounter("frames_waiting", joiners_->waiting());
   status_->SetCounter("robot_reconnects", robot_->reconnects());
   if (dropped != std::exchange(dropped_before_, dropped)) last_drop_ = MonotonicSeconds();
   const bool tell = MonotonicSeconds() - last_drop_ < kTellDropsFor;
@@ -84,7 +89,7 @@ void Adapter::UpdateStatus() {
   if (tell) {
     finding = FormatCount(dropped, "image or message", "images or messages") +
               " became no frame (" + FormatCount(frames, "frame") +
-              " did): " + joiner_->dropped().Text();
+              " did): " + joiners_->DroppedText();
   }
   status_->SetFinding("dropped", finding);
   std::vector<std::string> silent = SilentChannels();

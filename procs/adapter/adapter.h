@@ -6,7 +6,8 @@
 
 #include "adapter/map_outputs.h"
 #include "adapter/robot_bus.h"
-#include "foreign/frame_joiner.h"
+#include "foreign/camera_joiners.h"
+#include "foreign/presets.h"
 #include "runtime/bus.h"
 #include "runtime/pacer.h"
 #include "runtime/status.h"
@@ -18,7 +19,7 @@ namespace vismap {
 class Adapter {
  public:
   /// For options with their preset. `bus`, `status` and `robot` must outlive it. Fails as
-  /// FrameJoiner::Create does.
+  /// CameraJoiners::Create does.
   static Result<std::unique_ptr<Adapter>> Create(const AdapterOptions& options, Bus* bus,
                                                  Status* status, RobotBus* robot);
 
@@ -27,17 +28,17 @@ class Adapter {
 
  private:
   Adapter(const AdapterOptions& options, Bus* bus, Status* status, RobotBus* robot)
-      : options_(options), bus_(bus), status_(status), robot_(robot) {}
+      : cameras_(CamerasOf(options)), bus_(bus), status_(status), robot_(robot) {}
   int64_t Now() const;
-  void Publish(ForeignFrame&& frame);
+  void Publish(const AdapterCameraOptions& camera, ForeignFrame&& frame);
   void UpdateStatus();
   std::vector<std::string> SilentChannels() const;
 
-  AdapterOptions options_;
+  std::vector<AdapterCameraOptions> cameras_;
   Bus* bus_;
   Status* status_;
   RobotBus* robot_;
-  std::unique_ptr<FrameJoiner> joiner_;
+  std::unique_ptr<CameraJoiners> joiners_;
   std::unique_ptr<MapOutputs> outputs_;
   int64_t start_wall_ = 0;
   double start_ = 0;

@@ -6,6 +6,7 @@
 
 #include "base/class_names.h"
 #include "foreign/map_messages.h"
+#include "foreign/presets.h"
 #include "objects/object_mesh.h"
 #include "runtime/clock.h"
 #include "wire/object_list.h"
@@ -14,6 +15,7 @@ namespace vismap {
 
 MapOutputs::MapOutputs(const AdapterOptions& options, Bus* bus, Status* status, RobotBus* robot)
     : options_(options),
+      root_(CamerasOf(options).front().root),
       bus_(bus),
       status_(status),
       robot_(robot),
@@ -108,7 +110,7 @@ void MapOutputs::PublishSurface() {
   const Mesh mesh = mesh_.Joined();
   const std::vector<SurfacePoint> points = ThinOut(mesh, options_.cloud_spacing_m);
   const int64_t utime = mesh_.utime();
-  const std::string& frame = options_.root;
+  const std::string& frame = root_;
   if (!options_.cloud_channel.empty())
     Send(options_.cloud_channel, ToPointCloud2(points, frame, utime));
   if (!options_.detections_channel.empty())
@@ -131,7 +133,7 @@ void MapOutputs::PublishSpace() {
       ToCostmap(*space_.occupancy(),
                 {options_.costmap_resolution_m, options_.costmap_min_z_m, options_.costmap_max_z_m,
                  options_.costmap_unknown},
-                options_.root, space_.utime());
+                root_, space_.utime());
   status_->SetFinding("costmap", costmap ? std::nullopt : std::optional(costmap.error().message));
   if (costmap) Send(options_.costmap_channel, std::move(*costmap));
 }

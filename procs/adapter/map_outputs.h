@@ -35,6 +35,7 @@ class MapOutputs {
   void Send(const std::string& channel, Message message);
 
   AdapterOptions options_;
+  std::string root_;  // frame that the map is in
   Bus* bus_;
   Status* status_;
   RobotBus* robot_;

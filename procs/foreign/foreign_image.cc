@@ -3,9 +3,15 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <iterator>
+#include <limits>
+#include <type_traits>
 
 #include "codecs/color_codec.h"
+#include "codecs/png_codec.h"
+#include "codecs/raw_image.h"
 #include "geometry/camera.h"
 
 namespace vismap {
@@ -21,6 +27,35 @@ void SwapBytes(int value_bytes, std::vector<uint8_t>* bytes) {
 
 std::string ImageSizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
+}
+
+/// Replaces pixels that have one of the values; `bytes` are little-endian, as this computer is.
+template <typename T>
+void ReplaceValues(const std::vector<double>& values, T none, std::vector<uint8_t>* bytes) {
+  std::vector<T> wanted;
+  for (const double value : values) {
+    const bool fits = value == std::floor(value) && value <= std::numeric_limits<T>::max();
+    if (std::is_floating_point_v<T> || fits) wanted.push_back(static_cast<T>(value));
+  }
+  for (size_t at = 0; at + sizeof(T) <= bytes->size(); at += sizeof(T)) {
+    T pixel;
+    std::memcpy(&pixel, bytes->data() + at, sizeof(T));
+    if (std::find(wanted.begin(), wanted.end(), pixel) != wanted.end())
+      std::memcpy(bytes->data() + at, &none, sizeof(T));
+  }
+}
+
+/// Unpacks a depth image of integers.
+Result<void> MakeRaw(ForeignImage* image) {
+  if (image->format == PixelFormat::kDepth16) return {};
+  Result<Image<uint16_t>> depth = image->format == PixelFormat::kDepthPng
+                                      ? DecodePng16(image->bytes, image->width, image->height)
+                                      : DecodeZlib16(image->bytes, image->width, image->height);
+  if (!depth) return tl::unexpected(depth.error());
+  image->format = PixelFormat::kDepth16;
+  image->bytes.resize(depth->size() * sizeof(uint16_t));
+  std::memcpy(image->bytes.data(), depth->data(), image->bytes.size());
+  return {};
 }
 
 }  // namespace
@@ -48,7 +83,9 @@ Result<std::vector<uint8_t>> TightRows(RawPixels pixels) {
 }
 
 Result<std::vector<uint8_t>> InflateZlib(const std::vector<uint8_t>& packed, size_t bytes) {
-  if (bytes > 8 * kMaxImagePixels) return Fail("a zlib stream of an image that is too large");
+  constexpr size_t kMostExpansion = 1032;  // of a deflate stream
+  if (bytes > 8 * kMaxImagePixels || bytes / kMostExpansion > packed.size())
+    return Fail("a zlib stream of an image that is too large");
   std::vector<uint8_t> plain(bytes);
   uLongf got = plain.size();
   const int status = uncompress(plain.data(), &got, packed.data(), packed.size());
@@ -80,6 +117,20 @@ void ClearNegative(std::vector<uint8_t>* values) {
   for (size_t i = 0; i + 1 < values->size(); i += 2) {
     if ((*values)[i + 1] & 0x80) (*values)[i] = (*values)[i + 1] = 0;
   }
+}
+
+Result<ForeignImage> ClearNoneValues(ForeignImage image, const std::vector<double>& none_values) {
+  std::vector<double> values;
+  std::copy_if(none_values.begin(), none_values.end(), std::back_inserter(values),
+               [](double value) { return value != 0 && value != 65535; });
+  if (values.empty()) return image;
+  if (image.format == PixelFormat::kDepthFloat) {
+    ReplaceValues<float>(values, std::numeric_limits<float>::quiet_NaN(), &image.bytes);
+    return image;
+  }
+  if (const Result<void> raw = MakeRaw(&image); !raw) return tl::unexpected(raw.error());
+  ReplaceValues<uint16_t>(values, 0, &image.bytes);
+  return image;
 }
 
 Result<ForeignImage> SwapRedBlue(ForeignImage image) {

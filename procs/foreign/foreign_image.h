@@ -57,6 +57,11 @@ std::vector<uint8_t> UpperBytes(const std::vector<uint8_t>& values);
 /// int16 to uint16: negative values become 0.
 void ClearNegative(std::vector<uint8_t>* values);
 
+/// Makes pixels of a depth image with one of these values "not measured": 0, or NaN of floats. An
+/// image that is packed becomes raw when there are values besides 0 and 65535, which every reader
+/// knows. Fails on an image that cannot be decoded.
+Result<ForeignImage> ClearNoneValues(ForeignImage image, const std::vector<double>& none_values);
+
 /// Exchanges red and blue of a colour image. A JPEG becomes raw RGB, a PNG is left alone. Fails on
 /// a JPEG that cannot be decoded.
 Result<ForeignImage> SwapRedBlue(ForeignImage image);

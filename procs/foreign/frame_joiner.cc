@@ -27,7 +27,22 @@ std::string PixelsText(int width, int height) {
 
 }  // namespace
 
-Result<FrameJoiner> FrameJoiner::Create(const AdapterOptions& options, Sink sink,
+Result<ForeignImage> Corrected(ForeignImage image, bool is_color,
+                               const AdapterCameraOptions& options) {
+  Result<ForeignImage> corrected = Fail("");
+  if (!is_color) {
+    corrected = ClearNoneValues(std::move(image), options.none_values);
+  } else if (options.swap_red_blue) {
+    corrected = SwapRedBlue(std::move(image));
+  } else {
+    return image;
+  }
+  if (corrected) return corrected;
+  return Fail(std::string(is_color ? "a colour" : "a depth") +
+              " image cannot be decoded: " + corrected.error().message);
+}
+
+Result<FrameJoiner> FrameJoiner::Create(const AdapterCameraOptions& options, Sink sink,
                                         bool keep_pixels) {
   if (const auto complete = CheckComplete(options); !complete)
     return tl::unexpected(complete.error());
@@ -42,11 +57,11 @@ Result<FrameJoiner> FrameJoiner::Create(const AdapterOptions& options, Sink sink
   return joiner;
 }
 
-FrameJoiner::FrameJoiner(const AdapterOptions& options, Sink sink, bool keep_pixels)
+FrameJoiner::FrameJoiner(const AdapterCameraOptions& options, Sink sink, bool keep_pixels)
     : options_(options),
       sink_(std::move(sink)),
       keep_pixels_(keep_pixels),
-      tree_({options.lookup, Microseconds(options.max_gap_ms)}) {}
+      tree_({options.lookup, Microseconds(options.max_gap_ms), options.constant_edges}) {}
 
 // Whether the channel is the one of the pattern, which then stands for this channel alone.
 bool FrameJoiner::LockChannel(std::string* pattern, const std::string& channel) const {
@@ -91,11 +106,11 @@ Result<void> FrameJoiner::Prepare(ForeignImage* image, bool is_color, int64_t re
   if (!keep_pixels_) {
     image->bytes.clear();
     image->bytes.shrink_to_fit();
-  } else if (is_color && options_.swap_red_blue) {
-    Result<ForeignImage> swapped = SwapRedBlue(std::move(*image));
-    if (!swapped) return Fail("a colour image cannot be decoded: " + swapped.error().message);
-    *image = std::move(*swapped);
+    return {};
   }
+  Result<ForeignImage> corrected = Corrected(std::move(*image), is_color, options_);
+  if (!corrected) return tl::unexpected(corrected.error());
+  *image = std::move(*corrected);
   return {};
 }
 

@@ -29,7 +29,12 @@ struct ForeignFrame {
   int64_t received = 0;           ///< when the last image of it came [us]
 };
 
-/// Joins the messages of other robots' programs to RGB-D frames with poses: finds the colour image
+/// The image with the pixels that the options want: red and blue exchanged, values of depth that
+/// mean nothing cleared. Fails on an image that cannot be decoded for that.
+Result<ForeignImage> Corrected(ForeignImage image, bool is_color,
+                               const AdapterCameraOptions& options);
+
+/// Joins the messages of other robots' programs to RGB-D frames of one camera with poses: finds the colour image
 /// of each depth image, the intrinsics, and the pose at the time of the image. Knows no bus and no
 /// clock, so that a running adapter and a log give the same frames. Frames come in the order of
 /// their depth images. What waits is bounded in time and bytes.
@@ -39,7 +44,7 @@ class FrameJoiner {
 
   /// For options with their preset. Fails as CheckComplete does. With `keep_pixels` false, frames
   /// have images without bytes, to scan a log. `sink` gets each frame.
-  static Result<FrameJoiner> Create(const AdapterOptions& options, Sink sink,
+  static Result<FrameJoiner> Create(const AdapterCameraOptions& options, Sink sink,
                                     bool keep_pixels = true);
 
   /// Takes a message that was received at `received` [us]. `number` is kept in its images. Messages
@@ -58,7 +63,7 @@ class FrameJoiner {
   const ReasonCounts& dropped() const { return dropped_; }
   /// How many messages of each channel came.
   const std::map<std::string, int64_t>& received() const { return received_; }
-  const AdapterOptions& options() const { return options_; }
+  const AdapterCameraOptions& options() const { return options_; }
 
  private:
   struct Waiting {
@@ -78,7 +83,7 @@ class FrameJoiner {
     int64_t utime() const { return color ? color->utime : depth.utime; }
   };
 
-  FrameJoiner(const AdapterOptions& options, Sink sink, bool keep_pixels);
+  FrameJoiner(const AdapterCameraOptions& options, Sink sink, bool keep_pixels);
   bool LockChannel(std::string* pattern, const std::string& channel) const;
   void AddImages(ForeignMessage message, int64_t received, int64_t number);
   Result<void> Prepare(ForeignImage* image, bool is_color, int64_t received, int64_t number);
@@ -96,7 +101,7 @@ class FrameJoiner {
   void BoundBytes();
   void Drop(const std::string& why) { dropped_.Add(why); }
 
-  AdapterOptions options_;
+  AdapterCameraOptions options_;
   Sink sink_;
   bool keep_pixels_;
   FrameTree tree_;

@@ -71,7 +71,7 @@ void SetMatrix(const Pose& pose, double* matrix) {
 
 }  // namespace
 
-rgbd_frame_t ToMessage(ForeignFrame&& frame, const AdapterOptions& options) {
+rgbd_frame_t ToMessage(ForeignFrame&& frame, const AdapterCameraOptions& options) {
   rgbd_frame_t message{};
   message.utime = frame.utime;
   message.camera_id = options.camera_id;

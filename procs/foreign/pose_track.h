@@ -12,6 +12,7 @@ namespace vismap {
 struct PoseLookupOptions {
   PoseLookup lookup = PoseLookup::kInterpolate;
   int64_t max_gap = 100'000;  ///< longest time between two samples around an image [us]
+  ConstantEdges constant_edges = ConstantEdges::kFixedWhenUnchanged;
 };
 
 /// Slerp of the rotation and linear interpolation of the translation; `part` in [0, 1].
@@ -40,8 +41,9 @@ class PoseTrack {
   /// again, the samples before are forgotten.
   void Add(int64_t utime, const Pose& pose, int64_t received);
 
-  /// The pose at a time. An edge whose samples are all equal is a mount, which holds at any time,
-  /// when it has two of them, or has had its only one for a second of the receiver's time `now`.
+  /// The pose at a time. Unless the options say otherwise, an edge whose samples are all equal is a
+  /// mount, which holds at any time, when it has two of them, or has had its only one for a second
+  /// of the receiver's time `now`.
   Answer At(int64_t utime, int64_t now, const PoseLookupOptions& options) const;
 
  private:

@@ -1,6 +1,7 @@
 #include "foreign/presets.h"
 
 #include <algorithm>
+#include <map>
 #include <string_view>
 
 #include "foreign/mount.h"
@@ -9,8 +10,8 @@
 namespace vismap {
 namespace {
 
-AdapterOptions Dimos() {
-  AdapterOptions options;
+AdapterCameraOptions Dimos() {
+  AdapterCameraOptions options;
   options.color_channel = "/color_image#sensor_msgs.Image";
   options.depth_channel = "/depth_image#sensor_msgs.Image";
   options.intrinsics_channel = "/camera_info#sensor_msgs.CameraInfo";
@@ -21,8 +22,8 @@ AdapterOptions Dimos() {
   return options;
 }
 
-AdapterOptions Botcore() {
-  AdapterOptions options;
+AdapterCameraOptions Botcore() {
+  AdapterCameraOptions options;
   options.color_channel = options.depth_channel = "OPENNI_FRAME";
   options.pose_channels = {"OPENNI_FRAME_LEFT_TO_LOCAL"};
   options.root = "local";
@@ -31,8 +32,8 @@ AdapterOptions Botcore() {
   return options;
 }
 
-AdapterOptions Drake() {
-  AdapterOptions options;
+AdapterCameraOptions Drake() {
+  AdapterCameraOptions options;
   options.color_channel = options.depth_channel = "DRAKE_RGBD_CAMERA_IMAGES_*";
   options.pose_channels = {"DRAKE_VIEWER_DRAW"};
   options.root = "world";
@@ -40,7 +41,7 @@ AdapterOptions Drake() {
   return options;
 }
 
-AdapterOptions OfPreset(AdapterPreset preset) {
+AdapterCameraOptions OfPreset(AdapterPreset preset) {
   switch (preset) {
     case AdapterPreset::kDimos:
       return Dimos();
@@ -59,20 +60,33 @@ bool EndsWithStar(std::string_view pattern) { return pattern.ends_with('*'); }
 
 }  // namespace
 
-AdapterOptions WithPreset(AdapterOptions options) {
-  const AdapterOptions preset = OfPreset(options.preset);
-  const auto set = [&](auto AdapterOptions::*key) {
+AdapterCameraOptions WithPreset(AdapterCameraOptions options) {
+  const AdapterCameraOptions preset = OfPreset(options.preset);
+  const auto set = [&](auto AdapterCameraOptions::*key) {
     if ((options.*key).empty()) options.*key = preset.*key;
   };
-  set(&AdapterOptions::color_channel);
-  set(&AdapterOptions::depth_channel);
-  if (options.intrinsics.empty()) set(&AdapterOptions::intrinsics_channel);
-  set(&AdapterOptions::depth_intrinsics_channel);
-  set(&AdapterOptions::pose_channels);
-  set(&AdapterOptions::root);
-  set(&AdapterOptions::camera_frame);
-  set(&AdapterOptions::body_frame);
+  set(&AdapterCameraOptions::color_channel);
+  set(&AdapterCameraOptions::depth_channel);
+  if (options.intrinsics.empty()) set(&AdapterCameraOptions::intrinsics_channel);
+  set(&AdapterCameraOptions::depth_intrinsics_channel);
+  set(&AdapterCameraOptions::pose_channels);
+  set(&AdapterCameraOptions::root);
+  set(&AdapterCameraOptions::camera_frame);
+  set(&AdapterCameraOptions::body_frame);
   return options;
+}
+
+AdapterOptions WithPreset(AdapterOptions options) {
+  if (options.camera.empty()) {
+    AdapterCameraOptions& own = options;
+    own = WithPreset(own);
+  }
+  for (AdapterCameraOptions& camera : options.camera) camera = WithPreset(camera);
+  return options;
+}
+
+std::vector<AdapterCameraOptions> CamerasOf(const AdapterOptions& options) {
+  return options.camera.empty() ? std::vector<AdapterCameraOptions>{options} : options.camera;
 }
 
 AdapterPreset FindPreset(const std::set<std::string>& channels) {
@@ -86,7 +100,7 @@ AdapterPreset FindPreset(const std::set<std::string>& channels) {
   return AdapterPreset::kAuto;
 }
 
-Result<void> CheckComplete(const AdapterOptions& options) {
+Result<void> CheckComplete(const AdapterCameraOptions& options) {
   if (options.depth_channel.empty()) {
     return Fail(
         "adapter.depth_channel is not set; give it, or adapter.preset (DIMOS, BOTCORE or "
@@ -114,6 +128,30 @@ Result<void> CheckComplete(const AdapterOptions& options) {
   return {};
 }
 
+Result<void> CheckComplete(const std::vector<AdapterCameraOptions>& cameras) {
+  const auto name = [](const AdapterCameraOptions& camera) {
+    return "camera " + std::to_string(camera.camera_id);
+  };
+  std::map<std::string, std::string> readers;  // of channels of depth images
+  for (const AdapterCameraOptions& camera : cameras) {
+    if (const Result<void> complete = CheckComplete(camera); !complete) {
+      if (cameras.size() == 1) return complete;
+      return Fail(name(camera) + ": " + complete.error().message);
+    }
+    if (camera.root != cameras.front().root) {
+      return Fail("adapter.root is '" + cameras.front().root + "' of " + name(cameras.front()) +
+                  " and '" + camera.root + "' of " + name(camera) +
+                  "; all cameras must have the frame that the map is in");
+    }
+    const auto [reader, first] = readers.emplace(camera.depth_channel, name(camera));
+    if (!first) {
+      return Fail("adapter.depth_channel is " + camera.depth_channel + " of " + reader->second +
+                  " and of " + name(camera) + "; every camera needs channels of its own");
+    }
+  }
+  return {};
+}
+
 bool ChannelMatches(const std::string& pattern, const std::string& channel) {
   if (!EndsWithStar(pattern)) return channel == pattern;
   return channel.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1));
@@ -124,7 +162,7 @@ std::string ChannelExpression(const std::string& pattern) {
   return ExpressionFor(std::string_view(pattern).substr(0, pattern.size() - 1)) + ".*";
 }
 
-std::set<std::string> ChannelsOf(const AdapterOptions& options) {
+std::set<std::string> ChannelsOf(const AdapterCameraOptions& options) {
   std::set<std::string> channels(options.pose_channels.begin(), options.pose_channels.end());
   channels.insert({options.color_channel, options.depth_channel, options.intrinsics_channel,
                    options.depth_intrinsics_channel});

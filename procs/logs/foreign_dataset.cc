@@ -42,32 +42,49 @@ std::string ListText(const std::set<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-/// The options with the preset that fits the log, when they have none.
-Result<AdapterOptions> OptionsFor(const std::string& path, AdapterOptions adapter,
-                                  std::vector<std::string>* remarks) {
-  const Result<std::set<std::string>> channels = ReadChannels(path);
-  if (!channels) return tl::unexpected(channels.error());
-  if (adapter.preset == AdapterPreset::kAuto && adapter.depth_channel.empty()) {
-    adapter.preset = FindPreset(*channels);
-    if (adapter.preset == AdapterPreset::kAuto) {
-      return Fail(path + ": no preset fits the channels of the log (" + ListText(*channels) +
+/// Sets the preset that fits the log, when the camera has none, and what the preset has.
+Result<void> CompleteCamera(const std::string& path, const std::set<std::string>& channels,
+                            AdapterCameraOptions* camera, std::vector<std::string>* remarks) {
+  if (camera->preset == AdapterPreset::kAuto && camera->depth_channel.empty()) {
+    camera->preset = FindPreset(channels);
+    if (camera->preset == AdapterPreset::kAuto) {
+      return Fail(path + ": no preset fits the channels of the log (" + ListText(channels) +
                   "); give adapter.depth_channel and the others with --config");
     }
-    remarks->push_back(path + " is read with the preset " + NameOf(adapter.preset) +
+    remarks->push_back(path + " is read with the preset " + NameOf(camera->preset) +
                        ", which fits its channels");
   }
-  adapter = WithPreset(adapter);
-  if (const auto complete = CheckComplete(adapter); !complete) {
-    return Fail(path + ", preset " + NameOf(adapter.preset) + ": " + complete.error().message +
+  *camera = WithPreset(*camera);
+  if (const auto complete = CheckComplete(*camera); !complete) {
+    return Fail(path + ", preset " + NameOf(camera->preset) + ": " + complete.error().message +
                 "; give it with --config FILE.txtpb");
   }
-  if (std::none_of(channels->begin(), channels->end(), [&](const std::string& found) {
-        return ChannelMatches(adapter.depth_channel, found);
+  if (std::none_of(channels.begin(), channels.end(), [&](const std::string& found) {
+        return ChannelMatches(camera->depth_channel, found);
       })) {
-    return Fail(path + ": the log has no channel " + adapter.depth_channel +
-                " (adapter.depth_channel); it has " + ListText(*channels));
+    return Fail(path + ": the log has no channel " + camera->depth_channel +
+                " (adapter.depth_channel); it has " + ListText(channels));
   }
-  return adapter;
+  return {};
+}
+
+Result<std::vector<AdapterCameraOptions>> CamerasFor(const std::string& path,
+                                                     const AdapterOptions& adapter,
+                                                     std::vector<std::string>* remarks) {
+  const Result<std::set<std::string>> channels = ReadChannels(path);
+  if (!channels) return tl::unexpected(channels.error());
+  std::vector<AdapterCameraOptions> cameras = CamerasOf(adapter);
+  for (AdapterCameraOptions& camera : cameras) {
+    if (const auto completed = CompleteCamera(path, *channels, &camera, remarks); !completed)
+      return tl::unexpected(completed.error());
+  }
+  return cameras;
+}
+
+bool NamesChannel(const std::set<std::string>& patterns, const std::string& channel) {
+  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+    return ChannelMatches(pattern, channel);
+  });
 }
 
 }  // namespace
@@ -75,19 +92,19 @@ Result<AdapterOptions> OptionsFor(const std::string& path, AdapterOptions adapte
 Result<bool> HasForeignImages(const std::string& path, const AdapterOptions& adapter) {
   const Result<std::set<std::string>> channels = ReadChannels(path);
   if (!channels) return tl::unexpected(channels.error());
-  return !adapter.depth_channel.empty() || adapter.preset != AdapterPreset::kAuto ||
-         FindPreset(*channels) != AdapterPreset::kAuto;
+  return !adapter.camera.empty() || !adapter.depth_channel.empty() ||
+         adapter.preset != AdapterPreset::kAuto || FindPreset(*channels) != AdapterPreset::kAuto;
 }
 
 Result<std::unique_ptr<ForeignDataset>> ForeignDataset::Open(const std::string& path,
                                                              const AdapterOptions& adapter,
                                                              const DatasetOptions& options) {
   std::vector<std::string> remarks;
-  const Result<AdapterOptions> complete = OptionsFor(path, adapter, &remarks);
-  if (!complete) return tl::unexpected(complete.error());
+  const Result<std::vector<AdapterCameraOptions>> cameras = CamerasFor(path, adapter, &remarks);
+  if (!cameras) return tl::unexpected(cameras.error());
   Result<LogReader> reader = LogReader::Open(path);
   if (!reader) return tl::unexpected(reader.error());
-  std::unique_ptr<ForeignDataset> dataset(new ForeignDataset(std::move(*reader), *complete));
+  std::unique_ptr<ForeignDataset> dataset(new ForeignDataset(std::move(*reader), *cameras));
   dataset->remarks_ = std::move(remarks);
   if (const Result<void> scanned = dataset->Scan(options); !scanned)
     return tl::unexpected(scanned.error());
@@ -96,57 +113,74 @@ Result<std::unique_ptr<ForeignDataset>> ForeignDataset::Open(const std::string& 
 
 // Reads the whole log once and joins its messages.
 Result<void> ForeignDataset::Scan(const DatasetOptions& options) {
-  Result<FrameJoiner> joiner = FrameJoiner::Create(
-      adapter_, [&](ForeignFrame&& frame) { Keep(std::move(frame), options); }, false);
-  if (!joiner) return Fail(reader_.path() + ": " + joiner.error().message);
-  const std::set<std::string> patterns = ChannelsOf(adapter_);
+  Result<CameraJoiners> joiners = CameraJoiners::Create(
+      cameras_,
+      [&](size_t camera, ForeignFrame&& frame) { Keep(camera, std::move(frame), options); }, false);
+  if (!joiners) return Fail(reader_.path() + ": " + joiners.error().message);
+  std::set<std::string> patterns, image_patterns;
+  for (const AdapterCameraOptions& camera : cameras_) {
+    patterns.merge(ChannelsOf(camera));
+    image_patterns.insert({camera.color_channel, camera.depth_channel});
+  }
   int64_t damaged = 0;
   const Result<void> read = ForEachEvent(
       reader_,
       [&](const LogEvent& event) -> Result<void> {
-        if (std::none_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-              return ChannelMatches(pattern, event.channel);
-            }))
-          return {};
+        if (!NamesChannel(patterns, event.channel)) return {};
         const Result<std::vector<uint8_t>> bytes = reader_.ReadData(event);
         if (!bytes) return tl::unexpected(bytes.error());
-        const bool has_images = ChannelMatches(adapter_.color_channel, event.channel) ||
-                                ChannelMatches(adapter_.depth_channel, event.channel);
+        const bool has_images = NamesChannel(image_patterns, event.channel);
         if (has_images) images_.push_back(event);
         const int64_t number = has_images ? std::ssize(images_) - 1 : -1;
-        (void)joiner->Add(event.channel, *bytes, event.timestamp, number);  // it counts what fails
+        (void)joiners->Add(event.channel, *bytes, event.timestamp, number);  // counts what fails
         return {};
       },
       [&](const LogDamage&) { ++damaged; });
   if (!read) return tl::unexpected(read.error());
-  joiner->Finish();
-  adapter_ = joiner->options();  // with the channels that a * stood for
-  const ReasonCounts& dropped = joiner->dropped();
-  if (frames_.empty())
+  joiners->Finish();
+  for (size_t i = 0; i < cameras_.size(); ++i)
+    cameras_[i] = joiners->cameras()[i].options();  // with the channels that a * stood for
+  if (frames_.empty()) {
+    if (cameras_.size() > 1)
+      return Fail(reader_.path() + ": no usable frames (" + joiners->DroppedText() + ")");
+    const ReasonCounts& dropped = joiners->cameras().front().dropped();
     return Fail(reader_.path() + ": " + NoUsableFramesText(dropped, dropped.total()));
-  if (dropped.total() > 0) remarks_.push_back("not used: " + dropped.Text());
-  if (damaged > 0)
-    remarks_.push_back(reader_.path() + " has " + FormatCount(damaged, "damaged part"));
-  remarks_.push_back("camera " + std::to_string(adapter_.camera_id) + ": " +
-                     CameraText(frames_.front().header.camera) + ": from " +
-                     (adapter_.intrinsics.empty() ? adapter_.intrinsics_channel
-                                                  : std::string("adapter.intrinsics")));
+  }
+  AddRemarks(*joiners, damaged);
   return {};
 }
 
-void ForeignDataset::Keep(ForeignFrame joined, const DatasetOptions& options) {
+void ForeignDataset::AddRemarks(const CameraJoiners& joiners, int64_t damaged) {
+  if (joiners.dropped() > 0) remarks_.push_back("not used: " + joiners.DroppedText());
+  if (damaged > 0)
+    remarks_.push_back(reader_.path() + " has " + FormatCount(damaged, "damaged part"));
+  for (size_t i = 0; i < cameras_.size(); ++i) {
+    const auto first = std::find_if(frames_.begin(), frames_.end(),
+                                    [&](const Frame& frame) { return frame.camera == i; });
+    if (first == frames_.end()) {
+      remarks_.push_back(CameraName(cameras_[i]) + " has no usable frames");
+      continue;
+    }
+    remarks_.push_back(CameraName(cameras_[i]) + ": " + CameraText(first->header.camera) +
+                       ": from " +
+                       (cameras_[i].intrinsics.empty() ? cameras_[i].intrinsics_channel
+                                                       : std::string("adapter.intrinsics")));
+  }
+}
+
+void ForeignDataset::Keep(size_t camera, ForeignFrame joined, const DatasetOptions& options) {
   const int64_t number = found_++;
   const bool chosen =
       number % options.stride == 0 &&
       (options.max_frames == 0 || frames_.size() < static_cast<size_t>(options.max_frames));
   if (!chosen) return;
-  const rgbd_frame_t message = ToMessage(ForeignFrame(joined), adapter_);
+  const rgbd_frame_t message = ToMessage(ForeignFrame(joined), cameras_[camera]);
   Result<FrameHeader> header = DecodeHeader(message);
   if (!header) {
     skipped_.push_back({number, header.error().message});
     return;
   }
-  frames_.push_back({std::move(joined), *header});
+  frames_.push_back({camera, std::move(joined), *header});
 }
 
 std::string ForeignDataset::name() const {
@@ -158,12 +192,13 @@ FrameHeader ForeignDataset::Header(size_t i) const {
   return frames_[i].header;
 }
 
-Result<ForeignMessage> ForeignDataset::MessageAt(int64_t number, ImageRole role) const {
+Result<ForeignMessage> ForeignDataset::MessageAt(int64_t number, ImageRole role,
+                                                 const AdapterCameraOptions& camera) const {
   const LogEvent& event = images_[static_cast<size_t>(number)];
   const Result<std::vector<uint8_t>> bytes = reader_.ReadData(event);
   if (!bytes) return tl::unexpected(bytes.error());
   Result<ForeignMessage> message =
-      DecodeForeign(*bytes, event.channel, {role, adapter_.root, adapter_.body_frame, ""});
+      DecodeForeign(*bytes, event.channel, {role, camera.root, camera.body_frame, ""});
   if (!message) {
     return Fail(reader_.path() + ", " + event.channel + " at byte " + std::to_string(event.offset) +
                 ": " + message.error().message);
@@ -172,32 +207,31 @@ Result<ForeignMessage> ForeignDataset::MessageAt(int64_t number, ImageRole role)
 }
 
 // Sets the pixels of an image that was joined without them.
-Result<void> ForeignDataset::ReadPixels(ForeignImage* image, bool is_color) const {
-  const bool own_channel = adapter_.color_channel != adapter_.depth_channel;
-  Result<ForeignMessage> message =
-      MessageAt(image->message, !is_color && own_channel ? ImageRole::kDepth : ImageRole::kColor);
+Result<void> ForeignDataset::ReadPixels(const AdapterCameraOptions& camera, bool is_color,
+                                        ForeignImage* image) const {
+  const bool own_channel = camera.color_channel != camera.depth_channel;
+  const ImageRole role = !is_color && own_channel ? ImageRole::kDepth : ImageRole::kColor;
+  Result<ForeignMessage> message = MessageAt(image->message, role, camera);
   if (!message) return tl::unexpected(message.error());
   std::optional<ForeignImage>& found = is_color ? message->color : message->depth;
   if (!found) return Fail(reader_.path() + ": an image changed while the log was read");
-  if (is_color && adapter_.swap_red_blue) {
-    Result<ForeignImage> swapped = SwapRedBlue(std::move(*found));
-    if (!swapped) return tl::unexpected(swapped.error());
-    found = std::move(*swapped);
-  }
-  image->format = found->format;
-  image->bytes = std::move(found->bytes);
+  Result<ForeignImage> corrected = Corrected(std::move(*found), is_color, camera);
+  if (!corrected) return Fail(reader_.path() + ": " + corrected.error().message);
+  image->format = corrected->format;
+  image->bytes = std::move(corrected->bytes);
   return {};
 }
 
 Result<rgbd_frame_t> ForeignDataset::Message(size_t i) const {
   ForeignFrame joined = frames_[i].joined;
-  if (const auto read = ReadPixels(&joined.depth, false); !read)
+  const AdapterCameraOptions& camera = cameras_[frames_[i].camera];
+  if (const auto read = ReadPixels(camera, false, &joined.depth); !read)
     return tl::unexpected(read.error());
   if (joined.color) {
-    if (const auto read = ReadPixels(&*joined.color, true); !read)
+    if (const auto read = ReadPixels(camera, true, &*joined.color); !read)
       return tl::unexpected(read.error());
   }
-  return ToMessage(std::move(joined), adapter_);
+  return ToMessage(std::move(joined), camera);
 }
 
 Result<SensorFrame> ForeignDataset::Read(size_t i) const {

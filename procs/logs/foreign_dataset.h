@@ -7,7 +7,7 @@
 
 #include "config/process_options.h"
 #include "datasets/dataset.h"
-#include "foreign/frame_joiner.h"
+#include "foreign/camera_joiners.h"
 #include "logs/log_reader.h"
 
 namespace vismap {
@@ -17,7 +17,7 @@ namespace vismap {
 /// is requested; no more than adapter.queue_mb of it is in memory.
 class ForeignDataset : public Dataset {
  public:
-  /// `adapter` may lack the preset: it is found from the channels of the log. Fails when none fits,
+  /// `adapter` may lack presets: they are found from the channels of the log. Fails when none fits,
   /// when a key is missing (it names the key), and when no frame can be used (it says why).
   static Result<std::unique_ptr<ForeignDataset>> Open(const std::string& path,
                                                       const AdapterOptions& adapter,
@@ -30,7 +30,7 @@ class ForeignDataset : public Dataset {
   Result<SensorFrame> Read(size_t i) const override;
   const std::vector<SkippedFrame>& skipped() const override { return skipped_; }
   std::vector<std::string> remarks() const override { return remarks_; }
-  double depth_unit_m() const override { return adapter_.depth_unit_m; }
+  double depth_unit_m() const override { return cameras_.front().depth_unit_m; }
   std::optional<std::string> default_detections_path() const override { return std::nullopt; }
 
   /// Frame i as a running adapter publishes it.
@@ -38,19 +38,23 @@ class ForeignDataset : public Dataset {
 
  private:
   struct Frame {
+    size_t camera = 0;    // place in cameras_
     ForeignFrame joined;  // without pixels
     FrameHeader header;
   };
 
-  ForeignDataset(LogReader reader, const AdapterOptions& adapter)
-      : reader_(std::move(reader)), adapter_(adapter) {}
+  ForeignDataset(LogReader reader, const std::vector<AdapterCameraOptions>& cameras)
+      : reader_(std::move(reader)), cameras_(cameras) {}
   Result<void> Scan(const DatasetOptions& options);
-  void Keep(ForeignFrame joined, const DatasetOptions& options);
-  Result<ForeignMessage> MessageAt(int64_t number, ImageRole role) const;
-  Result<void> ReadPixels(ForeignImage* image, bool is_color) const;
+  void Keep(size_t camera, ForeignFrame joined, const DatasetOptions& options);
+  void AddRemarks(const CameraJoiners& joiners, int64_t damaged);
+  Result<ForeignMessage> MessageAt(int64_t number, ImageRole role,
+                                   const AdapterCameraOptions& camera) const;
+  Result<void> ReadPixels(const AdapterCameraOptions& camera, bool is_color,
+                          ForeignImage* image) const;
 
   LogReader reader_;
-  AdapterOptions adapter_;
+  std::vector<AdapterCameraOptions> cameras_;
   std::vector<LogEvent> images_;  // events that have images of frames; their index is the number
   std::vector<Frame> frames_;
   int64_t found_ = 0;

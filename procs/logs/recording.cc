@@ -104,12 +104,20 @@ Result<AdapterOptions> AdapterWith(const std::string& path, const DatasetOptions
   if (const auto checked = CheckOptions(options); !checked) return tl::unexpected(checked.error());
   if (options.registration == DepthRegistration::kKinect)
     return Fail(path + ": a log of other programs cannot be read as one of a Kinect");
-  if (options.registration == DepthRegistration::kRegistered)
-    adapter.registered = DepthIsRegistered::kYes;
-  if (options.intrinsics)
-    adapter.intrinsics.assign(options.intrinsics->begin(), options.intrinsics->end());
-  if (options.depth_unit_m > 0) adapter.depth_unit_m = options.depth_unit_m;
-  if (Raw(options.camera_id) != 0) adapter.camera_id = Raw(options.camera_id);
+  if (adapter.camera.size() > 1 && (options.intrinsics || Raw(options.camera_id) != 0)) {
+    return Fail(path + ": the config has several cameras (adapter.camera), so --intrinsics and "
+                       "--camera-id cannot be given for one of them");
+  }
+  const auto set_in = [&](AdapterCameraOptions& camera) {
+    if (options.registration == DepthRegistration::kRegistered)
+      camera.registered = DepthIsRegistered::kYes;
+    if (options.intrinsics)
+      camera.intrinsics.assign(options.intrinsics->begin(), options.intrinsics->end());
+    if (options.depth_unit_m > 0) camera.depth_unit_m = options.depth_unit_m;
+    if (Raw(options.camera_id) != 0) camera.camera_id = Raw(options.camera_id);
+  };
+  set_in(adapter);
+  for (AdapterCameraOptions& camera : adapter.camera) set_in(camera);
   return adapter;
 }
 

@@ -148,7 +148,10 @@ TEST(Fields, EveryMemberOfTheOptionStructsIsThere) {
   EXPECT_EQ(FieldCount<HubOptions>(), MemberCount<HubOptions>());
   EXPECT_EQ(FieldCount<BridgeOptions>(), MemberCount<BridgeOptions>());
   EXPECT_EQ(FieldCount<SharedBusOptions>(), MemberCount<SharedBusOptions>());
-  EXPECT_EQ(FieldCount<AdapterOptions>(), MemberCount<AdapterOptions>());
+  EXPECT_EQ(FieldCount<AdapterCameraOptions>(), MemberCount<AdapterCameraOptions>());
+  constexpr size_t kInherited = 1;
+  EXPECT_EQ(FieldCount<AdapterOptions>() + kInherited,
+            FieldCount<AdapterCameraOptions>() + MemberCount<AdapterOptions>());
 }
 
 /// Gives every value another one, so that a key for the wrong member shows.
@@ -175,6 +178,12 @@ class Changer {
     member = Eigen::Vector3d(1.0 / 3, -2.0 / 3, 2.0 / 3);
   }
   void Change(config::NoisePreset<DepthNoiseModel>&) {}
+  void Change(std::vector<AdapterCameraOptions>& member) {
+    member.resize(2);
+    for (AdapterCameraOptions& camera : member) {
+      config::ForEachKey(camera, "", [&](const std::string&, auto& key) { Change(key); });
+    }
+  }
   int changes() const { return changes_; }
 
  private:
@@ -322,6 +331,36 @@ TEST(ParseConfig, ErrorsNameFileLineAndColumn) {
   EXPECT_THAT(ErrorOf("grid { voxel_size_m: 0.01 voxel_size_m: 0.02 }"), HasSubstr("voxel_size_m"));
   EXPECT_THAT(ErrorOf("association { min_overlap_points: 1e30 }"), HasSubstr("test.txtpb:1:"));
   EXPECT_THAT(ErrorOf("objects { up_W: [0, 1] }"), HasSubstr("objects.up_W: expected three"));
+}
+
+TEST(ParseConfig, CamerasBeginWithTheKeysOfTheirSection) {
+  const AdapterOptions adapter =
+      Parsed("adapter { preset: DIMOS wait_ms: 70 none_values: 2047 "
+             "camera { camera_id: 1 camera_frame: \"left\" } "
+             "camera { camera_id: 2 wait_ms: 80 none_values: [0, 9] constant_edges: MOVING } }")
+          .adapter;
+  ASSERT_EQ(adapter.camera.size(), 2u);
+  EXPECT_EQ(adapter.camera[0].camera_id, 1);
+  EXPECT_EQ(adapter.camera[0].preset, AdapterPreset::kDimos);
+  EXPECT_EQ(adapter.camera[0].camera_frame, "left");
+  EXPECT_EQ(adapter.camera[0].wait_ms, 70);
+  EXPECT_EQ(adapter.camera[0].constant_edges, ConstantEdges::kFixedWhenUnchanged);
+  EXPECT_THAT(adapter.camera[0].none_values, ::testing::ElementsAre(2047));
+  EXPECT_EQ(adapter.camera[1].wait_ms, 80);
+  EXPECT_EQ(adapter.camera[1].constant_edges, ConstantEdges::kMoving);
+  EXPECT_THAT(adapter.camera[1].none_values, ::testing::ElementsAre(0, 9));
+  EXPECT_TRUE(Parsed("adapter { preset: DIMOS }").adapter.camera.empty());
+}
+
+TEST(Validate, CamerasAreChecked) {
+  EXPECT_THAT(ErrorOf("adapter { camera {} camera {} }"),
+              HasSubstr("adapter.camera 0 is there twice"));
+  EXPECT_THAT(ErrorOf("adapter { camera { camera_id: 3 wait_ms: -1 } }"),
+              HasSubstr("adapter.camera 3: wait_ms must be in [0, 60000]"));
+  EXPECT_THAT(ErrorOf("adapter { camera { robot_url: \"udpm://\" } }"),
+              HasSubstr("adapter.camera: robot_url is no key of a camera"));
+  EXPECT_THAT(ErrorOf("adapter { camera { camera {} } }"), HasSubstr("camera is no key of a camera"));
+  EXPECT_THAT(ErrorOf("adapter { none_values: [0, -3] }"), HasSubstr("none_values must be"));
 }
 
 TEST(Validate, BridgesTakeNamesOfChannels) {

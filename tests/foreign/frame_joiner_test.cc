@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "foreign/camera_joiners.h"
 #include "foreign/frame_message.h"
 #include "foreign/presets.h"
 #include "support/foreign_builder.h"
@@ -16,15 +21,15 @@ using ::testing::HasSubstr;
 
 constexpr int64_t kStart = 1'760'000'000'000'000;
 
-AdapterOptions DimosOptions() {
-  AdapterOptions options;
+AdapterCameraOptions DimosOptions() {
+  AdapterCameraOptions options;
   options.preset = AdapterPreset::kDimos;
   return WithPreset(options);
 }
 
 /// A joiner, and the frames that came out of it.
 struct Joined {
-  explicit Joined(const AdapterOptions& options)
+  explicit Joined(const AdapterCameraOptions& options)
       : joiner(*FrameJoiner::Create(
             options, [this](ForeignFrame&& frame) { frames.push_back(std::move(frame)); })) {}
   void Add(const std::string& channel, const Bytes& bytes, int64_t received) {
@@ -139,7 +144,7 @@ TEST(FrameJoiner, SaysThatIntrinsicsAreMissing) {
 }
 
 TEST(FrameJoiner, RejectsIntrinsicsOfAnotherSize) {
-  AdapterOptions options = DimosOptions();
+  AdapterCameraOptions options = DimosOptions();
   Joined joined(options);
   foreign::sensor_msgs::CameraInfo info{};
   ASSERT_GT(info.decode(CameraInfo(kStart).data(), 0, 4096), 0);
@@ -152,7 +157,7 @@ TEST(FrameJoiner, RejectsIntrinsicsOfAnotherSize) {
 }
 
 TEST(FrameJoiner, BoundsTheBytesOfWhatWaits) {
-  AdapterOptions options = DimosOptions();
+  AdapterCameraOptions options = DimosOptions();
   options.queue_mb = 1;
   options.wait_ms = 60'000;
   options.intrinsics_wait_ms = 60'000;
@@ -169,7 +174,7 @@ TEST(FrameJoiner, BoundsTheBytesOfWhatWaits) {
 }
 
 TEST(FrameJoiner, TakesTheTimeOfReceiptWhenTold) {
-  AdapterOptions options = DimosOptions();
+  AdapterCameraOptions options = DimosOptions();
   options.time = ImageTime::kReceived;
   Joined joined(options);
   AddSecond(&joined);
@@ -206,7 +211,7 @@ TEST(FrameJoiner, ReportsMessagesThatCannotBeUsed) {
 }
 
 TEST(FrameJoiner, SetsTheDepthCameraBesideTheColorCamera) {
-  AdapterOptions options = DimosOptions();
+  AdapterCameraOptions options = DimosOptions();
   Joined joined(options);
   AddSecond(&joined);
   const size_t before = joined.frames.size();
@@ -228,7 +233,7 @@ TEST(FrameJoiner, SetsTheDepthCameraBesideTheColorCamera) {
 }
 
 TEST(FrameJoiner, ReadsDrakeFromTimeZero) {
-  AdapterOptions options;
+  AdapterCameraOptions options;
   options.preset = AdapterPreset::kDrake;
   options.intrinsics = {52, 52, 31.5, 23.5};
   options.camera_frame = "camera::optical";
@@ -258,7 +263,7 @@ TEST(FrameJoiner, ReadsDrakeFromTimeZero) {
 
 TEST(FrameJoiner, ReadsBotCoreThroughTransformAndThroughBodyWithAMount) {
   for (const bool through_body : {false, true}) {
-    AdapterOptions options;
+    AdapterCameraOptions options;
     options.preset = AdapterPreset::kBotcore;
     options.intrinsics = {52, 52, 31.5, 23.5};
     if (through_body) {
@@ -282,8 +287,48 @@ TEST(FrameJoiner, ReadsBotCoreThroughTransformAndThroughBodyWithAMount) {
   }
 }
 
+TEST(FrameJoiner, ClearsValuesThatMeanNothing) {
+  const uint16_t some = SmallSensorFrame().depth(20, 30);
+  Image<uint16_t> expected = SmallSensorFrame().depth;
+  std::replace(expected.data(), expected.data() + expected.size(), some, uint16_t{0});
+  ASSERT_NE(expected, SmallSensorFrame().depth);
+  AdapterCameraOptions options = DimosOptions();
+  options.none_values = {0, 65535, static_cast<double>(some), 1.5, 1e6};
+  const auto cleared = [&](PixelFormat format, const Bytes& bytes) {
+    ForeignImage image{0, "", kSmallCamera.width, kSmallCamera.height, format, bytes};
+    Result<ForeignImage> corrected = Corrected(std::move(image), false, options);
+    EXPECT_TRUE(corrected) << corrected.error().message;
+    EXPECT_EQ(corrected->format, PixelFormat::kDepth16);
+    return corrected->bytes;
+  };
+  Bytes bytes(expected.size() * 2);
+  std::memcpy(bytes.data(), expected.data(), bytes.size());
+  EXPECT_EQ(cleared(PixelFormat::kDepth16, SmallDepthBytes()), bytes);
+  EXPECT_EQ(cleared(PixelFormat::kDepth16Zlib, Zipped(SmallDepthBytes())), bytes);
+
+  const std::vector<float> metres = {0.5F, 1.5F, 2, -1};
+  Bytes floats(16);
+  std::memcpy(floats.data(), metres.data(), 16);
+  const Result<ForeignImage> corrected =
+      Corrected({0, "", 2, 2, PixelFormat::kDepthFloat, floats}, false, options);
+  ASSERT_TRUE(corrected);
+  std::vector<float> found(4);
+  std::memcpy(found.data(), corrected->bytes.data(), 16);
+  EXPECT_EQ(found[0], 0.5F);
+  EXPECT_TRUE(std::isnan(found[1]));
+  EXPECT_EQ(found[2], 2);
+
+  options.none_values = {0, 65535};  // what all readers know
+  EXPECT_EQ(Corrected({0, "", 2, 2, PixelFormat::kDepth16Zlib, {1, 2}}, false, options)->bytes,
+            Bytes({1, 2}));
+  options.none_values = {3};
+  const auto damaged = Corrected({0, "", 2, 2, PixelFormat::kDepth16Zlib, {1, 2}}, false, options);
+  ASSERT_FALSE(damaged);
+  EXPECT_THAT(damaged.error().message, HasSubstr("a depth image cannot be decoded"));
+}
+
 TEST(FrameJoiner, SwapsRedAndBlueWhenTold) {
-  AdapterOptions options = DimosOptions();
+  AdapterCameraOptions options = DimosOptions();
   options.swap_red_blue = true;
   Joined joined(options);
   AddSecond(&joined);
@@ -292,12 +337,12 @@ TEST(FrameJoiner, SwapsRedAndBlueWhenTold) {
 }
 
 TEST(FrameJoiner, NamesTheKeyThatIsMissing) {
-  const auto error = [](AdapterOptions options) {
+  const auto error = [](AdapterCameraOptions options) {
     const Result<FrameJoiner> joiner =
         FrameJoiner::Create(WithPreset(options), [](ForeignFrame&&) {});
     return joiner ? "" : joiner.error().message;
   };
-  AdapterOptions options;
+  AdapterCameraOptions options;
   EXPECT_THAT(error(options), HasSubstr("adapter.depth_channel"));
   options.preset = AdapterPreset::kBotcore;
   EXPECT_THAT(error(options), HasSubstr("adapter.intrinsics is not set"));
@@ -308,6 +353,60 @@ TEST(FrameJoiner, NamesTheKeyThatIsMissing) {
   EXPECT_EQ(error(options), "");
   options.mounts = {"a b 1 2 3"};
   EXPECT_THAT(error(options), HasSubstr("adapter.mounts"));
+}
+
+std::vector<AdapterCameraOptions> TwoCameras() {
+  AdapterCameraOptions left = DimosOptions(), right = DimosOptions();
+  right.camera_id = 1;
+  right.color_channel = "/right/color_image#sensor_msgs.Image";
+  right.depth_channel = "/right/depth_image#sensor_msgs.Image";
+  return {left, right};
+}
+
+TEST(CameraJoiners, JoinEachCameraAndTellOfEach) {
+  std::vector<AdapterCameraOptions> cameras = TwoCameras();
+  cameras[1].intrinsics_channel = "/right/camera_info#sensor_msgs.CameraInfo";
+  std::vector<size_t> frames;
+  Result<CameraJoiners> joiners = CameraJoiners::Create(
+      cameras, [&](size_t camera, ForeignFrame&&) { frames.push_back(camera); });
+  ASSERT_TRUE(joiners) << joiners.error().message;
+  const auto add = [&](const std::string& channel, const Bytes& bytes, int64_t received) {
+    const Result<void> added = joiners->Add(channel, bytes, received);
+    EXPECT_TRUE(added) << added.error().message;
+  };
+  add(kInfoChannel, CameraInfo(kStart), kStart);
+  for (int tick = 0; tick < 4; ++tick) {
+    const int64_t utime = kStart + tick * 100'000;
+    add(kTfChannel, Body(utime - 4000), utime - 4000);
+    add(kTfChannel, Mounts(utime - 3000), utime - 3000);
+    for (const AdapterCameraOptions& camera : cameras) {
+      add(camera.color_channel, ColorImage(utime), utime);
+      add(camera.depth_channel, DepthImage(utime), utime + 1);
+    }
+    add(kTfChannel, Body(utime + 4000), utime + 4000);
+  }
+  EXPECT_THAT(frames, ::testing::Each(0u)) << "the other one has no intrinsics, and does not delay";
+  EXPECT_GE(frames.size(), 3u);
+  joiners->Finish();
+  EXPECT_EQ(joiners->frames(), static_cast<int64_t>(frames.size()));
+  EXPECT_THAT(joiners->DroppedText(), HasSubstr("camera 1: 4 x no intrinsics came on /right/"));
+}
+
+TEST(CameraJoiners, RejectCamerasThatDoNotFitTogether) {
+  const auto error = [](const std::vector<AdapterCameraOptions>& cameras) {
+    const auto joiners = CameraJoiners::Create(cameras, [](size_t, ForeignFrame&&) {});
+    return joiners ? std::string() : joiners.error().message;
+  };
+  std::vector<AdapterCameraOptions> cameras = TwoCameras();
+  EXPECT_EQ(error(cameras), "");
+  cameras[1].root = "map";
+  EXPECT_THAT(error(cameras), HasSubstr("adapter.root is 'world' of camera 0 and 'map' of camera 1"));
+  cameras = TwoCameras();
+  cameras[1].depth_channel = cameras[0].depth_channel;
+  EXPECT_THAT(error(cameras), HasSubstr("adapter.depth_channel"));
+  cameras = TwoCameras();
+  cameras[1].depth_channel.clear();
+  EXPECT_THAT(error(cameras), HasSubstr("camera 1: adapter.depth_channel is not set"));
 }
 
 }  // namespace

@@ -46,6 +46,18 @@ TEST(PoseTrack, WaitsForTheLaterSampleAndRefusesGaps) {
   EXPECT_EQ(track.At(2500, 0, {}).found, Found::kGap);
 }
 
+TEST(PoseTrack, RestsForNowWhenTold) {
+  PoseTrack track;
+  track.Add(5000, Turned(1, 1), 0);
+  track.Add(6000, Turned(1, 1), 0);
+  PoseLookupOptions moving;
+  moving.constant_edges = ConstantEdges::kMoving;
+  EXPECT_EQ(track.At(5500, 9'000'000, moving).found, Found::kPose);
+  EXPECT_EQ(track.At(6500, 9'000'000, moving).found, Found::kLater);
+  EXPECT_EQ(track.At(4000, 9'000'000, moving).found, Found::kTooOld);
+  EXPECT_EQ(PoseTrack::Fixed(Turned(1, 1)).At(6500, 0, moving).found, Found::kPose);
+}
+
 TEST(PoseTrack, IsAMountWhileItDoesNotChange) {
   PoseTrack track;
   track.Add(5000, Turned(1, 1), 0);

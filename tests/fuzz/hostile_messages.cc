@@ -9,6 +9,7 @@
 
 #include "codecs/frame_codec.h"
 #include "codecs/zstd_codec.h"
+#include "foreign_messages.h"
 #include "freespace/occupancy_codec.h"
 #include "rectify/rectifier.h"
 #include "support/messages.h"
@@ -290,9 +291,7 @@ frame_commit_t SomeCommit() {
   return commit;
 }
 
-}  // namespace
-
-std::vector<FuzzTarget> AllFuzzTargets() {
+std::vector<FuzzTarget> OwnFuzzTargets() {
   return {RgbdFrameTarget(),
           DetectionsTarget(),
           SegmentedFrameTarget(),
@@ -306,6 +305,14 @@ std::vector<FuzzTarget> AllFuzzTargets() {
           UnpackedOnly(kMapRequestChannel, SomeRequest()),
           UnpackedOnly(kMapReplyChannel, SomeReply()),
           UnpackedOnly(kStatusChannel, SomeStatus())};
+}
+
+}  // namespace
+
+std::vector<FuzzTarget> AllFuzzTargets() {
+  std::vector<FuzzTarget> targets = OwnFuzzTargets();
+  for (FuzzTarget& target : ForeignFuzzTargets()) targets.push_back(std::move(target));
+  return targets;
 }
 
 void WriteLength(int64_t length, size_t at, std::vector<uint8_t>* bytes) {

@@ -36,7 +36,8 @@ struct FuzzTarget {
   }
 };
 
-/// One target for every message type of the bus.
+/// One target for every message type of the bus, and for every kind of message of other robots'
+/// programs that the adapter reads.
 std::vector<FuzzTarget> AllFuzzTargets();
 
 /// A mutated message: with changed bytes or lengths, truncated, with a part inserted twice, or

@@ -80,6 +80,50 @@ TEST(ForeignDataset, UsesTheCameraOfTheCommandLine) {
   EXPECT_EQ(recording->dataset->Read(0)->depth_unit_m, 0.0005);
 }
 
+TEST(ForeignDataset, ReadsSeveralCameras) {
+  const TempFolder folder;
+  const std::string right_depth = "/right/depth_image#sensor_msgs.Image";
+  const std::string path = (folder / "two.lcmlog").string();
+  LogWriter writer = *LogWriter::Create(path);
+  writer.Add(kLogStart, kInfoChannel, CameraInfo(kLogStart));
+  for (int tick = -1; tick <= 16; ++tick) {
+    const int64_t now = kLogStart + tick * 20'000 + 6000;
+    writer.Add(now, kTfChannel,
+               Tf({Transform(now, "world", "base_link", BodyAt(now - kLogStart)),
+                   Transform(now, "base_link", "optical", OpticalInBody())}));
+    if (tick < 0 || tick % 5 != 0) continue;
+    const int64_t utime = now + 4000;
+    writer.Add(utime, kDepthChannel, DepthImage(utime));
+    writer.Add(utime + 1, right_depth, DepthImage(utime));
+  }
+  ASSERT_TRUE(writer.Finish());
+  AdapterOptions adapter;
+  AdapterCameraOptions left;
+  left.preset = AdapterPreset::kDimos;
+  left.color_channel = "none";
+  AdapterCameraOptions right = left;
+  right.camera_id = 5;
+  right.depth_channel = right_depth;
+  right.depth_unit_m = 0.0005;
+  adapter.camera = {left, right};
+  const Result<Recording> recording = OpenRecording(path, "", {}, adapter);
+  ASSERT_TRUE(recording) << recording.error().message;
+  const Dataset& dataset = *recording->dataset;
+  ASSERT_EQ(dataset.size(), 8u);
+  EXPECT_EQ(dataset.Header(0).camera_id, CameraId{0});
+  EXPECT_EQ(dataset.Header(1).camera_id, CameraId{5});
+  EXPECT_EQ(dataset.Header(0).utime, dataset.Header(1).utime);
+  EXPECT_EQ(dataset.Read(0)->depth_unit_m, 0.001);
+  EXPECT_EQ(dataset.Read(1)->depth_unit_m, 0.0005);
+  EXPECT_THAT(dataset.remarks(), ::testing::Contains(HasSubstr("camera 5: ")));
+
+  DatasetOptions options;
+  options.camera_id = CameraId{2};
+  const Result<Recording> wrong = OpenRecording(path, "", options, adapter);
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message, HasSubstr("several cameras"));
+}
+
 TEST(ForeignDataset, SaysWhatIsMissing) {
   const TempFolder folder;
   AdapterOptions adapter;

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/process_status_t.hpp>
+#include <vismap/rgbd_frame_t.hpp>
 
 #include "codecs/color_codec.h"
 #include "logs/log_writer.h"
@@ -184,6 +187,41 @@ TEST(Adapter, PrintsEveryDefaultOfItsPreset) {
     EXPECT_THAT(text, HasSubstr(part));
   ChildProcess nothing("adapter", {"--print-config"}, folder.path());
   EXPECT_EQ(nothing.WaitForExit(), 0);
+}
+
+TEST(Adapter, ReadsTheCamerasOfItsConfig) {
+  ProcessBus processes;
+  const std::filesystem::path config = processes.folder() / "two.txtpb";
+  std::ofstream(config) << R"(adapter {
+    preset: DIMOS
+    camera { camera_id: 1 }
+    camera { camera_id: 2 color_channel: "none" depth_channel: "/second#sensor_msgs.Image" wait_ms: 300 }
+  })";
+  const auto printed = processes.Start("adapter", {"--config", config.string(), "--print-config"});
+  EXPECT_EQ(printed->WaitForExit(), 0) << printed->StandardError();
+  const std::string text = printed->StandardOutput();
+  for (const char* part :
+       {"camera_id: 1", "camera_id: 2", "depth_channel: \"/second#sensor_msgs.Image\"",
+        "wait_ms: 300", "none_values: [0, 65535]", "constant_edges: FIXED_WHEN_UNCHANGED"})
+    EXPECT_THAT(text, HasSubstr(part));
+  const auto refused = processes.Start("adapter", {"--config", config.string(), "--tf", "/tf"});
+  EXPECT_EQ(refused->WaitForExit(), 2);
+  EXPECT_THAT(refused->StandardError(), HasSubstr("several cameras"));
+
+  std::map<int, int> frames;
+  processes.bus().Subscribe<rgbd_frame_t>(
+      kRgbdFrameChannel, [&](const rgbd_frame_t& frame) { ++frames[frame.camera_id]; });
+  const auto adapter = processes.Start("adapter", {"--config", config.string()});
+  ASSERT_TRUE(processes.WaitForReady({"adapter"}));
+  std::vector<RobotMessage> messages;
+  for (const RobotMessage& message : RoomOfDimos()) {
+    messages.push_back(message);
+    if (message.channel != kDepthChannel) continue;
+    messages.push_back(message);
+    messages.back().channel = "/second#sensor_msgs.Image";
+  }
+  Play(messages, processes.url());
+  EXPECT_TRUE(processes.SpinUntil([&] { return frames[1] == 10 && frames[2] == 10; }));
 }
 
 TEST(Adapter, IsToldWhatToConfigure) {
