@@ -233,7 +233,9 @@ Result<ForeignMessage> FromViewerDraw(foreign::drake::lcmt_viewer_draw& message,
     const std::vector<float>& q = message.quaternion[i];
     const Result<Pose> pose = PoseOf({q[0], q[1], q[2], q[3]}, {p[0], p[1], p[2]});
     if (!pose) return Fail("lcmt_viewer_draw, '" + message.link_name[i] + "': " + pose.error().message);
-    result.edges.push_back({options.root, message.link_name[i], message.timestamp * 1000, *pose});
+    result.edges.push_back({options.root,
+                            FrameOfRobot(message.link_name[i], message.robot_num[i]),
+                            message.timestamp * 1000, *pose});
   }
   return result;
 }

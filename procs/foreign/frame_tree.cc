@@ -14,6 +14,10 @@ std::string EdgeText(const std::string& parent, const std::string& child) {
 
 }  // namespace
 
+std::string FrameOfRobot(const std::string& frame, int robot) {
+  return frame + "@" + std::to_string(robot);
+}
+
 void FrameTree::AddMount(const std::string& parent, const std::string& child,
                          const Pose& T_parent_child) {
   edges_[child] = {parent, PoseTrack::Fixed(T_parent_child), true};
@@ -27,13 +31,27 @@ void FrameTree::Add(const EdgeSample& sample, int64_t received) {
   edge.track.Add(sample.utime, sample.T_parent_child, received);
 }
 
+std::vector<std::string> FrameTree::OfRobots(const std::string& frame) const {
+  const std::string begin = frame + "@";
+  std::vector<std::string> names;
+  for (auto at = edges_.lower_bound(begin); at != edges_.end() && at->first.starts_with(begin); ++at)
+    names.push_back(at->first);
+  return names;
+}
+
+std::string FrameTree::Resolve(const std::string& frame) const {
+  if (edges_.contains(frame)) return frame;
+  const std::vector<std::string> names = OfRobots(frame);
+  return names.size() == 1 ? names.front() : frame;
+}
+
 // The frame itself, its parent, and so on.
 std::vector<std::string> FrameTree::PathToRoot(const std::string& frame) const {
-  std::vector<std::string> path = {frame};
+  std::vector<std::string> path = {Resolve(frame)};
   while (path.size() < kDeepest) {
     const auto found = edges_.find(path.back());
     if (found == edges_.end()) break;
-    path.push_back(found->second.parent);
+    path.push_back(Resolve(found->second.parent));
   }
   return path;
 }
@@ -74,6 +92,11 @@ FrameTree::Answer FrameTree::Find(const std::string& target, const std::string& 
         UpTo(down, static_cast<size_t>(shared - down.begin()), utime, now);
     if (from_target.state != State::kFound) return from_target;
     return {State::kFound, from_target.pose.inverse() * from_source.pose};
+  }
+  if (const std::vector<std::string> names = OfRobots(up.back()); names.size() > 1) {
+    return {State::kWaiting, {}, "several robots have a frame '" + up.back() + "'; call it " +
+                                 names[0] + " or " + names[1] +
+                                 " (adapter.camera_frame, adapter.mounts)"};
   }
   return {State::kWaiting, {}, "no poses connect the frame '" + source + "' with '" + target +
                                "' (adapter.root, adapter.camera_frame, adapter.mounts); known "

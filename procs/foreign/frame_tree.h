@@ -16,8 +16,12 @@ struct EdgeSample {
   Pose T_parent_child = Pose::Identity();
 };
 
+/// The name of a robot's frame where several robots may have frames of one name: "camera@2".
+std::string FrameOfRobot(const std::string& frame, int robot);
+
 /// A tree of coordinate frames that move against each other, as tf and bot-frames have it: every
-/// frame has one parent. It keeps at most 4096 frames.
+/// frame has one parent. It keeps at most 4096 frames. The name "camera" also stands for the frame
+/// of a robot, "camera@2", as long as no other robot has one of this name.
 class FrameTree {
  public:
   enum class State {
@@ -52,6 +56,9 @@ class FrameTree {
     PoseTrack track;
     bool mount = false;
   };
+  /// Names of the frames of robots that a name may stand for.
+  std::vector<std::string> OfRobots(const std::string& frame) const;
+  std::string Resolve(const std::string& frame) const;
   std::vector<std::string> PathToRoot(const std::string& frame) const;
   Answer UpTo(const std::vector<std::string>& path, size_t end, int64_t utime, int64_t now) const;
 
