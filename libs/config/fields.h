@@ -215,17 +215,17 @@ inline constexpr auto FieldsOf(const BridgeOptions&) {
 
 inline constexpr auto FieldsOf(const AdapterCameraOptions&) {
   using Options = AdapterCameraOptions;
-  return std::tuple(
-      VISMAP_FIELD(camera_id), VISMAP_FIELD(preset), VISMAP_FIELD(color_channel),
-      VISMAP_FIELD(depth_channel), VISMAP_FIELD(intrinsics_channel),
-      VISMAP_FIELD(depth_intrinsics_channel), VISMAP_FIELD(intrinsics),
-      VISMAP_FIELD(distortion_model), VISMAP_FIELD(distortion), VISMAP_FIELD(swap_red_blue),
-      VISMAP_FIELD(depth_unit_m), VISMAP_FIELD(none_values), VISMAP_FIELD(registered),
-      VISMAP_FIELD(pair_within_ms), VISMAP_FIELD(pose_channels), VISMAP_FIELD(root),
-      VISMAP_FIELD(camera_frame), VISMAP_FIELD(body_frame), VISMAP_FIELD(mounts),
-      VISMAP_FIELD(lookup), VISMAP_FIELD(constant_edges), VISMAP_FIELD(wait_ms),
-      VISMAP_FIELD(max_gap_ms), VISMAP_FIELD(intrinsics_wait_ms), VISMAP_FIELD(time),
-      VISMAP_FIELD(queue_mb));
+  return std::tuple(VISMAP_FIELD(camera_id), VISMAP_FIELD(preset), VISMAP_FIELD(color_channel),
+                    VISMAP_FIELD(depth_channel), VISMAP_FIELD(intrinsics_channel),
+                    VISMAP_FIELD(depth_intrinsics_channel), VISMAP_FIELD(intrinsics),
+                    VISMAP_FIELD(distortion_model), VISMAP_FIELD(distortion),
+                    VISMAP_FIELD(swap_red_blue), VISMAP_FIELD(depth_unit_m),
+                    VISMAP_FIELD(none_values), VISMAP_FIELD(registered),
+                    VISMAP_FIELD(pair_within_ms), VISMAP_FIELD(pose_channels), VISMAP_FIELD(root),
+                    VISMAP_FIELD(camera_frame), VISMAP_FIELD(body_frame), VISMAP_FIELD(mounts),
+                    VISMAP_FIELD(lookup), VISMAP_FIELD(constant_edges), VISMAP_FIELD(wait_ms),
+                    VISMAP_FIELD(max_gap_ms), VISMAP_FIELD(intrinsics_wait_ms), VISMAP_FIELD(time),
+                    VISMAP_FIELD(queue_mb));
 }
 
 inline constexpr auto FieldsOf(const AdapterOptions& adapter) {

@@ -230,7 +230,7 @@ struct AdapterCameraOptions {
 /// How vismap-adapter, and logs of other robots' programs, are read and answered. The keys of a
 /// camera that are members of AdapterOptions itself hold for every camera that does not have them.
 struct AdapterOptions : AdapterCameraOptions {
-  std::string robot_url;  ///< bus of the robot; empty = that of vismap
+  std::string robot_url;                     ///< bus of the robot; empty = that of vismap
   std::vector<AdapterCameraOptions> camera;  ///< empty = one camera, as AdapterOptions itself says
   /// What is made of the map for other programs; empty = nothing. See foreign/map_messages.h.
   double publish_period_s = 1;

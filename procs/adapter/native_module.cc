@@ -47,7 +47,8 @@ std::optional<std::string> TextOf(const Json& value) {
 Result<void> AddMembers(const Json& json, const char* name, std::vector<std::string>* words) {
   const auto found = json.find(name);
   if (found == json.end() || found->is_null()) return {};
-  if (!found->is_object()) return Fail("the standard input: '" + std::string(name) + "' is no object");
+  if (!found->is_object())
+    return Fail("the standard input: '" + std::string(name) + "' is no object");
   for (const auto& [key, value] : found->items()) {
     const std::string option = OptionNamed(key);
     if (value.is_null() || HasOption(*words, option)) continue;

@@ -23,7 +23,9 @@ constexpr int kMessagesPerTurn = 16;
 class HubEnd : public BridgeEnd {
  public:
   HubEnd(const LcmUrl& url, const BridgeEndOptions& options)
-      : url_(url), options_(options), connection_(kMaxMessageBytes, QueueLimits{options.queue_bytes}) {}
+      : url_(url),
+        options_(options),
+        connection_(kMaxMessageBytes, QueueLimits{options.queue_bytes}) {}
 
   const std::string& url() const override { return url_.text; }
   bool connected() const override { return connection_.open(); }
@@ -138,7 +140,8 @@ Result<std::unique_ptr<BridgeEnd>> OpenBridgeEnd(const LcmUrl& url,
   if (url.provider == "tcpq") return std::make_unique<HubEnd>(url, options);
   Result<std::unique_ptr<Transport>> transport = OpenLcmTransport(url);
   if (!transport) return tl::unexpected(transport.error());
-  for (const std::string& channel : options.channels) (*transport)->Subscribe(ExpressionFor(channel));
+  for (const std::string& channel : options.channels)
+    (*transport)->Subscribe(ExpressionFor(channel));
   return std::make_unique<LcmEnd>(url, std::move(*transport));
 }
 

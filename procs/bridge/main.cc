@@ -40,7 +40,7 @@ Outcome Serve(const BridgeOptions& options, ProcessContext& context) {
   WarnAboutBus(*local);
   WarnAboutBus(*remote);
   const std::string name = context.options.name == "bridge" ? "" : context.options.name;
-  const Result<std::unique_ptr<Bridge>> bridge = 
+  const Result<std::unique_ptr<Bridge>> bridge =
       Bridge::Open({*local, *remote, name, context.options.channel_prefix}, options);
   if (!bridge) return ExitWith(ExitCode::kFailed, bridge.error().message);
   context.service.SetStatus("running: between " + local->text + " and " + remote->text);

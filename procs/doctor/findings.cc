@@ -66,7 +66,8 @@ class Diagnosis {
       if (channel.type_of_ours.empty() || !told.insert(channel.other_prefix).second) continue;
       Add("channel " + name + " carries " + channel.type_of_ours + ", a type of vismap, but this " +
               "doctor uses the prefix '" + picture_.channel_prefix() + "' for vismap's channels",
-          "give all processes of a pipeline and vismap-doctor one prefix; for this one, --channel-prefix '" +
+          "give all processes of a pipeline and vismap-doctor one prefix; for this one, "
+          "--channel-prefix '" +
               channel.other_prefix + "'");
     }
   }

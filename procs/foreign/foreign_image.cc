@@ -69,8 +69,8 @@ Result<std::vector<uint8_t>> TightRows(RawPixels pixels) {
   const size_t step = pixels.row_bytes == 0 ? row : static_cast<size_t>(pixels.row_bytes);
   if (pixels.row_bytes < 0 || step < row || step > pixels.bytes.size() ||
       pixels.bytes.size() < step * (height - 1) + row) {
-    return Fail("an image of " + ImageSizeText(pixels.width, pixels.height) + " pixels with rows of " +
-                std::to_string(pixels.row_bytes) + " bytes has " +
+    return Fail("an image of " + ImageSizeText(pixels.width, pixels.height) +
+                " pixels with rows of " + std::to_string(pixels.row_bytes) + " bytes has " +
                 std::to_string(pixels.bytes.size()) + " bytes");
   }
   if (step != row) {

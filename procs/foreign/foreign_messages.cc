@@ -65,10 +65,10 @@ struct RosEncoding {
   int pixel_bytes, value_bytes;
 };
 constexpr RosEncoding kRosEncodings[] = {
-    {"rgb8", PixelFormat::kRgb, 3, 1},        {"bgr8", PixelFormat::kBgr, 3, 1},
-    {"rgba8", PixelFormat::kRgba, 4, 1},      {"bgra8", PixelFormat::kBgra, 4, 1},
-    {"mono8", PixelFormat::kGrey, 1, 1},      {"mono16", PixelFormat::kDepth16, 2, 2},
-    {"16UC1", PixelFormat::kDepth16, 2, 2},   {"16SC1", PixelFormat::kDepth16, 2, 2},
+    {"rgb8", PixelFormat::kRgb, 3, 1},         {"bgr8", PixelFormat::kBgr, 3, 1},
+    {"rgba8", PixelFormat::kRgba, 4, 1},       {"bgra8", PixelFormat::kBgra, 4, 1},
+    {"mono8", PixelFormat::kGrey, 1, 1},       {"mono16", PixelFormat::kDepth16, 2, 2},
+    {"16UC1", PixelFormat::kDepth16, 2, 2},    {"16SC1", PixelFormat::kDepth16, 2, 2},
     {"32FC1", PixelFormat::kDepthFloat, 4, 4}, {"64FC1", PixelFormat::kDepthFloat, 8, 8}};
 
 // Makes the format what the pipeline knows: no signed depth, no doubles, no grey with 16 bits.
@@ -201,7 +201,8 @@ Result<ForeignImage> FromDrakeImage(foreign::drake::lcmt_image& image, int64_t u
       return result;
     }
     if (step <= 0 || image.height <= 0) return Fail("lcmt_image: an impossible size");
-    auto plain = InflateZlib(image.data, static_cast<size_t>(step) * static_cast<size_t>(image.height));
+    auto plain =
+        InflateZlib(image.data, static_cast<size_t>(step) * static_cast<size_t>(image.height));
     if (!plain) return Fail("lcmt_image: " + plain.error().message);
     image.data = std::move(*plain);
   }
@@ -232,9 +233,9 @@ Result<ForeignMessage> FromViewerDraw(foreign::drake::lcmt_viewer_draw& message,
     const std::vector<float>& p = message.position[i];
     const std::vector<float>& q = message.quaternion[i];
     const Result<Pose> pose = PoseOf({q[0], q[1], q[2], q[3]}, {p[0], p[1], p[2]});
-    if (!pose) return Fail("lcmt_viewer_draw, '" + message.link_name[i] + "': " + pose.error().message);
-    result.edges.push_back({options.root,
-                            FrameOfRobot(message.link_name[i], message.robot_num[i]),
+    if (!pose)
+      return Fail("lcmt_viewer_draw, '" + message.link_name[i] + "': " + pose.error().message);
+    result.edges.push_back({options.root, FrameOfRobot(message.link_name[i], message.robot_num[i]),
                             message.timestamp * 1000, *pose});
   }
   return result;
@@ -273,8 +274,8 @@ Result<ForeignImage> FromBotColor(foreign::bot_core::image_t& image) {
     default:
       return Fail("image_t.pixelformat " + std::to_string(image.pixelformat) + " is unknown");
   }
-  Result<std::vector<uint8_t>> bytes = TightRows({image.width, image.height, image.row_stride,
-                                                  pixel_bytes, 1, false, std::move(image.data)});
+  Result<std::vector<uint8_t>> bytes = TightRows(
+      {image.width, image.height, image.row_stride, pixel_bytes, 1, false, std::move(image.data)});
   if (!bytes) return Fail("image_t: " + bytes.error().message);
   result.bytes = std::move(*bytes);
   return result;
@@ -336,9 +337,9 @@ Result<ForeignMessage> FromRigidTransform(foreign::bot_core::rigid_transform_t& 
                                           const std::string& channel, const Options& options) {
   const size_t to = channel.find("_TO_");
   const double* q = message.quat;
-  return OneEdge(options.root, to == std::string::npos ? options.camera_frame : channel.substr(0, to),
-                 message.utime,
-                 PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.trans)));
+  return OneEdge(options.root,
+                 to == std::string::npos ? options.camera_frame : channel.substr(0, to),
+                 message.utime, PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.trans)));
 }
 
 // ---- All of them.
@@ -346,8 +347,8 @@ Result<ForeignMessage> FromRigidTransform(foreign::bot_core::rigid_transform_t& 
 constexpr size_t kMostBytes = 64 * kMegabyte;  // of a message with images
 constexpr size_t kMostPoseBytes = 4 * kMegabyte;
 
-using Reader = std::function<Result<ForeignMessage>(
-    std::span<const uint8_t>, const std::string& channel, const Options&)>;
+using Reader = std::function<Result<ForeignMessage>(std::span<const uint8_t>,
+                                                    const std::string& channel, const Options&)>;
 
 template <typename Message, typename Convert>
 Reader ReaderOf(size_t most_bytes, Convert convert) {
@@ -408,8 +409,8 @@ Result<void> SetDistortion(const std::string& model, const std::vector<double>& 
     return Fail("the distortion_model '" + model + "' has " + std::to_string(count) +
                 " coefficients, expected " + (fisheye ? "4" : "4, 5 or 8"));
   }
-  camera->distortion = fisheye ? ForeignCamera::Distortion::kEquidistant
-                               : ForeignCamera::Distortion::kBrownConrady;
+  camera->distortion =
+      fisheye ? ForeignCamera::Distortion::kEquidistant : ForeignCamera::Distortion::kBrownConrady;
   camera->coefficients = coefficients;
   return {};
 }

@@ -34,10 +34,10 @@ struct ForeignFrame {
 Result<ForeignImage> Corrected(ForeignImage image, bool is_color,
                                const AdapterCameraOptions& options);
 
-/// Joins the messages of other robots' programs to RGB-D frames of one camera with poses: finds the colour image
-/// of each depth image, the intrinsics, and the pose at the time of the image. Knows no bus and no
-/// clock, so that a running adapter and a log give the same frames. Frames come in the order of
-/// their depth images. What waits is bounded in time and bytes.
+/// Joins the messages of other robots' programs to RGB-D frames of one camera with poses: finds the
+/// colour image of each depth image, the intrinsics, and the pose at the time of the image. Knows
+/// no bus and no clock, so that a running adapter and a log give the same frames. Frames come in
+/// the order of their depth images. What waits is bounded in time and bytes.
 class FrameJoiner {
  public:
   using Sink = std::function<void(ForeignFrame&&)>;

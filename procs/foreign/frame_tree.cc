@@ -34,7 +34,8 @@ void FrameTree::Add(const EdgeSample& sample, int64_t received) {
 std::vector<std::string> FrameTree::OfRobots(const std::string& frame) const {
   const std::string begin = frame + "@";
   std::vector<std::string> names;
-  for (auto at = edges_.lower_bound(begin); at != edges_.end() && at->first.starts_with(begin); ++at)
+  for (auto at = edges_.lower_bound(begin); at != edges_.end() && at->first.starts_with(begin);
+       ++at)
     names.push_back(at->first);
   return names;
 }
@@ -73,8 +74,11 @@ FrameTree::Answer FrameTree::UpTo(const std::vector<std::string>& path, size_t e
       case PoseTrack::Found::kTooOld:
         return {State::kNever, {}, "the image is older than all poses " + name};
       case PoseTrack::Found::kGap:
-        return {State::kNever, {}, "the poses " + name + " around the image are too far apart in "
-                                   "time (adapter.max_gap_ms)"};
+        return {State::kNever,
+                {},
+                "the poses " + name +
+                    " around the image are too far apart in "
+                    "time (adapter.max_gap_ms)"};
     }
   }
   return answer;
@@ -88,19 +92,22 @@ FrameTree::Answer FrameTree::Find(const std::string& target, const std::string& 
     if (shared == down.end()) continue;
     const Answer from_source = UpTo(up, i, utime, now);
     if (from_source.state != State::kFound) return from_source;
-    const Answer from_target =
-        UpTo(down, static_cast<size_t>(shared - down.begin()), utime, now);
+    const Answer from_target = UpTo(down, static_cast<size_t>(shared - down.begin()), utime, now);
     if (from_target.state != State::kFound) return from_target;
     return {State::kFound, from_target.pose.inverse() * from_source.pose};
   }
   if (const std::vector<std::string> names = OfRobots(up.back()); names.size() > 1) {
-    return {State::kWaiting, {}, "several robots have a frame '" + up.back() + "'; call it " +
-                                 names[0] + " or " + names[1] +
-                                 " (adapter.camera_frame, adapter.mounts)"};
+    return {State::kWaiting,
+            {},
+            "several robots have a frame '" + up.back() + "'; call it " + names[0] + " or " +
+                names[1] + " (adapter.camera_frame, adapter.mounts)"};
   }
-  return {State::kWaiting, {}, "no poses connect the frame '" + source + "' with '" + target +
-                               "' (adapter.root, adapter.camera_frame, adapter.mounts); known "
-                               "frames: " + FramesText()};
+  return {State::kWaiting,
+          {},
+          "no poses connect the frame '" + source + "' with '" + target +
+              "' (adapter.root, adapter.camera_frame, adapter.mounts); known "
+              "frames: " +
+              FramesText()};
 }
 
 std::string FrameTree::FramesText() const {

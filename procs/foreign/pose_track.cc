@@ -62,8 +62,7 @@ bool PoseTrack::IsMount(int64_t now) const {
 PoseTrack::Answer PoseTrack::At(int64_t utime, int64_t now,
                                 const PoseLookupOptions& options) const {
   if (samples_.empty()) return {Found::kLater};
-  const bool may_be_mount =
-      fixed_ || options.constant_edges == ConstantEdges::kFixedWhenUnchanged;
+  const bool may_be_mount = fixed_ || options.constant_edges == ConstantEdges::kFixedWhenUnchanged;
   if (may_be_mount && IsMount(now)) return {Found::kPose, samples_.back().pose};
   if (may_be_mount && unchanged_) return {Found::kLater};  // whether it is a mount will show
   const auto after = std::lower_bound(samples_.begin(), samples_.end(), utime,

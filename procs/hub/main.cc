@@ -56,7 +56,7 @@ Outcome Serve(const Arguments& arguments, ProcessContext& context) {
   const HubOptions& options = arguments.config.hub;
   const FaultOptions& faults = arguments.faults;
   const std::string name = context.options.name == "hub" ? "" : context.options.name;
-  const Result<std::unique_ptr<Hub>> hub = 
+  const Result<std::unique_ptr<Hub>> hub =
       Hub::Open(options, name, faults, context.options.channel_prefix);
   if (!hub) return ExitWith(ExitCode::kFailed, hub.error().message);
   const std::string url =

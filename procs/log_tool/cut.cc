@@ -8,7 +8,8 @@ namespace vismap {
 namespace {
 
 // `own`: the name of our channel of the event, without its prefix.
-bool Keeps(const CutOptions& options, const LogEvent& event, const std::string& own, int64_t start) {
+bool Keeps(const CutOptions& options, const LogEvent& event, const std::string& own,
+           int64_t start) {
   // Compare whole microseconds, as double, which cannot overflow.
   const double elapsed = static_cast<double>(event.timestamp) - static_cast<double>(start);
   return elapsed >= std::round(options.from * 1e6) &&

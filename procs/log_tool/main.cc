@@ -82,7 +82,7 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
           ? sequence.recording.dataset->default_detections_path().value_or("none")
           : arguments.detections;
   if (path == "none") return sequence;
-  Result<std::unique_ptr<DetectionSource>> detections = 
+  Result<std::unique_ptr<DetectionSource>> detections =
       OpenRecordedDetections(path, arguments.config.bus.channel_prefix);
   if (!detections) return tl::unexpected(detections.error());
   sequence.detections = std::move(*detections);

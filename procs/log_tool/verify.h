@@ -30,7 +30,7 @@ struct ChannelReport {
 
 /// The result of `vismap-log verify`.
 struct LogReport {
-  uint64_t bytes = 0;  ///< of the file
+  uint64_t bytes = 0;               ///< of the file
   std::string channel_prefix = {};  ///< of our channels; `channels` has the names with it
   int64_t events = 0;
   std::map<std::string, ChannelReport> channels;

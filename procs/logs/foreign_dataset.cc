@@ -82,9 +82,8 @@ Result<std::vector<AdapterCameraOptions>> CamerasFor(const std::string& path,
 }
 
 bool NamesChannel(const std::set<std::string>& patterns, const std::string& channel) {
-  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-    return ChannelMatches(pattern, channel);
-  });
+  return std::any_of(patterns.begin(), patterns.end(),
+                     [&](const std::string& pattern) { return ChannelMatches(pattern, channel); });
 }
 
 }  // namespace

@@ -62,7 +62,8 @@ class LogReader {
   /// once.
   Result<std::vector<uint8_t>> ReadData(const LogEvent& event, size_t max_bytes = SIZE_MAX) const;
 
-  /// The name of our channel on which an event came, without the prefix; "" = it has not the prefix.
+  /// The name of our channel on which an event came, without the prefix; "" = it has not the
+  /// prefix.
   std::string OwnChannel(const LogEvent& event) const;
 
   const std::string& channel_prefix() const { return channel_prefix_; }

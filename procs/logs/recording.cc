@@ -105,8 +105,9 @@ Result<AdapterOptions> AdapterWith(const std::string& path, const DatasetOptions
   if (options.registration == DepthRegistration::kKinect)
     return Fail(path + ": a log of other programs cannot be read as one of a Kinect");
   if (adapter.camera.size() > 1 && (options.intrinsics || Raw(options.camera_id) != 0)) {
-    return Fail(path + ": the config has several cameras (adapter.camera), so --intrinsics and "
-                       "--camera-id cannot be given for one of them");
+    return Fail(path +
+                ": the config has several cameras (adapter.camera), so --intrinsics and "
+                "--camera-id cannot be given for one of them");
   }
   const auto set_in = [&](AdapterCameraOptions& camera) {
     if (options.registration == DepthRegistration::kRegistered)
@@ -182,8 +183,8 @@ Result<Recording> OpenRecording(const std::string& path, const std::string& form
   return Recording{std::move(*dataset), {}};
 }
 
-Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(
-    const std::string& path, const std::string& channel_prefix) {
+Result<std::unique_ptr<DetectionSource>> OpenRecordedDetections(const std::string& path,
+                                                                const std::string& channel_prefix) {
   if (!IsLog(path)) return OpenDetections(path);
   const Result<LogPath> parsed = ParseLogPath(path);
   if (!parsed) return tl::unexpected(parsed.error());

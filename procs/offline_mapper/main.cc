@@ -269,8 +269,9 @@ Outcome WriteResults(const Arguments& arguments, Run* run) {
 
 Outcome MapDataset(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
-  const auto recording = OpenRecording(arguments.dataset, arguments.format, arguments.frames,
-                                       arguments.config.adapter, arguments.config.bus.channel_prefix);
+  const auto recording =
+      OpenRecording(arguments.dataset, arguments.format, arguments.frames, arguments.config.adapter,
+                    arguments.config.bus.channel_prefix);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   const Dataset& dataset = *recording->dataset;
   for (const std::string& remark : recording->remarks) LogWarning(remark);

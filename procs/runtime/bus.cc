@@ -200,7 +200,8 @@ bool Bus::Send(const Channel& channel, std::span<const uint8_t> bytes) {
                               FormatBytes(bytes.size()) + " was not sent; at most " +
                               FormatBytes(channel.max_bytes) + " are allowed");
   }
-  if (!fits || !connected() || !transport_->Publish(options_.channel_prefix + channel.name, bytes)) {
+  if (!fits || !connected() ||
+      !transport_->Publish(options_.channel_prefix + channel.name, bytes)) {
     ++counters.unsent;
     return false;
   }

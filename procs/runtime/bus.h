@@ -55,9 +55,9 @@ struct ChannelCounters {
 /// are counted per channel, and reported in the log at a limited rate.
 class Bus {
  public:
-  /// Connects to the bus. Fails when the URL or the prefix is wrong, when no hub answers within connect_timeout,
-  /// when there is no multicast route, or when stop was requested. The message names the command
-  /// that solves the problem.
+  /// Connects to the bus. Fails when the URL or the prefix is wrong, when no hub answers within
+  /// connect_timeout, when there is no multicast route, or when stop was requested. The message
+  /// names the command that solves the problem.
   static Result<std::unique_ptr<Bus>> Open(const BusOptions& options);
   ~Bus();
   Bus(const Bus&) = delete;

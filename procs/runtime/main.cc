@@ -153,8 +153,8 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   if (!config) return Report(ExitWith(ExitCode::kUsage, config.error().message));
   arguments.common.channel_prefix = *channel_prefix;
   if (const auto checked = CheckChannelPrefix(*channel_prefix); !checked) {
-    return Report(ExitWith(ExitCode::kUsage, "bus.channel_prefix (--channel-prefix): " +
-                                                 checked.error().message));
+    return Report(ExitWith(ExitCode::kUsage,
+                           "bus.channel_prefix (--channel-prefix): " + checked.error().message));
   }
   if (arguments.print_config) {
     std::fputs(config->c_str(), stdout);

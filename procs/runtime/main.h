@@ -75,9 +75,9 @@ struct ProcessSpec {
 };
 
 /// Runs a program: handles the common options (--help, --version, --config, --print-config,
-/// --lcm-url, --channel-prefix, --name, --connect-timeout, --log-level), the log, signals, the bus, the status, the
-/// service manager and exceptions. Returns the exit code for main: 0 success, 1 failure, 2 wrong
-/// usage or config, 3 unreadable input.
+/// --lcm-url, --channel-prefix, --name, --connect-timeout, --log-level), the log, signals, the bus,
+/// the status, the service manager and exceptions. Returns the exit code for main: 0 success, 1
+/// failure, 2 wrong usage or config, 3 unreadable input.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);
 
 /// Connects to the bus with the common options, for programs that do not always need it. `source`

@@ -15,8 +15,8 @@ namespace vismap {
 
 // Shared by the processes that use a vismap config file.
 
-/// Fills read_config, check_config and channel_prefix of the spec, so that --config and the command line set
-/// `config`. `check` is called after both were read, for further checks.
+/// Fills read_config, check_config and channel_prefix of the spec, so that --config and the command
+/// line set `config`. `check` is called after both were read, for further checks.
 void UseConfig(
     VismapConfig* config, ProcessSpec* spec,
     const std::function<Result<void>()>& check = [] { return Result<void>(); });

@@ -57,9 +57,9 @@ constexpr size_t MaxBytesOf(std::string_view channel) {
 }
 
 // Other programs may have channels with names of ours: director reads another type on OCTOMAP. So a
-// prefix can stand before the names of all our channels on a bus: with "vismap/" the channel OCTOMAP
-// is vismap/OCTOMAP there. The code knows the names without it; what connects to a bus or opens a
-// log puts it on and takes it off.
+// prefix can stand before the names of all our channels on a bus: with "vismap/" the channel
+// OCTOMAP is vismap/OCTOMAP there. The code knows the names without it; what connects to a bus or
+// opens a log puts it on and takes it off.
 
 /// The longest channel name that LCM sends [bytes].
 inline constexpr size_t kMaxChannelName = 63;

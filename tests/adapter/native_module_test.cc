@@ -27,12 +27,11 @@ TEST(NativeModule, NamesOfOptionsMayHaveUnderscores) {
 }
 
 TEST(NativeModule, TakesChannelsAndFieldsFromTheLineOfDimos) {
-  EXPECT_THAT(
-      Words(R"({"topics": {"color_image": "/c#sensor_msgs.Image", "tf": null},
+  EXPECT_THAT(Words(R"({"topics": {"color_image": "/c#sensor_msgs.Image", "tf": null},
                 "config": {"camera_id": 3, "swap_red_blue": true, "intrinsics": [500, 500.5, 1, 2]},
                 "session": {"id": "x"}, "qos": {"color_image": "best_effort"}})"),
-      ElementsAre("--color-image=/c#sensor_msgs.Image", "--camera-id=3", "--swap-red-blue=true",
-                  "--intrinsics=500,500.5,1,2"));
+              ElementsAre("--color-image=/c#sensor_msgs.Image", "--camera-id=3",
+                          "--swap-red-blue=true", "--intrinsics=500,500.5,1,2"));
   EXPECT_THAT(Words(R"({"topics": {}, "config": null})", {"vismap-adapter"}),
               ElementsAre("vismap-adapter"));
 }

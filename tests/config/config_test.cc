@@ -335,9 +335,10 @@ TEST(ParseConfig, ErrorsNameFileLineAndColumn) {
 
 TEST(ParseConfig, CamerasBeginWithTheKeysOfTheirSection) {
   const AdapterOptions adapter =
-      Parsed("adapter { preset: DIMOS wait_ms: 70 none_values: 2047 "
-             "camera { camera_id: 1 camera_frame: \"left\" } "
-             "camera { camera_id: 2 wait_ms: 80 none_values: [0, 9] constant_edges: MOVING } }")
+      Parsed(
+          "adapter { preset: DIMOS wait_ms: 70 none_values: 2047 "
+          "camera { camera_id: 1 camera_frame: \"left\" } "
+          "camera { camera_id: 2 wait_ms: 80 none_values: [0, 9] constant_edges: MOVING } }")
           .adapter;
   ASSERT_EQ(adapter.camera.size(), 2u);
   EXPECT_EQ(adapter.camera[0].camera_id, 1);
@@ -359,7 +360,8 @@ TEST(Validate, CamerasAreChecked) {
               HasSubstr("adapter.camera 3: wait_ms must be in [0, 60000]"));
   EXPECT_THAT(ErrorOf("adapter { camera { robot_url: \"udpm://\" } }"),
               HasSubstr("adapter.camera: robot_url is no key of a camera"));
-  EXPECT_THAT(ErrorOf("adapter { camera { camera {} } }"), HasSubstr("camera is no key of a camera"));
+  EXPECT_THAT(ErrorOf("adapter { camera { camera {} } }"),
+              HasSubstr("camera is no key of a camera"));
   EXPECT_THAT(ErrorOf("adapter { none_values: [0, -3] }"), HasSubstr("none_values must be"));
 }
 

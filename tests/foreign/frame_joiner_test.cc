@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
 
 #include "foreign/camera_joiners.h"
 #include "foreign/frame_message.h"
@@ -261,6 +262,40 @@ TEST(FrameJoiner, ReadsDrakeFromTimeZero) {
   EXPECT_EQ(decoded->depth, SmallSensorFrame().depth);
 }
 
+TEST(FrameJoiner, TellsLinksOfTwoRobotsApart) {
+  const auto joined_with = [](const std::string& camera_frame) {
+    AdapterCameraOptions options;
+    options.preset = AdapterPreset::kDrake;
+    options.intrinsics = {52, 52, 31.5, 23.5};
+    options.camera_frame = camera_frame;
+    auto joined = std::make_unique<Joined>(WithPreset(options));
+    for (int tick = 0; tick < 64; ++tick) {
+      const int64_t utime = tick * 15'625;
+      const Pose pose = BodyAt(utime) * OpticalInBody();
+      Pose other = pose;
+      other.translation().z() += 5;
+      joined->Add("DRAKE_VIEWER_DRAW", DrakeDraw(utime, "camera::optical", pose), utime);
+      joined->Add("DRAKE_VIEWER_DRAW", DrakeDraw(utime, "camera::optical", other, 4), utime);
+      if (tick % 6 == 0) joined->Add("DRAKE_RGBD_CAMERA_IMAGES_a", DrakeImages(utime), utime);
+    }
+    joined->joiner.Finish();
+    return joined;
+  };
+  for (const int robot : {3, 4}) {
+    const auto joined = joined_with(FrameOfRobot("camera::optical", robot));
+    ASSERT_GE(joined->frames.size(), 10u) << joined->joiner.dropped().Text();
+    for (const ForeignFrame& frame : joined->frames) {
+      const double height = frame.T_W_C.translation().z();
+      EXPECT_NEAR(height, 0.4 + 0.3 + (robot == 4 ? 5 : 0), 1e-3) << robot;
+    }
+  }
+  const auto ambiguous = joined_with("camera::optical");
+  EXPECT_LE(ambiguous->frames.size(), 1u) << "until the other robot is heard of";
+  EXPECT_THAT(ambiguous->joiner.dropped().Text(),
+              HasSubstr("several robots have a frame 'camera::optical'; call it "
+                        "camera::optical@3 or camera::optical@4"));
+}
+
 TEST(FrameJoiner, ReadsBotCoreThroughTransformAndThroughBodyWithAMount) {
   for (const bool through_body : {false, true}) {
     AdapterCameraOptions options;
@@ -400,7 +435,8 @@ TEST(CameraJoiners, RejectCamerasThatDoNotFitTogether) {
   std::vector<AdapterCameraOptions> cameras = TwoCameras();
   EXPECT_EQ(error(cameras), "");
   cameras[1].root = "map";
-  EXPECT_THAT(error(cameras), HasSubstr("adapter.root is 'world' of camera 0 and 'map' of camera 1"));
+  EXPECT_THAT(error(cameras),
+              HasSubstr("adapter.root is 'world' of camera 0 and 'map' of camera 1"));
   cameras = TwoCameras();
   cameras[1].depth_channel = cameras[0].depth_channel;
   EXPECT_THAT(error(cameras), HasSubstr("adapter.depth_channel"));

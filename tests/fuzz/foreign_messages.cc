@@ -25,7 +25,7 @@ namespace {
 
 using Bytes = std::vector<uint8_t>;
 
-constexpr int kWidth = 8, kHeight = 6;  // of the images
+constexpr int kWidth = 8, kHeight = 6;         // of the images
 constexpr size_t kContent = size_t{64} << 20;  // of decoded images; a packed one expands 1032 times
 
 /// What the adapter makes of an image: corrected pixels, and the frame that is published.
@@ -58,7 +58,7 @@ Result<void> UseMessage(std::span<const uint8_t> bytes, ImageRole role) {
 
 template <typename Message>
 FuzzTarget ForeignTarget(const std::string& type, Message message, size_t most_bytes,
-                  ImageRole role = ImageRole::kColor) {
+                         ImageRole role = ImageRole::kColor) {
   FuzzTarget target;
   target.type = type;
   target.channel_bytes = most_bytes;
@@ -190,26 +190,30 @@ std::vector<FuzzTarget> ForeignFuzzTargets() {
   const auto depth = ImageRole::kDepth;
   return {
       ForeignTarget("sensor_msgs.Image rgb8", RosImageOf("rgb8", Pixels(3), 3 * kWidth), kImages),
-      ForeignTarget("sensor_msgs.Image jpeg", RosImageOf("jpeg", Encoded(".jpg", CV_8UC3), 0), kImages),
-      ForeignTarget("sensor_msgs.Image 16UC1", RosImageOf("16UC1", Pixels(2), 2 * kWidth), kImages, depth),
-      ForeignTarget("sensor_msgs.Image 64FC1", RosImageOf("64FC1", Pixels(8), 8 * kWidth), kImages, depth),
-      ForeignTarget("sensor_msgs.Image png", RosImageOf("png", Encoded(".png", CV_16UC1), 0), kImages,
-             depth),
+      ForeignTarget("sensor_msgs.Image jpeg", RosImageOf("jpeg", Encoded(".jpg", CV_8UC3), 0),
+                    kImages),
+      ForeignTarget("sensor_msgs.Image 16UC1", RosImageOf("16UC1", Pixels(2), 2 * kWidth), kImages,
+                    depth),
+      ForeignTarget("sensor_msgs.Image 64FC1", RosImageOf("64FC1", Pixels(8), 8 * kWidth), kImages,
+                    depth),
+      ForeignTarget("sensor_msgs.Image png", RosImageOf("png", Encoded(".png", CV_16UC1), 0),
+                    kImages, depth),
       ForeignTarget("sensor_msgs.CameraInfo", Info(), kPoses),
       ForeignTarget("tf2_msgs.TFMessage", Transforms(), kPoses),
       ForeignTarget("geometry_msgs.PoseStamped", pose, kPoses),
       ForeignTarget("nav_msgs.Odometry", odometry, kPoses),
       ForeignTarget("lcmt_image_array zlib",
-             ArrayOf(DrakeImageOf(5, 3, 1, 2, ZippedPixels(2)),
-                     DrakeImageOf(3, 1, 1, 4, ZippedPixels(4))),
-             kImages),
+                    ArrayOf(DrakeImageOf(5, 3, 1, 2, ZippedPixels(2)),
+                            DrakeImageOf(3, 1, 1, 4, ZippedPixels(4))),
+                    kImages),
       ForeignTarget("lcmt_image_array png",
-             ArrayOf(DrakeImageOf(5, 3, 3, 2, Encoded(".png", CV_16UC1)),
-                     DrakeImageOf(1, 1, 2, 3, Encoded(".jpg", CV_8UC3))),
-             kImages),
-      ForeignTarget("lcmt_image_array raw",
-             ArrayOf(DrakeImageOf(5, 6, 0, 4, Pixels(4)), DrakeImageOf(2, 1, 0, 3, Pixels(3))),
-             kImages),
+                    ArrayOf(DrakeImageOf(5, 3, 3, 2, Encoded(".png", CV_16UC1)),
+                            DrakeImageOf(1, 1, 2, 3, Encoded(".jpg", CV_8UC3))),
+                    kImages),
+      ForeignTarget(
+          "lcmt_image_array raw",
+          ArrayOf(DrakeImageOf(5, 6, 0, 4, Pixels(4)), DrakeImageOf(2, 1, 0, 3, Pixels(3))),
+          kImages),
       ForeignTarget("lcmt_viewer_draw", Draw(), kPoses),
       ForeignTarget("images_t", BotImagesOf(), kImages),
       ForeignTarget("image_t", BotImagesOf().images[1], kImages, depth),

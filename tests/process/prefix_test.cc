@@ -88,9 +88,10 @@ TEST(ChannelPrefix, LogsHaveIt) {
   EXPECT_THAT(sentence, HasSubstr("--channel-prefix 'my.robot/'"));
   EXPECT_EQ(run("log", {"verify", log, prefix[0], prefix[1]}).first, 0);
   const std::string part = (folder / "part.lcmlog").string();
-  EXPECT_EQ(run("log", {"cut", log, "--channels", "RGBD_FRAME", "--out", part, prefix[0], prefix[1]})
-                .first,
-            0);
+  EXPECT_EQ(
+      run("log", {"cut", log, "--channels", "RGBD_FRAME", "--out", part, prefix[0], prefix[1]})
+          .first,
+      0);
   EXPECT_EQ(OfflineRoomHash("2", part, {"--detections", "none", prefix[0], prefix[1]}),
             OfflineRoomHash("2", RoomPipeline::kRoom, {"--detections", "none"}));
 }
@@ -98,9 +99,9 @@ TEST(ChannelPrefix, LogsHaveIt) {
 TEST(ChannelPrefix, ABridgeCarriesIt) {
   ProcessBus here, there;
   ProcessBus robot(here, "robot/"), base(there, "robot/");
-  const auto bridge = robot.Start(
-      "bridge", {"--remote-url", there.url(), "--send", "SEGMENTED_FRAME,MAP_REQUEST", "--receive",
-                 "MAP_COMMIT,MAP_REPLY"});
+  const auto bridge =
+      robot.Start("bridge", {"--remote-url", there.url(), "--send", "SEGMENTED_FRAME,MAP_REQUEST",
+                             "--receive", "MAP_COMMIT,MAP_REPLY"});
   RoomPipeline pipeline(&robot, &base);
   pipeline.Start();
   pipeline.WaitForEnd();
@@ -109,7 +110,8 @@ TEST(ChannelPrefix, ABridgeCarriesIt) {
 
 TEST(ChannelPrefix, AnImpossibleOneIsAWrongUse) {
   const TempFolder folder;
-  for (const std::string bad : {"a b", "over*all", "very-long-very-long-very-long-very-long-very-long-/"}) {
+  for (const std::string bad :
+       {"a b", "over*all", "very-long-very-long-very-long-very-long-very-long-/"}) {
     ChildProcess hub("hub", {"--listen", "127.0.0.1:0", "--channel-prefix", bad}, folder.path());
     EXPECT_EQ(hub.WaitForExit(), 2) << bad;
     EXPECT_THAT(hub.StandardError(), HasSubstr("bus.channel_prefix (--channel-prefix)"));

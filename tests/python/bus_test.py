@@ -104,6 +104,24 @@ class HubTest(unittest.TestCase):
         self.assertEqual([(m.seq, m.source, m.message) for m in found], [(0, "me", "a"), (1, "me", "b"), (2, "me", "c")])
         self.assertLess(abs(found[0].utime - vismap.now_utime()), 10e6)
 
+    def test_a_prefix_stands_before_all_channels(self):
+        mine, plain = self.bus(channel_prefix="my.robot/"), self.bus()
+        chosen, everything = mine.subscribe("STATUS|MAP_.*"), plain.subscribe(".*")
+        wait_until(lambda: len(self.hub.patterns) == 2)
+        self.assertIn((2, r"my\.robot/(?:STATUS|MAP_.*)"), self.hub.patterns)
+        plain.publish("STATUS", status("not mine"))
+        mine.publish("STATUS", status("mine"))
+        self.assertEqual([everything.get(10).channel for _ in range(2)], ["STATUS", "my.robot/STATUS"])
+        received = chosen.get(10)
+        self.assertEqual((received.channel, received.decode().message), ("STATUS", "mine"))
+        self.assertIsNone(chosen.poll(0.1))
+        self.assertEqual(mine.published, {"STATUS": 1})
+        with self.assertRaisesRegex(vismap.BusError, "at most"):
+            mine.publish_bytes("STATUS", bytes(1 << 20))
+        for prefix in ("a b", "a*", "x" * 49):
+            with self.assertRaisesRegex(vismap.BusError, "prefix"):
+                vismap.Bus(self.hub.url, channel_prefix=prefix)
+
     def test_patterns_match_whole_names(self):
         bus = self.bus()
         chosen, one = bus.subscribe("MAP_.*"), bus.subscribe("MAP")

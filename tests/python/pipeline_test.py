@@ -131,6 +131,20 @@ class PipelineTest(unittest.TestCase):
         self.assertIn(b"element vertex %d\n" % len(mesh.vertices), header)
         self.assertIn(b"element face %d\n" % len(mesh.faces), header)
 
+    def test_live_space_has_the_digest_of_the_server(self):
+        self.run_example("The live space: free, occupied and unknown voxels")
+        self.processes.stop("driver")
+        self.addCleanup(self.start, "driver", sys.executable, "-B", DRIVER)
+        with vismap.LiveSpace(self.bus) as live:
+            live.wait()
+            wait_until(lambda: vismap.ask(self.bus, "statistics").json()["occupancy_digest"] == live.digest, "equality of the digests")
+            space = live.space()
+        self.assertEqual(space.at([2.5, 1.5, 1.0]), vismap.FREE, "above the box")
+        self.assertEqual(space.at([9.0, 9.0, 9.0]), vismap.UNKNOWN)
+        obstacles = space.centers_W(vismap.OCCUPIED)
+        self.assertGreater(len(obstacles), 1000)
+        self.assertLess(np.median(np.abs(distance_to_room(obstacles))), 0.03)
+
     def test_doctor_calls_the_camera_healthy(self):
         doctor = subprocess.run([BIN / "vismap-doctor", "--seconds", "3", "--json", "--lcm-url", self.url], capture_output=True,
                                 text=True, timeout=DEADLINE)

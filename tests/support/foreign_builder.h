@@ -171,12 +171,12 @@ inline Bytes DrakeImages(int64_t utime) {
   return Pack(array);
 }
 
-inline Bytes DrakeDraw(int64_t utime, const std::string& link, const Pose& pose) {
+inline Bytes DrakeDraw(int64_t utime, const std::string& link, const Pose& pose, int robot = 3) {
   foreign::drake::lcmt_viewer_draw draw{};
   draw.timestamp = utime / 1000;
   draw.num_links = 2;
   draw.link_name = {"world", link};
-  draw.robot_num = {0, 3};
+  draw.robot_num = {0, robot};
   const Eigen::Quaternionf q(pose.rotation().cast<float>());
   const Eigen::Vector3f p = pose.translation().cast<float>();
   draw.position = {{0, 0, 0}, {p.x(), p.y(), p.z()}};

@@ -16,13 +16,15 @@ from .messages import decode, encode, types, version
 from .objects import MapObject, OrientedBox, get_objects, objects_of
 from .octree import FREE, OCCUPIED, UNKNOWN, Octree, read_octree
 from .requests import Reply, ask, load, save
+from .space import LiveSpace, Space, SpaceFollower, space_of
 from .status import Status
 
 __version__ = version()
 __all__ = [
-    "Bus", "BusError", "Camera", "DeviceClock", "FREE", "LiveMap", "LiveOctree", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError",
+    "Bus", "BusError", "Camera", "DeviceClock", "FREE", "LiveMap", "LiveOctree", "LiveSpace", "LogError", "LogEvent", "LogReader", "LogWriter",
+    "MapError",
     "MapObject", "Mesh", "MeshFollower", "Message", "MessageError", "Newest", "OCCUPIED", "Octree", "OrientedBox", "Pace",
-    "Received", "Reply", "RequestError", "SavedMap", "Status", "Subscription", "UNKNOWN", "VismapError", "WaitTimeout", "ask",
+    "Received", "Reply", "RequestError", "SavedMap", "Space", "SpaceFollower", "Status", "Subscription", "UNKNOWN", "VismapError", "WaitTimeout", "ask",
     "color_of", "decode", "depth_of", "encode", "frame_message", "get_objects", "load", "now_utime", "objects_of", "open_map",
-    "publish_frame", "read_octree", "save", "types", "version",
+    "publish_frame", "read_octree", "save", "space_of", "types", "version",
 ]

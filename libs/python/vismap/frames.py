@@ -12,6 +12,7 @@ import numpy.typing as npt
 from . import messages
 from .bus import Bus, now_utime
 from .errors import MessageError
+from .images import decode_color_file, decode_depth_png
 from .native import zstd_decompress
 
 Depth = npt.NDArray[np.uint16] | npt.NDArray[np.float32] | npt.NDArray[np.float64]
@@ -173,26 +174,30 @@ def depth_of(message: Any) -> npt.NDArray[np.float32]:
         steps = np.frombuffer(_exactly(message.depth, size), "<u2")
     elif encoding == _ZLIB_16:
         steps = np.frombuffer(_exactly(_inflate(message.depth, size), size), "<u2")
+    elif encoding == _PNG_16:
+        steps = decode_depth_png(bytes(message.depth), height, width).reshape(-1)
     else:
-        raise MessageError(f"rgbd_frame_t: depth_encoding {encoding} is not decoded here; of a PNG (3), give message.depth to "
-                           "an image library, for example cv2.imdecode")
+        raise MessageError(f"rgbd_frame_t: depth_encoding {encoding} is unknown")
     depth = steps.astype(np.float32) * np.float32(message.depth_unit_m)
     depth[(steps == 0) | (steps == 65535)] = np.nan
     return depth.reshape(height, width)
 
 
 def color_of(message: Any) -> npt.NDArray[np.uint8] | None:
-    """The raw colour of an rgbd_frame_t as (H, W, 3) red, green, blue; None when there is none. Raises MessageError for
-    JPEG and PNG, which need an image library."""
+    """The colour of an rgbd_frame_t as (H, W, 3) red, green, blue; None when there is none. Raises MessageError on bytes that
+    are no such image, and on a JPEG when neither Pillow nor OpenCV is installed."""
     encoding = message.color_encoding
     if encoding == _NO_COLOR:
         return None
-    if encoding not in _CHANNELS:
-        raise MessageError(f"rgbd_frame_t: color_encoding {encoding} (1 = JPEG, 2 = PNG) is not decoded here; give message.color "
-                           "to an image library, for example cv2.imdecode")
-    height, width, channels = message.color_camera.height, message.color_camera.width, _CHANNELS[encoding]
-    if height < 1 or width < 1:
-        raise MessageError(f"rgbd_frame_t: the colour image has {width}x{height} pixels")
+    if encoding not in _CHANNELS and encoding not in (_JPEG, _PNG):
+        raise MessageError(f"rgbd_frame_t: color_encoding {encoding} is unknown")
+    camera = message if hasattr(type(message), "width") else message.color_camera  # of the first version of the type
+    height, width = camera.height, camera.width
+    if height < 1 or width < 1 or height * width > _MOST_PIXELS:
+        raise MessageError(f"rgbd_frame_t: the colour image has {width}x{height} pixels; at most {_MOST_PIXELS} are decoded")
+    if encoding in (_JPEG, _PNG):
+        return decode_color_file(bytes(message.color), height, width)
+    channels = _CHANNELS[encoding]
     image = np.frombuffer(_exactly(message.color, height * width * channels), np.uint8).reshape(height, width, channels)
     if channels == 1:
         return np.repeat(image, 3, axis=2)

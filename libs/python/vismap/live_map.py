@@ -1,24 +1,17 @@
 """The live map as numpy arrays: a copy of the surface that follows the updates on MESH_DELTA."""
 from __future__ import annotations
 
-import logging
 import struct
-import threading
-import time
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Any, Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import messages
-from .bus import Bus, now_utime
-from .errors import BusError, MapError, MessageError, WaitTimeout
+from .bus import Bus
+from .errors import MapError
 from .native import checksum64, digest128
-
-_log = logging.getLogger("vismap")
-BlockIndex = tuple[int, int, int]
+from .updates import BlockIndex, Follower, Live, Part
 
 
 @dataclass(frozen=True)
@@ -87,37 +80,11 @@ def _decode_block(message: Any) -> _Block:
                   max(1, checksum64(message.encode()) or 0))
 
 
-@dataclass(frozen=True)
-class _Part:
-    blocks: Mapping[BlockIndex, _Block | None]  # None = the block has no surface any more
-    bytes: int
+class MeshFollower(Follower[_Block, Mesh]):
+    """A copy of the surface, made of the messages of MESH_DELTA; see Follower. mesh() is its present state."""
 
-
-class MeshFollower:
-    """A copy of the surface, made of the messages of MESH_DELTA. It has no clock and no bus of its own.
-
-    An update applies only to the revision that it is based on, so that the copy always equals an earlier state of the
-    map. When one is missing, `in_sync` is False, and `position` is the argument of the request for what is missing.
-    """
-
-    def __init__(self, max_bytes: int = 2 << 30, max_wait_s: float = 30.0) -> None:
-        self.map_id = ""
-        self.revision = -1
-        self.utime = 0
-        self.in_sync = False
-        self.gaps = 0  # how often an update was missing
-        self._max_bytes, self._max_wait_s = max_bytes, max_wait_s
-        self._blocks: dict[BlockIndex, _Block] = {}
-        self._bytes = 0
-        self._parts: dict[int, _Part] = {}  # of the update that is being collected
-        self._staged: tuple[Any, ...] | None = None
-        self._staged_since = 0.0
-        self._joined: Mesh | None = None
-
-    @property
-    def position(self) -> str:
-        """MAP_ID@REVISION of the copy; "" when it is empty."""
-        return f"{self.map_id}@{self.revision}" if self.revision >= 0 else ""
+    TYPE = "vismap.mesh_delta_t"
+    WHAT = "surface"
 
     @property
     def digest(self) -> str:
@@ -125,197 +92,52 @@ class MeshFollower:
         total = sum(block.hash for block in self._blocks.values()) & ((1 << 64) - 1)
         return digest128(struct.pack("<QQ", len(self._blocks), total))
 
-    def apply(self, data: bytes, now: float) -> bool:
-        """Adds the bytes of a MESH_DELTA at a time [s]. Returns whether the copy has advanced. Raises MapError or
-        MessageError on inconsistent bytes; the copy stays as it was."""
-        message = messages.decode(data, messages.types["vismap.mesh_delta_t"])
-        if not 0 <= message.part < message.parts:
-            raise MapError(f"mesh_delta_t of map '{message.map_id}': it is part {message.part} of {message.parts}")
-        if not self._wanted(message, now):
-            return False
-        self._parts[message.part] = self._decode_part(message)
-        self._staged_since = now
-        if sum(part.bytes for part in self._parts.values()) > self._max_bytes:
-            self._drop_parts()
-            self._miss()
-            raise MapError(f"the surface needs more than the allowed {self._max_bytes} bytes; give LiveMap a larger max_mb")
-        if len(self._parts) < message.parts:
-            return False
-        self._apply_parts(message)
-        return True
+    def mesh(self) -> Mesh:
+        """The whole surface, by ascending index of the blocks. Blocks do not share vertices. Do not write to the arrays."""
+        return self.copied()
 
-    def _wanted(self, message: Any, now: float) -> bool:
-        same_map = message.map_id == self.map_id
-        if same_map and self.in_sync and message.revision <= self.revision:
-            return False
-        whole = (message.map_id, message.revision, message.base_revision, message.full, message.parts)
-        if self._staged != whole:
-            if not message.full and not (same_map and 0 <= self.revision == message.base_revision):
-                self._miss()
-                return False
-            self._drop_parts()
-            self._staged, self._staged_since = whole, now
-        return message.part not in self._parts
-
-    @staticmethod
-    def _decode_part(message: Any) -> _Part:
+    def _decode_part(self, message: Any) -> Part[_Block]:
         blocks: dict[BlockIndex, _Block | None] = {}
         last: BlockIndex | None = None
         for block in message.blocks:
             index = (int(block.index[0]), int(block.index[1]), int(block.index[2]))
             if last is not None and not last < index:
-                raise MapError(f"mesh_delta_t of map '{message.map_id}': the blocks are not in ascending order")
+                raise MapError(f"{self._name(message)}: the blocks are not in ascending order")
             decoded = _decode_block(block)
             blocks[index] = decoded if block.n_vertices else None
             last = index
-        return _Part(blocks, sum(block.bytes for block in blocks.values() if block is not None))
+        return Part(blocks, sum(block.bytes for block in blocks.values() if block is not None))
 
-    def _apply_parts(self, message: Any) -> None:
-        if message.full:
-            self._blocks, self._bytes = {}, 0
-        for _, part in sorted(self._parts.items()):
-            for index, block in part.blocks.items():
-                old = self._blocks.pop(index, None)
-                self._bytes -= old.bytes if old is not None else 0
-                if block is not None:
-                    self._blocks[index] = block
-                    self._bytes += block.bytes
-        self._drop_parts()
-        self._joined = None
-        self.map_id, self.revision, self.utime, self.in_sync = message.map_id, message.revision, message.utime, True
-        if self._bytes > self._max_bytes:
-            self._blocks, self._bytes, self.revision = {}, 0, -1
-            self._miss()
-            raise MapError(f"the surface needs more than the allowed {self._max_bytes} bytes; give LiveMap a larger max_mb")
+    def _bytes_of(self, block: _Block) -> int:
+        return block.bytes
 
-    def give_up_stale_parts(self, now: float) -> int:
-        """Drops the parts of an update of which the others have not come for too long. Returns how many."""
-        if self._staged is None or now - self._staged_since < self._max_wait_s:
-            return 0
-        dropped = len(self._parts)
-        self._drop_parts()
-        return dropped
+    def _join(self, blocks: list[tuple[BlockIndex, _Block]]) -> Mesh:
+        parts = [block for _, block in blocks]
+        first = np.cumsum([0] + [len(block.vertices) for block in parts])
 
-    def mesh(self) -> Mesh:
-        """The whole surface, by ascending index of the blocks. Blocks do not share vertices. Do not write to the arrays."""
-        if self._joined is None:
-            self._joined = self._join([self._blocks[index] for index in sorted(self._blocks)])
-        return self._joined
-
-    def _join(self, blocks: list[_Block]) -> Mesh:
-        first = np.cumsum([0] + [len(block.vertices) for block in blocks])
-
-        def stacked(parts: list[npt.NDArray[Any]], kind: Any) -> npt.NDArray[Any]:
-            return np.concatenate(parts) if parts else np.zeros((0, 3), kind)
-        ids = stacked([block.ids for block in blocks], np.int32)
-        faces = stacked([block.faces + np.int32(start) for block, start in zip(blocks, first)], np.int32)
-        return Mesh(stacked([block.vertices for block in blocks], np.float32),
-                    stacked([block.normals for block in blocks], np.float32),
-                    stacked([block.colors for block in blocks], np.uint8), ids[:, 0].copy(), ids[:, 1].copy(),
+        def stacked(arrays: list[npt.NDArray[Any]], kind: Any) -> npt.NDArray[Any]:
+            return np.concatenate(arrays) if arrays else np.zeros((0, 3), kind)
+        ids = stacked([block.ids for block in parts], np.int32)
+        faces = stacked([block.faces + np.int32(start) for block, start in zip(parts, first)], np.int32)
+        return Mesh(stacked([block.vertices for block in parts], np.float32),
+                    stacked([block.normals for block in parts], np.float32),
+                    stacked([block.colors for block in parts], np.uint8), ids[:, 0].copy(), ids[:, 1].copy(),
                     ids[:, 2].astype(np.uint16), faces, self.map_id, self.revision, self.utime)
 
-    def _drop_parts(self) -> None:
-        self._parts, self._staged = {}, None
 
-    def _miss(self) -> None:
-        # Staged parts stay, since the other parts of that update may still come.
-        self.gaps += self.in_sync
-        self.in_sync = False
-
-
-class LiveMap:
-    """Follows the map of the running server; a thread of its own does so. Missed updates are requested again.
+class LiveMap(Live[_Block, Mesh]):
+    """Follows the surface of the running server; a thread of its own does so. Missed updates are requested again.
 
         with vismap.Bus() as bus, vismap.LiveMap(bus) as live:
             mesh = live.wait(revision=10)
     """
 
-    _REQUEST_S = 2.0  # between two requests for what is missing
-    _TURN_S = 0.25
-
     def __init__(self, bus: Bus, max_mb: int = 2048) -> None:
-        self._bus = bus
-        self._follower = MeshFollower(max_mb << 20)
-        self._updates = bus.subscribe("MESH_DELTA", capacity=1000)
-        self._changed = threading.Condition()
-        self._closing = False
-        self._next_request = 0.0
-        self._error = ""
-        self._thread = threading.Thread(target=self._follow, name="vismap live map", daemon=True)
-        self._thread.start()
+        super().__init__(bus, MeshFollower(max_mb << 20), "MESH_DELTA", "mesh")
 
     def mesh(self) -> Mesh:
         """The surface as far as it is known now; empty, with revision -1, before the first update has come."""
-        with self._changed:
-            return self._follower.mesh()
-
-    @property
-    def digest(self) -> str:
-        """Digest of the surface; see MeshFollower.digest."""
-        with self._changed:
-            return self._follower.digest
-
-    @property
-    def gaps(self) -> int:
-        """How often an update was missing."""
-        return self._follower.gaps
-
-    def wait(self, revision: int = 0, timeout: float = 60.0) -> Mesh:
-        """The surface once it is complete and has at least `revision` frames. Raises WaitTimeout after `timeout` [s]."""
-        with self._changed:
-            found = self._changed.wait_for(lambda: self._follower.in_sync and self._follower.revision >= revision, timeout)
-            if not found:
-                raise WaitTimeout(
-                    f"the map has not reached revision {revision} within {timeout:g} s; "
-                    + (f"it is at {self._follower.revision}" if self._follower.revision >= 0 else
-                       f"no MESH_DELTA came on {self._bus.url}: check with vismap-doctor that vismap-map-server is running")
-                    + (f"; {self._error}" if self._error else ""))
-            return self._follower.mesh()
-
-    def close(self) -> None:
-        """Stops following."""
-        self._closing = True
-        self._thread.join()
-        self._updates.close()
+        return self.now()
 
     def __enter__(self) -> LiveMap:
         return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.close()
-
-    def _follow(self) -> None:
-        self._request()
-        while not self._closing:
-            try:
-                received = self._updates.poll(self._TURN_S)
-            except BusError:
-                return  # the bus was closed
-            with self._changed:
-                self._follower.give_up_stale_parts(time.monotonic())
-                if received is not None:
-                    self._apply(received.data)
-                in_sync = self._follower.in_sync
-            if not in_sync:
-                self._request()
-
-    def _apply(self, data: bytes) -> None:
-        try:
-            if self._follower.apply(data, time.monotonic()):
-                self._error = ""
-                self._changed.notify_all()
-        except (MapError, MessageError) as error:
-            self._error = f"an update was left out: {error}"
-            _log.warning("%s", self._error)
-
-    def _request(self) -> None:
-        if time.monotonic() < self._next_request:
-            return
-        self._next_request = time.monotonic() + self._REQUEST_S
-        request = messages.types["vismap.map_request_t"](utime=now_utime(), verb="mesh", argument=self._follower.position)
-        fields: Any = request
-        fields.request_id = fields.utime
-        try:
-            self._bus.publish("MAP_REQUEST", request)
-        except BusError:
-            pass  # it is requested again when the connection is back

@@ -16,7 +16,8 @@ class _Hash128(ctypes.Structure):
 
 
 @functools.cache
-def _module(name: str) -> Any:
+def optional_module(name: str) -> Any:
+    """A Python module; None when it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -33,7 +34,7 @@ def _library(name: str) -> Any:
 
 @functools.cache
 def _xxh3_64() -> Callable[[bytes], int] | None:
-    package, library = _module("xxhash"), _library("libxxhash.so.0")
+    package, library = optional_module("xxhash"), _library("libxxhash.so.0")
     if package is not None and hasattr(package, "xxh3_64_intdigest"):
         return lambda data: int(package.xxh3_64_intdigest(data))
     if library is None:
@@ -45,7 +46,7 @@ def _xxh3_64() -> Callable[[bytes], int] | None:
 
 @functools.cache
 def _xxh3_128() -> Callable[[bytes], str] | None:
-    package, library = _module("xxhash"), _library("libxxhash.so.0")
+    package, library = optional_module("xxhash"), _library("libxxhash.so.0")
     if package is not None and hasattr(package, "xxh3_128_hexdigest"):
         return lambda data: str(package.xxh3_128_hexdigest(data))
     if library is None:
@@ -71,13 +72,26 @@ def digest128(data: Bytes) -> str:
     return "" if function is None else function(bytes(data))
 
 
+def zstd_content_size(data: Bytes) -> int:
+    """The number of bytes that a zstd frame says that it expands to. Fails when it says none."""
+    if len(data) < 5 or bytes(data[:4]) != b"\x28\xb5\x2f\xfd":
+        raise MapError("these bytes do not begin like a zstd frame")
+    descriptor = data[4]
+    single = descriptor >> 5 & 1
+    at = 5 + (1 - single) + (0, 1, 2, 4)[descriptor & 3]
+    length = (single, 2, 4, 8)[descriptor >> 6]
+    if length == 0 or len(data) < at + length:
+        raise MapError("a zstd frame does not say to how many bytes it expands")
+    return int.from_bytes(data[at:at + length], "little") + (256 if length == 2 else 0)
+
+
 def zstd_decompress(data: Bytes, size: int) -> bytes:
     """The `size` bytes that a zstd frame expands to. Allocates no more. Fails when the frame is damaged or has another
     size, and when there is neither libzstd nor the package zstandard."""
     library = _library("libzstd.so.1")
     if library is not None:
         return _decompress_by_library(library, bytes(data), size)
-    package = _module("zstandard")
+    package = optional_module("zstandard")
     if package is None:
         raise MapError("map files are compressed by zstd, and neither libzstd nor the package zstandard is installed; "
                        "run: sudo apt-get install libzstd1")

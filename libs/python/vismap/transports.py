@@ -83,7 +83,11 @@ class Transport(Protocol):
 
 def open_transport(url: Url, timeout: float, channel_prefix: str = "") -> Transport:
     """Connects; for a hub within `timeout` [s]. All channels have the prefix on the bus."""
-    transport: Transport = TcpqTransport(url, timeout) if url.provider == "tcpq" else UdpmTransport(url)
+    transport: Transport
+    if url.provider == "tcpq":
+        transport = TcpqTransport(url, timeout)
+    else:
+        transport = UdpmTransport(url)
     return PrefixedTransport(transport, channel_prefix) if channel_prefix else transport
 
 
