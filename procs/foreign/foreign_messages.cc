@@ -228,6 +228,8 @@ Result<ForeignMessage> FromImageArray(foreign::drake::lcmt_image_array& message,
 Result<ForeignMessage> FromViewerDraw(foreign::drake::lcmt_viewer_draw& message,
                                       const Options& options) {
   ForeignMessage result;
+  if (message.timestamp < 0 || message.timestamp > kLatestUtime / 1000)
+    return Fail("lcmt_viewer_draw.timestamp is " + std::to_string(message.timestamp) + " ms");
   for (size_t i = 0; i < message.link_name.size(); ++i) {
     if (message.link_name[i] == options.root) continue;
     const std::vector<float>& p = message.position[i];
@@ -422,7 +424,14 @@ Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::
   const auto found = kReaders.find(envelope::ReadFingerprint(bytes));
   if (found == kReaders.end())
     return Fail("the type of the message is not one that the adapter reads");
-  return found->second(bytes, channel, options);
+  Result<ForeignMessage> message = found->second(bytes, channel, options);
+  if (!message) return message;
+  for (const EdgeSample& edge : message->edges) {
+    if (edge.utime < 0 || edge.utime > kLatestUtime)
+      return Fail("the pose of '" + edge.child + "' has the impossible time " +
+                  std::to_string(edge.utime) + " us");
+  }
+  return message;
 }
 
 }  // namespace vismap

@@ -46,9 +46,13 @@ struct ForeignMessageOptions {
 
 /// Decodes a message of DimOS (Image, CameraInfo, TFMessage, PoseStamped, Odometry), Drake (image
 /// array, viewer draw) or bot_core (images, image, pose, rigid transform); the fingerprint says
-/// which. Fails on other types, and, naming the field, on what cannot be used.
+/// which. Fails on other types, and, naming the field, on what cannot be used, among it poses at
+/// times below 0 or above kLatestUtime. Times of images are not judged.
 Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::string& channel,
                                      const ForeignMessageOptions& options);
+
+/// The latest time that a message can have [us], in the year 2255, so that sums do not overflow.
+inline constexpr int64_t kLatestUtime = int64_t{1} << 53;
 
 /// Time of a stamp [us], rounded: DimOS sends stamps through float seconds.
 int64_t UtimeOf(int32_t sec, int32_t nsec);

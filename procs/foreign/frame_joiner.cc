@@ -102,7 +102,8 @@ Result<void> FrameJoiner::Prepare(ForeignImage* image, bool is_color, int64_t re
                                   int64_t number) {
   image->message = number;
   if (options_.time == ImageTime::kReceived) image->utime = received;
-  if (image->utime < 0) return Fail("the time of an image is negative");
+  if (image->utime < 0 || image->utime > kLatestUtime)
+    return Fail("an image has an impossible time, which is negative or far in the future");
   if (!keep_pixels_) {
     image->bytes.clear();
     image->bytes.shrink_to_fit();

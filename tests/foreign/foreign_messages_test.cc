@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "foreign/presets.h"
 #include "support/foreign_builder.h"
 
@@ -104,6 +106,20 @@ TEST(ForeignMessages, TakeTheFrameOfATransformFromItsChannel) {
       DecodeForeign(BotTransform(5, BodyAt(0)), "POSE", {kColor, "local", "body", "x"});
   ASSERT_TRUE(other);
   EXPECT_EQ(other->edges.at(0).child, "x");
+}
+
+TEST(ForeignMessages, PosesAtImpossibleTimesAreErrors) {
+  constexpr int64_t kMost = std::numeric_limits<int64_t>::max();
+  for (const int64_t utime : {-kMost - 1, int64_t{-1}, kLatestUtime + 1, kMost}) {
+    EXPECT_FALSE(DecodeForeign(BotTransform(utime, BodyAt(0)), "C", {kColor, "local", "b", "x"}));
+    EXPECT_FALSE(DecodeForeign(BotPose(utime, BodyAt(0)), "C", {kColor, "local", "b", "x"}));
+  }
+  foreign::drake::lcmt_viewer_draw draw{};
+  for (const int64_t timestamp : {int64_t{-1}, kMost, kLatestUtime}) {
+    draw.timestamp = timestamp;
+    EXPECT_FALSE(DecodeForeign(Pack(draw), "DRAKE_VIEWER_DRAW", {kColor, "world", "b", "x"}));
+  }
+  EXPECT_TRUE(DecodeForeign(BotPose(kLatestUtime, BodyAt(0)), "C", {kColor, "local", "b", "x"}));
 }
 
 TEST(ForeignImage, DamagedZlibIsAnError) {

@@ -68,7 +68,8 @@ constexpr char kOutputConfig[] = R"(adapter {
 void WriteBytes(const std::filesystem::path& path, const std::vector<uint8_t>& bytes) {
   std::filesystem::create_directories(path.parent_path());
   std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
 }
 
 /// Writes the latest messages, and what the server says of the same map.
@@ -78,10 +79,11 @@ void WriteFacts(ProcessBus* processes, const LatestMessages& robot) {
     WriteBytes(folder / "messages" / name, robot.of(channel));
   const map_reply_t objects = Ask(processes, "objects");
   EXPECT_TRUE(objects.ok) << objects.message;
-  WriteBytes(folder / "messages" / "objects.json", {objects.payload.begin(), objects.payload.end()});
-  const auto follow = processes->Start(
-      "map", {"follow", "--frames", std::to_string(RoomPipeline::kFrames), "--out",
-              (folder / "messages" / "surface.ply").string()});
+  WriteBytes(folder / "messages" / "objects.json",
+             {objects.payload.begin(), objects.payload.end()});
+  const auto follow =
+      processes->Start("map", {"follow", "--frames", std::to_string(RoomPipeline::kFrames), "--out",
+                               (folder / "messages" / "surface.ply").string()});
   EXPECT_EQ(follow->WaitForExit(), 0) << follow->StandardError();
 }
 
