@@ -30,7 +30,7 @@ struct VismapConfig : SegmentationStageOptions, MapSessionOptions, OutputOptions
   BridgeOptions bridge;
   AdapterOptions adapter;
   GroundGridOptions ground_grid;
-  SharedBusOptions bus;
+  SharedOptions pipeline;
 };
 
 /// Sets the options of a config that follow from others and are no keys. A config that was read has

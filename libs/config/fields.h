@@ -201,8 +201,8 @@ inline constexpr auto FieldsOf(const HubOptions&) {
                     VISMAP_FIELD(latest), VISMAP_FIELD(drop_newest));
 }
 
-inline constexpr auto FieldsOf(const SharedBusOptions&) {
-  using Options = SharedBusOptions;
+inline constexpr auto FieldsOf(const SharedOptions&) {
+  using Options = SharedOptions;
   return std::tuple(VISMAP_FIELD(channel_prefix));
 }
 
@@ -251,7 +251,7 @@ inline constexpr auto FieldsOf(const VismapConfig&) {
                     VISMAP_FIELD(octree), VISMAP_FIELD(depth_segmenter), VISMAP_FIELD(map_server),
                     VISMAP_FIELD(octomap_exporter), VISMAP_FIELD(sensor_replay),
                     VISMAP_FIELD(detector), VISMAP_FIELD(hub), VISMAP_FIELD(bridge),
-                    VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid), VISMAP_FIELD(bus));
+                    VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid), VISMAP_FIELD(pipeline));
 }
 
 #undef VISMAP_FIELD

@@ -117,7 +117,7 @@ struct HubOptions {
 };
 
 /// What all processes of a pipeline must agree on.
-struct SharedBusOptions {
+struct SharedOptions {
   std::string channel_prefix;  ///< stands before the names of our channels
 };
 

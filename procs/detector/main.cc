@@ -63,7 +63,7 @@ Result<std::string> DetectionsPath(const Arguments& arguments) {
   if (!arguments.detections.empty()) return arguments.detections;
   if (arguments.dataset.empty()) return Fail("--detections or --dataset is missing");
   const auto recording = OpenRecording(arguments.dataset, arguments.format, {}, {},
-                                       arguments.config.bus.channel_prefix);
+                                       arguments.config.pipeline.channel_prefix);
   if (!recording) return tl::unexpected(recording.error());
   const std::optional<std::string> path = recording->dataset->default_detections_path();
   if (!path)
@@ -75,7 +75,7 @@ Result<std::string> DetectionsPath(const Arguments& arguments) {
 Outcome OpenRecorded(Arguments* arguments) {
   const Result<std::string> path = DetectionsPath(*arguments);
   if (!path) return ExitWith(ExitCode::kUnreadable, path.error().message);
-  auto source = OpenRecordedDetections(*path, arguments->config.bus.channel_prefix);
+  auto source = OpenRecordedDetections(*path, arguments->config.pipeline.channel_prefix);
   if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
   arguments->source = std::move(*source);
   return {};
@@ -104,7 +104,7 @@ Outcome Open(Arguments* arguments) {
 
 Outcome Write(const Arguments& arguments, const StopSignal& stop) {
   const auto recording = OpenRecording(arguments.dataset, arguments.format, {}, {},
-                                       arguments.config.bus.channel_prefix);
+                                       arguments.config.pipeline.channel_prefix);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   return WriteDetections(*recording->dataset, arguments.network.get(), arguments.out, stop);
 }

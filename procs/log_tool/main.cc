@@ -32,7 +32,7 @@ struct Arguments {
 Outcome Unreadable(const Error& error) { return ExitWith(ExitCode::kUnreadable, error.message); }
 
 Outcome Verify(const Arguments& arguments) {
-  Result<LogReader> reader = LogReader::Open(arguments.input, arguments.config.bus.channel_prefix);
+  Result<LogReader> reader = LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
   if (!reader) return Unreadable(reader.error());
   const Result<LogReport> report = VerifyLog(*reader);
   if (!report) return Unreadable(report.error());
@@ -46,7 +46,7 @@ Outcome Verify(const Arguments& arguments) {
 }
 
 Outcome Cut(const Arguments& arguments) {
-  Result<LogReader> reader = LogReader::Open(arguments.input, arguments.config.bus.channel_prefix);
+  Result<LogReader> reader = LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
   if (!reader) return Unreadable(reader.error());
   CutOptions options = arguments.cut;
   options.channels.insert(arguments.channels.begin(), arguments.channels.end());
@@ -72,7 +72,7 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
   options.camera_id = CameraId{arguments.camera_id};
   Result<Recording> recording =
       OpenRecording(arguments.input, arguments.format, options, arguments.config.adapter,
-                    arguments.config.bus.channel_prefix);
+                    arguments.config.pipeline.channel_prefix);
   if (!recording) return tl::unexpected(recording.error());
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   for (const std::string& remark : recording->dataset->remarks()) LogInfo(remark);
@@ -83,7 +83,7 @@ Result<Sequence> OpenInput(const Arguments& arguments) {
           : arguments.detections;
   if (path == "none") return sequence;
   Result<std::unique_ptr<DetectionSource>> detections =
-      OpenRecordedDetections(path, arguments.config.bus.channel_prefix);
+      OpenRecordedDetections(path, arguments.config.pipeline.channel_prefix);
   if (!detections) return tl::unexpected(detections.error());
   sequence.detections = std::move(*detections);
   return sequence;
@@ -112,7 +112,7 @@ Outcome FromDataset(Arguments arguments) {
   const Result<Sequence> input = OpenInput(arguments);
   if (!input) return Unreadable(input.error());
   return PrintResult(WriteLog(*input->recording.dataset, input->detections.get(), arguments.out,
-                              arguments.config.bus.channel_prefix),
+                              arguments.config.pipeline.channel_prefix),
                      arguments.out);
 }
 

@@ -62,7 +62,7 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
 Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& arguments,
                                                         const Dataset& dataset) {
   if (arguments.detections == "none") return nullptr;
-  const std::string& prefix = arguments.config.bus.channel_prefix;
+  const std::string& prefix = arguments.config.pipeline.channel_prefix;
   if (!arguments.detections.empty()) return OpenRecordedDetections(arguments.detections, prefix);
   if (const std::optional<std::string> inside = dataset.default_detections_path())
     return OpenRecordedDetections(*inside, prefix);
@@ -271,7 +271,7 @@ Outcome MapDataset(Arguments& arguments, ProcessContext& context) {
   const std::unique_ptr<ThreadLimit> limit = arguments.threads.Limit();
   const auto recording =
       OpenRecording(arguments.dataset, arguments.format, arguments.frames, arguments.config.adapter,
-                    arguments.config.bus.channel_prefix);
+                    arguments.config.pipeline.channel_prefix);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   const Dataset& dataset = *recording->dataset;
   for (const std::string& remark : recording->remarks) LogWarning(remark);

@@ -154,7 +154,7 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   arguments.common.channel_prefix = *channel_prefix;
   if (const auto checked = CheckChannelPrefix(*channel_prefix); !checked) {
     return Report(ExitWith(ExitCode::kUsage,
-                           "bus.channel_prefix (--channel-prefix): " + checked.error().message));
+                           "pipeline.channel_prefix (--channel-prefix): " + checked.error().message));
   }
   if (arguments.print_config) {
     std::fputs(config->c_str(), stdout);

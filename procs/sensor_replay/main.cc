@@ -74,7 +74,7 @@ void TellFindings(const Dataset& dataset, const VismapConfig& config) {
 Outcome Open(Arguments* arguments) {
   arguments->sequence.camera_id = CameraId{arguments->camera_id};
   auto recording = OpenRecording(arguments->dataset, arguments->format, arguments->sequence,
-                                 arguments->config.adapter, arguments->config.bus.channel_prefix);
+                                 arguments->config.adapter, arguments->config.pipeline.channel_prefix);
   if (!recording) return ExitWith(ExitCode::kUnreadable, recording.error().message);
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   for (const std::string& remark : recording->dataset->remarks()) LogInfo(remark);

@@ -15,7 +15,7 @@ Result<std::string> CheckConfig(const VismapConfig& config) {
 
 void UseConfig(VismapConfig* config, ProcessSpec* spec,
                const std::function<Result<void>()>& check) {
-  spec->channel_prefix = &config->bus.channel_prefix;
+  spec->channel_prefix = &config->pipeline.channel_prefix;
   spec->read_config = [config](const std::string& text, const std::string& path) {
     return ReadConfig(text, path, config);
   };

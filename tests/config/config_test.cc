@@ -147,7 +147,7 @@ TEST(Fields, EveryMemberOfTheOptionStructsIsThere) {
   EXPECT_EQ(FieldCount<DnnDetectorOptions>(), MemberCount<DnnDetectorOptions>());
   EXPECT_EQ(FieldCount<HubOptions>(), MemberCount<HubOptions>());
   EXPECT_EQ(FieldCount<BridgeOptions>(), MemberCount<BridgeOptions>());
-  EXPECT_EQ(FieldCount<SharedBusOptions>(), MemberCount<SharedBusOptions>());
+  EXPECT_EQ(FieldCount<SharedOptions>(), MemberCount<SharedOptions>());
   EXPECT_EQ(FieldCount<AdapterCameraOptions>(), MemberCount<AdapterCameraOptions>());
   constexpr size_t kInherited = 1;
   EXPECT_EQ(FieldCount<AdapterOptions>() + kInherited,

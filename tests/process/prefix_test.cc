@@ -76,7 +76,7 @@ TEST(ChannelPrefix, LogsHaveIt) {
     return std::pair(code, process.StandardError());
   };
   const std::vector<std::string> prefix = {"--channel-prefix", "my.robot/"};
-  std::ofstream(folder / "bus.txtpb") << "bus { channel_prefix: \"my.robot/\" }\n";
+  std::ofstream(folder / "bus.txtpb") << "pipeline { channel_prefix: \"my.robot/\" }\n";
   const auto [written, why] =
       run("log", {"from-dataset", RoomPipeline::kRoom, "--out", log, prefix[0], prefix[1]});
   ASSERT_EQ(written, 0) << why;
@@ -114,7 +114,7 @@ TEST(ChannelPrefix, AnImpossibleOneIsAWrongUse) {
        {"a b", "over*all", "very-long-very-long-very-long-very-long-very-long-/"}) {
     ChildProcess hub("hub", {"--listen", "127.0.0.1:0", "--channel-prefix", bad}, folder.path());
     EXPECT_EQ(hub.WaitForExit(), 2) << bad;
-    EXPECT_THAT(hub.StandardError(), HasSubstr("bus.channel_prefix (--channel-prefix)"));
+    EXPECT_THAT(hub.StandardError(), HasSubstr("pipeline.channel_prefix (--channel-prefix)"));
   }
 }
 
