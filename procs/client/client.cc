@@ -28,7 +28,7 @@ std::unique_ptr<Bus> OpenBus(const ClientOptions& options) {
   if (!options.url.empty()) bus.url = options.url;
   bus.source = options.name;
   bus.connect_timeout = options.connect_timeout_s;
-  pipeline.channel_prefix = options.channel_prefix;
+  bus.channel_prefix = options.channel_prefix;
   Result<std::unique_ptr<Bus>> opened = Bus::Open(bus);
   if (!opened) throw std::runtime_error(opened.error().message);
   return std::move(*opened);

@@ -73,12 +73,10 @@ void WriteBytes(const std::filesystem::path& path, const std::vector<uint8_t>& b
 }
 
 /// Writes the latest messages, and what the server says of the same map.
-void WriteFacts(ProcessBus* processes, const LatestMessages& robot) {
+void WriteFacts(ProcessBus* processes, const LatestMessages& robot, const map_reply_t& objects) {
   const std::filesystem::path& folder = processes->folder();
   for (const auto& [name, channel] : kOutputs)
     WriteBytes(folder / "messages" / name, robot.of(channel));
-  const map_reply_t objects = Ask(processes, "objects");
-  EXPECT_TRUE(objects.ok) << objects.message;
   WriteBytes(folder / "messages" / "objects.json",
              {objects.payload.begin(), objects.payload.end()});
   const auto follow =
@@ -97,8 +95,11 @@ TEST(AdapterOutputs, AreReadOnTheBusOfTheRobot) {
   RoomPipeline pipeline(&processes);
   pipeline.Start();
   pipeline.WaitForEnd();
-  ASSERT_EQ(pipeline.integrated(), RoomPipeline::kFrames);
+  ASSERT_TRUE(pipeline.WaitForFrames(RoomPipeline::kFrames));
 
+  // The server publishes the list that it answers with.
+  const map_reply_t objects = Ask(&processes, "objects");
+  EXPECT_TRUE(objects.ok) << objects.message;
   // Until all outputs have come, and none has changed for longer than the objects need.
   constexpr double kQuiet = 3;  // [s]
   std::map<std::string, std::vector<uint8_t>> before;
@@ -118,7 +119,7 @@ TEST(AdapterOutputs, AreReadOnTheBusOfTheRobot) {
                 std::any_of(kOutputs.begin(), kOutputs.end(),
                             [&, &name = channel](const auto& o) { return o.second == name; }))
         << channel << " came on the bus of the robot";
-  WriteFacts(&processes, latest);
+  WriteFacts(&processes, latest, objects);
 
   const std::string source = VISMAP_SOURCE_DIR, path = processes.folder().string();
   std::filesystem::create_directories(processes.folder() / "types");

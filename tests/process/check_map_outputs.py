@@ -120,7 +120,8 @@ def check_detections():
     array = read(Detection3DArray, "detections")
     assert array.header.frame_id == "world"
     assert len(OBJECTS) >= 3, "the room has several objects"
-    assert sorted(d.id for d in array.detections) == sorted(OBJECTS)
+    names = sorted(d.id for d in array.detections)
+    assert names == sorted(OBJECTS), (names, sorted(OBJECTS))
     for found in array.detections:
         thing = OBJECTS[found.id]
         assert found.results_length == 1 and found.header.frame_id == "world"

@@ -49,8 +49,8 @@ TEST(ChannelPrefix, TwoPipelinesOnOneHubDoNotDisturbEachOther) {
   DisturbEveryChannel(hub.url());
   left.WaitForEnd();
   right.WaitForEnd();
-  EXPECT_EQ(left.integrated(), RoomPipeline::kFrames);
-  EXPECT_EQ(right.integrated(), RoomPipeline::kFrames);
+  EXPECT_TRUE(left.WaitForFrames(RoomPipeline::kFrames));
+  EXPECT_TRUE(right.WaitForFrames(RoomPipeline::kFrames));
   EXPECT_EQ(ServerStatistic(&first, "hash"), OfflineRoomHash());
   EXPECT_EQ(ServerStatistic(&second, "hash"),
             OfflineRoomHash("2", RoomPipeline::kRoom, {"--detections", "none"}));
