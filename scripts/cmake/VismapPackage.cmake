@@ -154,6 +154,7 @@ and read and write logs of LCM messages.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3-numpy, libzstd1, libxxhash0")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pil")  # for colour that is a JPEG
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/deb/python/postinst
     ${CMAKE_CURRENT_LIST_DIR}/deb/python/prerm)
 file(GLOB CONFFILES RELATIVE ${DEPLOY}/etc CONFIGURE_DEPENDS ${DEPLOY}/etc/*)
