@@ -189,6 +189,28 @@ TEST(Adapter, PrintsEveryDefaultOfItsPreset) {
   EXPECT_EQ(nothing.WaitForExit(), 0);
 }
 
+TEST(Adapter, ReadsTheLineThatDimosWritesToItsInput) {
+  const TempFolder folder;
+  folder.Write("line.json",
+               "{\"topics\": {\"color_image\": \"/front#sensor_msgs.Image\"}, "
+               "\"config\": {\"root\": \"map\", \"swap_red_blue\": true}, "
+               "\"session\": {}, \"qos\": null}\n");
+  const auto run = [&](const std::string& line) {
+    const std::string command = line + " | DIMOS_TRANSPORT=lcm " + VISMAP_BIN_DIR +
+                                "/vismap-adapter --preset dimos --stdin_config true --print-config";
+    return std::make_unique<ChildProcess>("/bin/sh", std::vector<std::string>{"-c", command},
+                                          folder.path());
+  };
+  const auto printed = run("cat " + (folder / "line.json").string());
+  EXPECT_EQ(printed->WaitForExit(), 0) << printed->StandardError();
+  for (const char* part :
+       {"color_channel: \"/front#sensor_msgs.Image\"", "root: \"map\"", "swap_red_blue: true"})
+    EXPECT_THAT(printed->StandardOutput(), HasSubstr(part));
+  const auto unknown = run("echo '{\"config\": {\"colour\": 1}}'");
+  EXPECT_EQ(unknown->WaitForExit(), 2);
+  EXPECT_THAT(unknown->StandardError(), HasSubstr("--colour"));
+}
+
 TEST(Adapter, ReadsTheCamerasOfItsConfig) {
   ProcessBus processes;
   const std::filesystem::path config = processes.folder() / "two.txtpb";
