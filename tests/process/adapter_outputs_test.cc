@@ -97,7 +97,8 @@ TEST(AdapterOutputs, AreReadOnTheBusOfTheRobot) {
   pipeline.WaitForEnd();
   ASSERT_TRUE(pipeline.WaitForFrames(RoomPipeline::kFrames));
 
-  // The server publishes the list that it answers with.
+  // The server publishes what it answers with: the surface, and then the objects.
+  EXPECT_TRUE(Ask(&processes, "mesh", "digest").ok);
   const map_reply_t objects = Ask(&processes, "objects");
   EXPECT_TRUE(objects.ok) << objects.message;
   // Until all outputs have come, and none has changed for longer than the objects need.
