@@ -17,7 +17,7 @@ struct ClientOptions {
   double connect_timeout_s = 10;  ///< how long the constructor waits for the hub [s]
   /// Stands before the names of vismap's channels on the bus, as the option --channel-prefix of
   /// vismap's programs; the functions of Client take the names without it.
-  std::string channel_prefix;
+  std::string channel_prefix = {};
 };
 
 /// Totals of one channel since the client was made.

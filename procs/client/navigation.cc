@@ -115,7 +115,7 @@ struct NavigationClient::Parts {
 
   explicit Parts(const NavigationClientOptions& given)
       : options(given),
-        client({given.url, given.name, given.connect_timeout_s}),
+        client({given.url, given.name, given.connect_timeout_s, given.channel_prefix}),
         next_id(WallUtime()) {}
 
   void Subscribe();

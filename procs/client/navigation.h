@@ -28,6 +28,7 @@ struct NavigationClientOptions {
   /// After so long without a word from the octomap exporter or the map server, which both speak
   /// once a second, trees are stale [s].
   double max_silence_s = 2.8;
+  std::string channel_prefix = {};  ///< as in ClientOptions
 };
 
 /// A tree of free space, and how far it can be trusted.
