@@ -21,6 +21,13 @@ struct LineSearch {
   int begin = -1;  // the first pixel since depth became nearer; -1 = it did not
   int last = -kMostGap - 1;
   float depth = 0;  // of pixel `last`
+
+  // Takes a pixel that its neighbour before leads to.
+  void Pass(int pixel, float z) {
+    if (!(z > 0)) return;
+    last = pixel;
+    depth = z;
+  }
 };
 
 /// When pixels are of something thin [m].
@@ -31,6 +38,8 @@ class ThinRule {
         width_(static_cast<float>(2 * options.voxel_size)),
         min_range_(static_cast<float>(options.min_range)),
         max_range_(static_cast<float>(std::min(options.max_range, RangeOfNoise(options)))) {}
+
+  float width() const { return width_; }
 
   // Takes the next pixel of a line with depth `z`; the focal length is in pixels. Returns a thin
   // run that ends before it; empty = none does.
@@ -93,12 +102,29 @@ class HitFinder {
   double voxel_size_;
 };
 
+/// Calls visit(i) for all i in [0, count), ascending, where `now` or `before` has no depth or the
+/// two differ by at least `width` [m]. Most of an image is smooth, so that this skips it.
+template <typename Visit>
+void ForSteps(const float* now, const float* before, int count, float width, const Visit& visit) {
+  constexpr int kGroup = 16;
+  for (int first = 0; first < count; first += kGroup) {
+    const int end = std::min(first + kGroup, count);
+    int32_t smooth = 0;
+    for (int i = first; i < end; ++i) smooth += std::abs(now[i] - before[i]) < width ? 1 : 0;
+    if (smooth == end - first) continue;
+    for (int i = first; i < end; ++i) {
+      if (!(std::abs(now[i] - before[i]) < width)) visit(i);
+    }
+  }
+}
+
 size_t StripsOf(int lines) { return static_cast<size_t>((lines + kStrip - 1) / kStrip); }
 
 }  // namespace
 
 std::vector<ThinHit> FindThinHits(const FrameHeader& header, const Image<float>& depth,
                                   const ThinOptions& options) {
+  if (depth.empty()) return {};
   const ThinRule rule(options);
   const HitFinder finder(header, depth, options.voxel_size);
   const auto fx = static_cast<float>(header.camera.fx), fy = static_cast<float>(header.camera.fy);
@@ -108,26 +134,32 @@ std::vector<ThinHit> FindThinHits(const FrameHeader& header, const Image<float>&
     for (int v = first; v < std::min(first + kStrip, depth.height()); ++v) {
       const float* row = depth.row(v);
       LineSearch search;
-      for (int u = 0; u < depth.width(); ++u) {
-        const PixelRun run = rule.Advance(search, u, row[u], fx);
+      rule.Advance(search, 0, row[0], fx);
+      ForSteps(row + 1, row, depth.width() - 1, rule.width(), [&](int before) {
+        search.Pass(before, row[before]);
+        const PixelRun run = rule.Advance(search, before + 1, row[before + 1], fx);
         for (int i = run.begin; i < run.end; ++i) {
           if (row[i] > 0) hits.push_back(finder.At(v, i));
         }
-      }
+      });
     }
   };
   // Row by row, since the pixels of a column are far apart in memory.
   const auto search_columns = [&](int first, std::vector<ThinHit>& hits) {
     std::vector<LineSearch> searches(kStrip);
     const int end = std::min(first + kStrip, depth.width());
-    for (int v = 0; v < depth.height(); ++v) {
-      for (int u = first; u < end; ++u) {
-        const PixelRun run =
-            rule.Advance(searches[static_cast<size_t>(u - first)], v, depth(v, u), fy);
+    for (int u = first; u < end; ++u)
+      rule.Advance(searches[static_cast<size_t>(u - first)], 0, depth(0, u), fy);
+    for (int v = 1; v < depth.height(); ++v) {
+      const float *now = depth.row(v) + first, *before = depth.row(v - 1) + first;
+      ForSteps(now, before, end - first, rule.width(), [&](int column) {
+        LineSearch& search = searches[static_cast<size_t>(column)];
+        search.Pass(v - 1, before[column]);
+        const PixelRun run = rule.Advance(search, v, now[column], fy);
         for (int i = run.begin; i < run.end; ++i) {
-          if (depth(i, u) > 0) hits.push_back(finder.At(i, u));
+          if (depth(i, first + column) > 0) hits.push_back(finder.At(i, first + column));
         }
-      }
+      });
     }
   };
   ParallelFor(parts.size(), 1, [&](size_t i) {
