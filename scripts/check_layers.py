@@ -36,7 +36,7 @@ LIBS = {
 # Adapters that several processes share. All other folders of procs/ are processes: they may include any
 # room of libs/ and these, but not each other.
 PROCS = {
-    "wire": ["rectify", "exports"],
+    "wire": ["rectify", "exports", "navigation"],
     "runtime": ["wire"],
     "client": ["runtime", "navigation"],
     "requests": ["runtime", "navigation"],

@@ -169,7 +169,9 @@ inline constexpr auto FieldsOf(const OctomapExporterOptions&) {
   using Options = OctomapExporterOptions;
   return std::tuple(VISMAP_FIELD(period_s), VISMAP_FIELD(unknown), VISMAP_FIELD(output_folder),
                     VISMAP_FIELD(max_map_mb), VISMAP_FIELD(coarse_resolution_m),
-                    VISMAP_FIELD(repeat_mb_s), VISMAP_FIELD(robot_radius_m));
+                    VISMAP_FIELD(repeat_mb_s), VISMAP_FIELD(robot_radius_m),
+                    VISMAP_FIELD(grid_period_s), VISMAP_FIELD(distance_limit_m),
+                    VISMAP_FIELD(clear_start_m));
 }
 
 inline constexpr auto FieldsOf(const SensorReplayOptions&) {

@@ -65,6 +65,12 @@ struct OctomapExporterOptions {
   UnknownPolicy unknown = UnknownPolicy::kOccupied;
   double coarse_resolution_m = 0;  ///< edge of a leaf on OCTOMAP_COARSE; 0 = there is no such tree
   double robot_radius_m = 0.2;     ///< by which the tree on OCTOMAP_INFLATED is inflated; 0 = none
+  double grid_period_s = 0;        ///< least time between two grids on GRID; 0 = none is published
+  /// Up to here distances are kept up to date and published on DISTANCES [m]; 0 = they are not.
+  double distance_limit_m = 0;
+  /// What the robot's body covers around its last positions, within this radius, is free where it
+  /// was never seen [m]; 0 = nothing is assumed.
+  double clear_start_m = 0;
   /// Megabytes per second for sending trees again while the map stands still; 0 = none is.
   double repeat_mb_s = 8;
   std::string output_folder;  ///< where octree.bt and octree.closed.bt go; empty = nowhere

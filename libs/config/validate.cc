@@ -123,9 +123,14 @@ std::vector<std::string> Problems(const OctomapExporterOptions& exporter,
   VISMAP_CHECK_RANGE(check, exporter.period_s, 0, kDay);
   VISMAP_CHECK_RANGE(check, exporter.max_map_mb, 1, 1048576);
   VISMAP_CHECK_RANGE(check, exporter.repeat_mb_s, 0, 1000);
+  VISMAP_CHECK_RANGE(check, exporter.grid_period_s, 0, kDay);
   const auto fine = ChooseOctreeGrid(grid.voxel_size_m, octree.resolution_m);
-  constexpr double kMostLeaves = 28;
-  if (fine) VISMAP_CHECK_RANGE(check, exporter.robot_radius_m, 0, kMostLeaves * fine->resolution);
+  constexpr double kMostLeaves = 28, kMostDistanceLeaves = 89, kMostBodyLeaves = 100;
+  if (fine) {
+    VISMAP_CHECK_RANGE(check, exporter.robot_radius_m, 0, kMostLeaves * fine->resolution);
+    VISMAP_CHECK_RANGE(check, exporter.distance_limit_m, 0, kMostDistanceLeaves * fine->resolution);
+    VISMAP_CHECK_RANGE(check, exporter.clear_start_m, 0, kMostBodyLeaves * fine->resolution);
+  }
   const auto coarse = ChooseOctreeGrid(grid.voxel_size_m, exporter.coarse_resolution_m);
   if (!coarse) check.Unless(false, "coarse_resolution_m: " + coarse.error().message);
   return std::move(check).problems();

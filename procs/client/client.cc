@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 #include <vismap/detections_t.hpp>
+#include <vismap/distance_field_t.hpp>
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/map_delta_t.hpp>
 #include <vismap/map_reply_t.hpp>
@@ -10,6 +11,7 @@
 #include <vismap/mesh_delta_t.hpp>
 #include <vismap/navigation_status_t.hpp>
 #include <vismap/object_list_t.hpp>
+#include <vismap/occupancy_grid_t.hpp>
 #include <vismap/octree_delta_t.hpp>
 #include <vismap/octree_t.hpp>
 #include <vismap/process_status_t.hpp>
@@ -107,6 +109,8 @@ VISMAP_CLIENT_MESSAGE(mesh_delta_t)
 VISMAP_CLIENT_MESSAGE(object_list_t)
 VISMAP_CLIENT_MESSAGE(octree_t)
 VISMAP_CLIENT_MESSAGE(octree_delta_t)
+VISMAP_CLIENT_MESSAGE(occupancy_grid_t)
+VISMAP_CLIENT_MESSAGE(distance_field_t)
 VISMAP_CLIENT_MESSAGE(navigation_status_t)
 VISMAP_CLIENT_MESSAGE(map_request_t)
 VISMAP_CLIENT_MESSAGE(map_reply_t)

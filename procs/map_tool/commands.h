@@ -24,6 +24,7 @@ struct MapToolArguments {
   std::string unknown;      ///< for octree: "occupied", "absent" or, for the usual, ""
   double inflate_m = 0;     ///< for octree: radius of the robot
   bool color = false;       ///< for octree: a ColorOcTree
+  std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]
   bool from_exporter = false;  ///< for octree: ask the octomap exporter
   VismapConfig config;
 };
@@ -33,6 +34,8 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunExport(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunClearance(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunFrontiers(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunOctree(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunRender(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDiff(const MapToolArguments& arguments, ProcessContext& context);

@@ -160,6 +160,32 @@ void AddServerCommands(CommandLine& line, Command* command) {
   Add(line, command, "reset", "Make the running server start an empty map", RunReset);
 }
 
+/// Questions of planners, which the octomap exporter answers, or this program for a saved map.
+void AddNavigationCommands(CommandLine& line, Command* command) {
+  MapToolArguments& arguments = command->arguments;
+  const auto add_common = [&](CommandLine& sub) {
+    sub.Option("--res", &arguments.resolution_m,
+               "Edge of a leaf [m], 2 to 64 times the voxel size; 0 = as in the config")
+        .Range(0, 64);
+    sub.Flag("--json", &arguments.json, "Print JSON");
+  };
+  CommandLine clearance = AddWithMap(
+      line, command, "clearance", "Print how far points are from obstacles and from unknown space",
+      RunClearance, kFileOrLive);
+  clearance.Option("--at", &arguments.points, "Points x,y,z;x,y,z [m]").Required();
+  add_common(clearance);
+  CommandLine frontiers =
+      AddWithMap(line, command, "frontiers",
+                 "List where the map can grow, and from where that is seen, the largest first",
+                 RunFrontiers, kFileOrLive);
+  frontiers.Option("--region", &arguments.region, "Only in the box x0,y0,z0,x1,y1,z1 [m]");
+  frontiers
+      .Option("--radius", &arguments.inflate_m,
+              "Radius of the robot [m]; 0 = octomap_exporter.robot_radius_m")
+      .Range(0, 5);
+  add_common(frontiers);
+}
+
 void AddCommands(CommandLine& line, Command* command) {
   MapToolArguments& arguments = command->arguments;
   AddWithMap(line, command, "info", "Print statistics of a map", RunInfo, kFileOrLive)
@@ -172,6 +198,7 @@ void AddCommands(CommandLine& line, Command* command) {
   AddChoiceOfObjects(objects, "--id", &arguments);
   AddOctree(line, command);
   AddFileCommands(line, command);
+  AddNavigationCommands(line, command);
   AddServerCommands(line, command);
 }
 

@@ -1,6 +1,8 @@
 #include "octomap_exporter/exporter.h"
 
 #include <filesystem>
+#include <utility>
+#include <vector>
 #include <vismap/process_status_t.hpp>
 
 #include "base/file.h"
@@ -26,6 +28,8 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
       follower_({.max_bytes = static_cast<size_t>(config.octomap_exporter.max_map_mb) * kMegabyte}),
       latched_(bus, config.octomap_exporter.repeat_mb_s * kMegabyte),
       leaf_deltas_(config.octree.shell_m, bus),
+      distances_(config.octomap_exporter.distance_limit_m, bus),
+      grid_(config, bus),
       catch_up_(bus, "snapshot"),
       export_pacer_(config.octomap_exporter.period_s),
       requests_(
@@ -100,8 +104,11 @@ void Exporter::OnTimer() {
   }
   if (!follower_.in_sync()) RequestCatchUp();
   ExportIfDue();
+  PublishGrid();
   latched_.Repeat();
+  grid_.Repeat();
   leaf_deltas_.Heartbeat();
+  distances_.Heartbeat();
 }
 
 void Exporter::ExportIfDue() {
@@ -126,7 +133,12 @@ void Exporter::SetState() {
   status_->Set(trouble.empty() ? ProcessState::kRunning : ProcessState::kWaiting, trouble);
 }
 
-// Updates the trees, and tells followers of OCTOMAP_DELTA what changed.
+Result<void> Exporter::BringUpToDate() {
+  if (trees_ && updated_ == follower_.position()) return {};
+  return UpdateTrees();
+}
+
+// Updates trees and distances, and tells followers what changed.
 Result<void> Exporter::UpdateTrees() {
   const OccupancyMap& map = *follower_.occupancy();
   const OccupancyChanges changes = follower_.ConsumeChanges();
@@ -137,7 +149,16 @@ Result<void> Exporter::UpdateTrees() {
     if (!trees) return tl::unexpected(trees.error());
     trees_.emplace(std::move(*trees));
   }
+  updated_ = follower_.position();
   OccupancyDelta leaves = trees_->Update(map, anew ? map.SortedIndices() : changes.blocks);
+  std::vector<BlockIndex> changed;
+  for (const auto& entry : leaves.blocks) changed.push_back(entry.first);
+  const Result<void> distances =
+      distances_.Update(updated_, follower_.utime(), trees_->leaves(), changed);
+  if (!distances) {
+    ForgetTrees();
+    return distances;
+  }
   leaf_deltas_.PublishChanges(follower_.position(), follower_.utime(), map.cell_size(),
                               std::move(leaves));
   return {};
@@ -148,14 +169,14 @@ void Exporter::ForgetTrees() {
   trees_.reset();
   latched_.Clear();
   leaf_deltas_.Clear();
+  distances_.Clear();
+  grid_.Clear();
 }
 
 Result<std::string> Exporter::Export() {
   if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
   const StageTimer timer(status_, "export");
-  if (!trees_ || has_news()) {
-    if (const Result<void> done = UpdateTrees(); !done) return tl::unexpected(done.error());
-  }
+  if (const Result<void> done = BringUpToDate(); !done) return tl::unexpected(done.error());
   exported_ = follower_.position();
   if (trees_->is_empty()) {
     latched_.Clear();
@@ -215,6 +236,49 @@ void Exporter::HandleRequests() {
     if (!follower_.occupancy()) return Fail("no map yet");
     return Answer{follower_.occupancy()->Digest()};
   });
+  requests_.Handle("distances-delta", [this](const map_request_t& request) -> Result<Answer> {
+    const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
+    if (!position) return Fail("argument of distances-delta: " + position.error().message);
+    const Result<void> published = distances_.PublishSince(*position);
+    if (!published) return tl::unexpected(published.error());
+    return Answer{"published on " + std::string(kDistancesChannel.name)};
+  });
+  using Ask = Result<Answer> (*)(const NavigationSpace&, const map_request_t&);
+  const std::pair<const char*, Ask> questions[] = {{"grid", AnswerGrid},
+                                                   {"distances", AnswerDistances},
+                                                   {"clearance", AnswerClearance},
+                                                   {"frontiers", AnswerFrontiers}};
+  for (const auto& [verb, ask] : questions) {
+    requests_.Handle(verb, [this, ask](const map_request_t& request) -> Result<Answer> {
+      if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
+      if (const Result<void> done = BringUpToDate(); !done) return tl::unexpected(done.error());
+      return ask(Space(), request);
+    });
+  }
+}
+
+NavigationSpace Exporter::Space() const {
+  NavigationSpace space;
+  space.voxels = &*follower_.occupancy();
+  space.leaves = &trees_->leaves();
+  space.field = distances_.field();
+  space.map_id = follower_.position().map_id;
+  space.revision = follower_.position().revision;
+  space.utime = follower_.utime();
+  space.octree = config_.octree;
+  space.grid = config_.ground_grid;
+  if (space.field != nullptr) space.distance_limit_m = space.field->limit_m();
+  space.robot_radius_m = config_.octomap_exporter.robot_radius_m;
+  return space;
+}
+
+void Exporter::PublishGrid() {
+  const FollowerPosition& position = follower_.position();
+  if (!follower_.in_sync() || !follower_.occupancy() || !grid_.IsDue(position)) return;
+  const StageTimer timer(status_, "grid");
+  const Result<void> published =
+      grid_.Publish(*follower_.occupancy(), position, follower_.utime(), {});
+  status_->SetFinding("grid", published ? std::nullopt : std::optional(published.error().message));
 }
 
 // A request that restricts nothing also publishes the trees, when the map has changed.
@@ -256,6 +320,12 @@ void Exporter::PublishNavigation() {
     message.revisions.push_back(sent.tree.revision);
     message.utimes.push_back(sent.tree.utime);
     message.published_utimes.push_back(sent.tree.published_utime);
+  }
+  if (grid_.sent()) {
+    message.channels.emplace_back(kGridChannel.name);
+    message.revisions.push_back(grid_.sent()->revision);
+    message.utimes.push_back(grid_.sent()->utime);
+    message.published_utimes.push_back(grid_.sent()->published_utime);
   }
   message.n_outputs = static_cast<int32_t>(message.channels.size());
   bus_->Publish(kNavigationChannel, message);

@@ -6,10 +6,12 @@
 #include <vismap/navigation_status_t.hpp>
 
 #include "config/config.h"
+#include "octomap_exporter/distance_publisher.h"
+#include "octomap_exporter/grid_publisher.h"
 #include "octomap_exporter/latched_trees.h"
 #include "octomap_exporter/leaf_publisher.h"
 #include "octomap_exporter/tree_set.h"
-#include "requests/request_server.h"
+#include "requests/navigation_answers.h"
 #include "runtime/bus.h"
 #include "runtime/catch_up.h"
 #include "runtime/pacer.h"
@@ -21,9 +23,10 @@ namespace vismap {
 /// Follows a map by its MAP_DELTAs and turns it into octrees, see procs/README.md, Octrees:
 /// publishes them at most once a period while the map changes, keeps them latched, says on
 /// NAVIGATION how old they are, and answers requests ("octomap": a tree as the request wants it;
-/// "octomap-delta": leaves that a follower lacks; "octomap-digest": digest of the map that it has).
-/// Writes octree.bt and octree.closed.bt into a folder when one is configured. When it starts late
-/// or misses an update, it requests what it lacks.
+/// "octomap-delta": leaves that a follower lacks; "grid", "distances", "clearance", "frontiers":
+/// see navigation_answers.h; "octomap-digest": digest of the map that it has). Writes octree.bt and
+/// octree.closed.bt into a folder when one is configured. When it starts late or misses an update,
+/// it requests what it lacks.
 class Exporter {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
@@ -45,7 +48,10 @@ class Exporter {
   void HandleRequests();
   Result<Answer> AnswerOctomap(const map_request_t& request);
   Result<Answer> AnswerDelta(const map_request_t& request);
+  Result<void> BringUpToDate();
   Result<void> UpdateTrees();
+  void PublishGrid();
+  NavigationSpace Space() const;
   Result<std::string> Publish();
   Result<std::string> WriteFiles();
   void TellLeftOut(const std::string& sentence);
@@ -59,9 +65,12 @@ class Exporter {
   std::optional<TreeSet> trees_;
   LatchedTrees latched_;
   LeafPublisher leaf_deltas_;
+  DistancePublisher distances_;
+  GridPublisher grid_;
   CatchUp catch_up_;
   double next_catch_up_ = 0;  // no request before [s]
   FollowerPosition exported_;
+  FollowerPosition updated_;  // of trees_ and distances_
   std::string export_error_;  // why there is no tree; "" = there is one, or nothing is known
   int64_t server_utime_ = 0;  // when the map server was heard last [us]
   Pacer export_pacer_;

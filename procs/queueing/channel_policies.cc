@@ -12,7 +12,7 @@ constexpr std::array kLossless = {kRgbdFrameChannel, kDetectionsChannel, kSegmen
                                   kMapCommitChannel, kMapRequestChannel, kMapReplyChannel};
 constexpr std::array kLatest = {kStatusChannel,     kObjectsChannel,       kOctomapChannel,
                                 kOctomapRawChannel, kOctomapCoarseChannel, kOctomapInflatedChannel,
-                                kNavigationChannel};
+                                kNavigationChannel, kGridChannel};
 
 template <typename Channels>
 bool Contains(const Channels& channels, const std::string& name) {

@@ -123,6 +123,14 @@ Result<OctreeRequest> ReadOctreeRequest(const map_request_t& request, double vox
   return read;
 }
 
+Result<double> ReadLeaf(const map_request_t& request, double voxel_size, double usual) {
+  return ResolutionOf(request, voxel_size, usual);
+}
+
+Result<std::optional<Eigen::AlignedBox3d>> ReadBox(const map_request_t& request) {
+  return BoxOf(request);
+}
+
 Answer DescribeOctree(const OctreeBytes& octree, const OctreeRequest& request, int64_t utime) {
   const bool closed = octree.unknown == UnknownPolicy::kOccupied;
   std::string message = std::to_string(octree.nodes) + " nodes, " + (closed ? "closed" : "raw") +

@@ -26,6 +26,12 @@ struct OctreeRequest {
 Result<OctreeRequest> ReadOctreeRequest(const map_request_t& request, double voxel_size,
                                         const OctreeOptions& defaults);
 
+/// The edge of a leaf that a request states, or `usual`, see OctreeOptions::resolution_m [m]. Fails
+/// as ReadOctreeRequest.
+Result<double> ReadLeaf(const map_request_t& request, double voxel_size, double usual);
+/// The box that a request states; nullopt = none. Fails as ReadOctreeRequest.
+Result<std::optional<Eigen::AlignedBox3d>> ReadBox(const map_request_t& request);
+
 /// The tree of a map, which must hold at least the blocks of OctreeRequest::Region, as an answer.
 /// `utime` is that of the newest frame in the map [us]. A closed tree of a box in which nothing is
 /// known is full of occupied space, and the message says so. Fails on a map or a raw tree in which

@@ -1,6 +1,8 @@
 #include "requests/request_server.h"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "base/format.h"
@@ -11,6 +13,8 @@
 namespace vismap {
 namespace {
 
+constexpr std::array<std::string_view, 5> kNavigationVerbs = {
+    "grid", "distances", "distances-delta", "clearance", "frontiers"};
 constexpr size_t kRememberedReplies = 1000, kRememberedBytes = 32 * kMegabyte;
 constexpr size_t kLargestRemembered = kMegabyte;                            // of a reply [bytes]
 constexpr size_t kLargestPayload = kMapReplyChannel.max_bytes - kMegabyte;  // [bytes]
@@ -69,8 +73,10 @@ std::optional<map_request_t> WaitingRequests::Next() {
 }
 
 RequestReceiver ReceiverOf(const std::string& verb) {
-  return verb.starts_with("octomap") ? RequestReceiver::kOctomapExporter
-                                     : RequestReceiver::kMapServer;
+  const auto& navigation = kNavigationVerbs;
+  const bool exporter = verb.starts_with("octomap") ||
+                        std::find(navigation.begin(), navigation.end(), verb) != navigation.end();
+  return exporter ? RequestReceiver::kOctomapExporter : RequestReceiver::kMapServer;
 }
 
 RequestServer::RequestServer(RequestReceiver receiver, Position position, Bus* bus, Status* status)

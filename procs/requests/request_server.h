@@ -37,8 +37,9 @@ struct Answer {
   std::optional<OctreeFacts> octree{};  ///< when the payload is an octree
 };
 
-/// The programs that answer on MAP_REQUEST. Verbs that begin with "octomap" are the exporter's, all
-/// others the map server's.
+/// The programs that answer on MAP_REQUEST. The octomap exporter answers verbs that begin with
+/// "octomap" and those of navigation: grid, distances, distances-delta, clearance, frontiers. All
+/// others are the map server's.
 enum class RequestReceiver { kMapServer, kOctomapExporter };
 RequestReceiver ReceiverOf(const std::string& verb);
 

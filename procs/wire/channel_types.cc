@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <vismap/detections_t.hpp>
+#include <vismap/distance_field_t.hpp>
 #include <vismap/frame_commit_t.hpp>
 #include <vismap/map_delta_t.hpp>
 #include <vismap/map_reply_t.hpp>
@@ -10,6 +11,7 @@
 #include <vismap/mesh_delta_t.hpp>
 #include <vismap/navigation_status_t.hpp>
 #include <vismap/object_list_t.hpp>
+#include <vismap/occupancy_grid_t.hpp>
 #include <vismap/octree_delta_t.hpp>
 #include <vismap/octree_t.hpp>
 #include <vismap/process_status_t.hpp>
@@ -49,7 +51,9 @@ std::span<const ChannelType> ChannelTypes() {
                                     TypeOf<octree_t>(kOctomapCoarseChannel),
                                     TypeOf<octree_t>(kOctomapInflatedChannel),
                                     TypeOf<octree_delta_t>(kOctomapDeltaChannel),
-                                    TypeOf<navigation_status_t>(kNavigationChannel)};
+                                    TypeOf<navigation_status_t>(kNavigationChannel),
+                                    TypeOf<occupancy_grid_t>(kGridChannel),
+                                    TypeOf<distance_field_t>(kDistancesChannel)};
   return kTypes;
 }
 

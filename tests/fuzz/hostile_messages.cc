@@ -16,7 +16,9 @@
 #include "support/occupancy_snapshot.h"
 #include "wire/channels.h"
 #include "wire/detections.h"
+#include "wire/distance_follower.h"
 #include "wire/envelope.h"
+#include "wire/grid_message.h"
 #include "wire/map_update.h"
 #include "wire/mesh_follower.h"
 #include "wire/object_list.h"
@@ -245,6 +247,36 @@ FuzzTarget OctreeDeltaTarget() {
                 [](const octree_delta_t& message) { return Accepted(Decode(message)); });
 }
 
+FuzzTarget GridTarget() {
+  GridMessage message{1, 2, "map", 3, {}, {}};
+  message.grid.resolution_m = 0.05;
+  message.grid.width = message.grid.height = 4;
+  message.grid.states.assign(16, CellState::kFree);
+  message.grid.distances_m.assign(16, 0.5F);
+  message.grid.floor_m.assign(16, 0);
+  return Target(kGridChannel, Encode(message),
+                [](const occupancy_grid_t& grid) { return Accepted(Decode(grid)); });
+}
+
+FuzzTarget DistancesTarget() {
+  DistanceUpdate update{{"map", 3, -1, true, 0, 1}, 1, 2, 0.05, 2, {}};
+  for (int32_t i = 0; i < 4; ++i) update.blocks.emplace_back(BlockIndex{i, 0, -i}, std::nullopt);
+  update.blocks[1].second.emplace();
+  const distance_field_t good = Encode(update);
+  FuzzTarget target = Target(kDistancesChannel, good, [](const distance_field_t& message) {
+    Result<DistanceUpdate> read = Decode(message);
+    if (!read) return Accepted(read);
+    DistanceFollower().Apply(std::move(*read));
+    return Result<void>();
+  });
+  target.spoil_inside = Spoiling(good, [](TestRandom* random, distance_field_t* message) {
+    SpoilCompressed(random, &message->payload, &message->payload_size);
+  });
+  target.largest_content = 2 * MaxDistanceBytes(kMaxDistanceBlocks);
+  target.peak_content = 6 * MaxDistanceBytes(kMaxDistanceBlocks);
+  return target;
+}
+
 navigation_status_t SomeNavigation() {
   navigation_status_t navigation{};
   navigation.map_id = "map";
@@ -300,6 +332,8 @@ std::vector<FuzzTarget> OwnFuzzTargets() {
           ObjectsTarget(),
           OctreeTarget(),
           OctreeDeltaTarget(),
+          GridTarget(),
+          DistancesTarget(),
           UnpackedOnly(kNavigationChannel, SomeNavigation()),
           UnpackedOnly(kMapCommitChannel, SomeCommit()),
           UnpackedOnly(kMapRequestChannel, SomeRequest()),

@@ -201,6 +201,37 @@ class PipelineTest(unittest.TestCase):
             np.testing.assert_allclose(live.box.corners_W(), found.box.corners_W(), atol=1e-4)
             self.assertEqual((live.instance, live.points, live.frames), (found.instance, found.points, found.frames))
 
+    def test_clearance_grid_and_frontiers(self):
+        self.start("exporter", BIN / "vismap-octomap-exporter")
+        self.addCleanup(self.processes.stop, "exporter")
+        status = self.bus.subscribe("NAVIGATION")
+        while not (navigation := status.get(DEADLINE).decode()).in_sync or navigation.revision < FRAMES:
+            pass
+        found, _ = self.run_example("Clearance, a grid for wheels, frontiers")
+        self.assertEqual(found["clearance"].limit_m, 2.0)
+        points = np.array([[2.0, 1.5, 1.0], [2.5, 1.5, 1.1], [2.5, 1.5, 0.35], [9.0, 9.0, 9.0]])
+        clearance = vismap.distance(self.bus, points)
+        for i in range(2):
+            self.assertAlmostEqual(clearance.obstacle_m[i], distance_to_room(points[i:i + 1])[0], delta=0.06)
+        self.assertEqual(clearance.distance_m[2], 0, "inside of the box")
+        self.assertEqual((clearance.distance_m[3], clearance.nearest[3]), (0, "UNKNOWN"))
+        np.testing.assert_allclose(np.linalg.norm(clearance.gradient, axis=1), [1, 1, 0, 0], atol=1e-9)
+        np.testing.assert_array_equal(clearance.distance_m, np.minimum(clearance.obstacle_m, clearance.unknown_m))
+        grid = vismap.grid(self.bus, band_m=(0.3, 0.5))
+        self.assertEqual(int(grid.state([2.5, 1.5])), vismap.OCCUPIED, "the box")
+        self.assertEqual(int(grid.state([90.0, 1.5])), vismap.UNKNOWN)
+        self.assertTrue(np.all(grid.distances_m[grid.states != vismap.FREE] == 0))
+        frontiers = vismap.frontiers(self.bus)
+        sizes = [frontier.leaves for frontier in frontiers]
+        self.assertEqual(sizes, sorted(sizes, reverse=True))
+        np.testing.assert_allclose(vismap.distance(self.bus, frontiers[0].member_W).unknown_m, 0.025, atol=1e-6)
+        seen = [frontier.viewpoint_W for frontier in frontiers if frontier.viewpoint_W is not None]
+        self.assertGreater(np.min(vismap.distance(self.bus, seen).distance_m), 0.2)
+        with self.assertRaisesRegex(vismap.RequestError, "band: expected the lower height first"):
+            vismap.grid(self.bus, band_m=(1, 0.5))
+        with self.assertRaisesRegex(vismap.RequestError, "argument: expected key=value.*found 'colour=red'"):
+            vismap.ask(self.bus, "grid", "colour=red")
+
     def test_free_space_and_obstacles(self):
         found, _ = self.run_example("Is this point free, and how far is the next obstacle")
         space, eye = found["space"], np.array([1.4, 1.5, 1.3])

@@ -13,6 +13,7 @@ from .live_octree import LiveOctree
 from .logs import LogEvent, LogReader, LogWriter
 from .map_file import SavedMap, open_map
 from .messages import decode, encode, types, version
+from .navigation import Clearance, Frontier, Grid, distance, frontiers, grid
 from .objects import MapObject, OrientedBox, get_objects, objects_of
 from .octree import FREE, OCCUPIED, UNKNOWN, Octree, read_octree
 from .requests import Reply, ask, load, save
@@ -21,10 +22,11 @@ from .status import Status
 
 __version__ = version()
 __all__ = [
-    "Bus", "BusError", "Camera", "DeviceClock", "FREE", "LiveMap", "LiveOctree", "LiveSpace", "LogError", "LogEvent", "LogReader", "LogWriter",
-    "MapError",
-    "MapObject", "Mesh", "MeshFollower", "Message", "MessageError", "Newest", "OCCUPIED", "Octree", "OrientedBox", "Pace",
-    "Received", "Reply", "RequestError", "SavedMap", "Space", "SpaceFollower", "Status", "Subscription", "UNKNOWN", "VismapError", "WaitTimeout", "ask",
-    "color_of", "decode", "depth_of", "encode", "frame_message", "get_objects", "load", "now_utime", "objects_of", "open_map",
-    "publish_frame", "read_octree", "save", "space_of", "types", "version",
+    "Bus", "BusError", "Camera", "Clearance", "DeviceClock", "FREE", "Frontier", "Grid", "LiveMap", "LiveOctree",
+    "LiveSpace", "LogError", "LogEvent", "LogReader", "LogWriter", "MapError", "MapObject", "Mesh", "MeshFollower",
+    "Message", "MessageError", "Newest", "OCCUPIED", "Octree", "OrientedBox", "Pace", "Received", "Reply",
+    "RequestError", "SavedMap", "Space", "SpaceFollower", "Status", "Subscription", "UNKNOWN", "VismapError",
+    "WaitTimeout", "ask", "color_of", "decode", "depth_of", "distance", "encode", "frame_message", "frontiers",
+    "get_objects", "grid", "load", "now_utime", "objects_of", "open_map", "publish_frame", "read_octree", "save",
+    "space_of", "types", "version",
 ]

@@ -73,6 +73,8 @@ CHANNELS: dict[str, Channel] = {
     "OCTOMAP_INFLATED": Channel("vismap.octree_t", 192 * _MEGABYTE),
     "OCTOMAP_DELTA": Channel("vismap.octree_delta_t", 64 * _MEGABYTE),
     "NAVIGATION": Channel("vismap.navigation_status_t", _MEGABYTE // 16),
+    "GRID": Channel("vismap.occupancy_grid_t", 192 * _MEGABYTE),
+    "DISTANCES": Channel("vismap.distance_field_t", 64 * _MEGABYTE),
 }
 MAX_MESSAGE_BYTES = 192 * _MEGABYTE
 

@@ -1,0 +1,178 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+
+#include "freespace/octree_builder.h"
+#include "octomap_exporter/exporter.h"
+#include "runtime/clock.h"
+#include "support/occupancy_snapshot.h"
+#include "wire/distance_follower.h"
+#include "wire/grid_message.h"
+
+namespace vismap {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing_support::SnapshotOf;
+
+constexpr double kVoxelEdge = 0.02;
+
+/// An exporter on a bus of its own, which is told of a room that changes.
+class NavigationOnABus : public ::testing::Test {
+ protected:
+  NavigationOnABus() {
+    config_.grid.voxel_size_m = kVoxelEdge;
+    config_.octomap_exporter.period_s = 0.05;
+    config_.octomap_exporter.grid_period_s = 0.05;
+    bus_->Subscribe<occupancy_grid_t>(
+        kGridChannel, [this](const occupancy_grid_t& grid) { grids_.push_back(grid); });
+    bus_->Subscribe<navigation_status_t>(
+        kNavigationChannel, [this](const navigation_status_t& message) { navigation_ = message; });
+    bus_->Subscribe<map_reply_t>(kMapReplyChannel,
+                                 [this](const map_reply_t& reply) { replies_.push_back(reply); });
+    for (int i = 0; i < 12 * 12 * 8; ++i) {
+      map_.Set({i % 12 - 4, i / 12 % 12 - 5, i / 144},
+               BlockOccupancy(i < 144 ? CellState::kOccupied : CellState::kFree));
+    }
+  }
+
+  template <typename Condition>
+  bool SpinUntil(const Condition& condition, double seconds = 10) {
+    const double end = MonotonicSeconds() + seconds;
+    while (!condition() && MonotonicSeconds() < end) bus_->Spin(0.01);
+    return condition();
+  }
+  void Start() { exporter_ = std::make_unique<Exporter>(config_, bus_.get(), &status_); }
+  void SendAll() {
+    ++revision_;
+    bus_->Publish(kMapDeltaChannel,
+                  Encode(MapUpdate{1000 * revision_, "m", revision_, -1, 0, 1, SnapshotOf(map_)}));
+  }
+  void Change(BlockIndex index, CellState state) {
+    map_.Set(index, BlockOccupancy(state));
+    OccupancyDelta delta{kVoxelEdge, false, {{index, map_.At(index)}}};
+    ++revision_;
+    bus_->Publish(kMapDeltaChannel, Encode(MapUpdate{1000 * revision_, "m", revision_,
+                                                     revision_ - 1, 0, 1, std::move(delta)}));
+  }
+  map_reply_t Ask(const std::string& verb, const std::string& argument) {
+    map_request_t request{};
+    request.verb = verb;
+    request.argument = argument;
+    request.unknown = map_request_t::UNKNOWN_DEFAULT;
+    request.request_id = ++next_id_;
+    bus_->Publish(kMapRequestChannel, request);
+    EXPECT_TRUE(SpinUntil(
+        [&] { return !replies_.empty() && replies_.back().request_id == request.request_id; }));
+    return replies_.empty() ? map_reply_t{} : replies_.back();
+  }
+  bool HasGrid(int64_t revision) {
+    return SpinUntil([&] { return !grids_.empty() && grids_.back().revision == revision; });
+  }
+  /// The field of the whole map, computed at once.
+  DistanceField ExpectedField(double limit_m) {
+    OctreeBuilder builder = *OctreeBuilder::Make(kVoxelEdge, config_.octree);
+    builder.Update(map_, map_.SortedIndices());
+    DistanceField field = *DistanceField::Make(builder.leaves().cell_size(), {limit_m});
+    field.Update(builder.leaves(), builder.leaves().SortedIndices());
+    return field;
+  }
+
+  std::unique_ptr<Bus> bus_ = std::move(*Bus::Open({"memq://", "test"}));
+  Status status_{bus_.get(), "octomap-exporter"};
+  VismapConfig config_;
+  std::unique_ptr<Exporter> exporter_;
+  OccupancyMap map_{kVoxelEdge};
+  int64_t revision_ = 0, next_id_ = 0;
+  std::vector<occupancy_grid_t> grids_;
+  navigation_status_t navigation_{};
+  std::vector<map_reply_t> replies_;
+};
+
+TEST_F(NavigationOnABus, PublishesTheGridOfEachStateAndRepeatsIt) {
+  Start();
+  SendAll();
+  ASSERT_TRUE(HasGrid(1));
+  const auto expect_grid = [&] {
+    const Result<GridMessage> read = Decode(grids_.back());
+    ASSERT_TRUE(read) << read.error().message;
+    const GroundGrid expected = *MakeGroundGrid(map_, config_.ground_grid, {});
+    EXPECT_EQ(read->grid.states, expected.states);
+    EXPECT_EQ(read->grid.distances_m, expected.distances_m);
+    EXPECT_EQ(read->utime, 1000 * revision_);
+    EXPECT_THAT(read->grid.states, Contains(CellState::kFree));
+  };
+  expect_grid();
+  Change({2, 2, 2}, CellState::kOccupied);
+  ASSERT_TRUE(HasGrid(2));
+  expect_grid();
+  ASSERT_TRUE(SpinUntil(
+      [&] { return !navigation_.channels.empty() && navigation_.channels.back() == "GRID"; }));
+  EXPECT_EQ(navigation_.revisions.back(), 2);
+  const occupancy_grid_t before = grids_.back();
+  grids_.clear();
+  ASSERT_TRUE(SpinUntil([&] { return !grids_.empty(); }, 2)) << "a reader that comes late";
+  EXPECT_EQ(grids_.back().states, before.states);
+  EXPECT_GT(grids_.back().published_utime, before.published_utime);
+}
+
+TEST_F(NavigationOnABus, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
+  config_.octomap_exporter.distance_limit_m = 0.6;
+  DistanceFollower follower;
+  bool deaf = false;
+  bus_->Subscribe<distance_field_t>(kDistancesChannel, [&](const distance_field_t& message) {
+    if (deaf) return;
+    Result<DistanceUpdate> update = Decode(message);
+    ASSERT_TRUE(update) << update.error().message;
+    follower.Apply(std::move(*update), MonotonicSeconds());
+  });
+  Start();
+  SendAll();
+  for (int32_t step = 1; step < 12; ++step) {
+    ASSERT_TRUE(HasGrid(revision_));
+    if (!deaf) {
+      if (follower.position().revision < revision_ - 1) {
+        EXPECT_EQ(Ask("distances-delta", ToText(follower.position())).message,
+                  "published on DISTANCES");
+      }
+      ASSERT_TRUE(SpinUntil([&] { return follower.position().revision == revision_; })) << step;
+      const DistanceField expected = ExpectedField(0.6);
+      ASSERT_EQ(follower.SortedIndices(), expected.SortedIndices()) << step;
+      for (const BlockIndex& index : follower.SortedIndices())
+        ASSERT_EQ(follower.At(index), expected.At(index)) << step;
+      EXPECT_EQ(follower.limit_m(), 0.6);
+    }
+    deaf = step == 4 || step == 5;
+    Change({step - 5, step % 3, step % 4 + 1},
+           step % 5 == 0 ? CellState::kUnknown : CellState::kOccupied);
+  }
+  EXPECT_EQ(follower.gaps(), 1);
+}
+
+TEST_F(NavigationOnABus, AnswersOfTheNewestMapAlsoBetweenTwoExports) {
+  config_.octomap_exporter.period_s = 0;
+  Start();
+  EXPECT_THAT(Ask("clearance", "at=0,0,1").message, HasSubstr("no map yet"));
+  SendAll();
+  const auto distance = [&] {
+    const map_reply_t reply = Ask("clearance", "at=0.08,0.08,0.72");
+    EXPECT_TRUE(reply.ok) << reply.message;
+    const std::string text(reply.payload.begin(), reply.payload.end());
+    const size_t at = text.find("\"distance_m\":") + 13;
+    return std::stod(text.substr(at));
+  };
+  EXPECT_NEAR(distance(), 0.54, 1e-9);
+  Change({0, 0, 3}, CellState::kOccupied);
+  EXPECT_EQ(distance(), ExpectedField(2).From({0.08, 0.08, 0.72}).distance_m);
+  EXPECT_LT(distance(), 0.3);
+  EXPECT_EQ(replies_.back().revision, 2);
+  EXPECT_THAT(Ask("distances-delta", "").message, HasSubstr("octomap_exporter.distance_limit_m"));
+  EXPECT_TRUE(Ask("frontiers", "").ok);
+  EXPECT_THAT(Ask("grid", "high=1").message, HasSubstr("found 'high=1'"));
+}
+
+}  // namespace
+}  // namespace vismap
