@@ -1,9 +1,12 @@
 #include "map_server/answers.h"
 
+#include <charconv>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "base/class_names.h"
+#include "base/printable.h"
 #include "exports/objects_json.h"
 #include "exports/ply.h"
 #include "exports/statistics.h"
@@ -18,6 +21,24 @@ std::vector<uint8_t> Bytes(const std::string& text) { return {text.begin(), text
 // The box of a request that has one.
 Eigen::AlignedBox3d BoxOf(const map_request_t& request) {
   return {Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W)};
+}
+
+constexpr std::string_view kPositions = "positions=";
+
+Result<Answer> AnswerPositions(const MapSession& session, const std::string& argument) {
+  size_t first = 0;
+  const char* end = argument.data() + argument.size();
+  const auto [stop, error] = std::from_chars(argument.data() + kPositions.size(), end, first);
+  if (error != std::errc() || stop != end)
+    return Fail("argument of frames: expected positions=N with the number of a frame, found '" +
+                PrintableText(argument, 60) + "'");
+  auto positions = nlohmann::json::array();
+  const std::vector<CameraPose>& trajectory = session.metadata().trajectory;
+  for (size_t i = first; i < trajectory.size(); ++i) {
+    const Eigen::Vector3d p_W = trajectory[i].T_W_C.translation();
+    positions.push_back({p_W.x(), p_W.y(), p_W.z()});
+  }
+  return Answer{std::to_string(positions.size()) + " positions", "json", Bytes(positions.dump())};
 }
 
 }  // namespace
@@ -53,8 +74,9 @@ Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_
 }
 
 Result<Answer> AnswerFrames(const MapSession& session, const std::string& argument) {
+  if (argument.starts_with(kPositions)) return AnswerPositions(session, argument);
   if (!argument.empty() && argument != "poses")
-    return Fail("argument of frames: expected nothing, or poses");
+    return Fail("argument of frames: expected nothing, poses, or positions=N");
   auto frames = nlohmann::json::array();
   for (const CameraPose& pose : session.metadata().trajectory) {
     frames.push_back({Raw(pose.camera_id), pose.utime});

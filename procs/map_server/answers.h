@@ -25,7 +25,8 @@ Answer AnswerMapFile(const MapSession& session);
 /// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.
 Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest);
 /// "frames": [camera, utime] of every frame in the map as JSON; with the argument "poses", [camera,
-/// utime, digest of the pose] (PoseDigest).
+/// utime, digest of the pose] (PoseDigest); with "positions=N", [x, y, z] in W [m] of the camera at
+/// frame N and those after it, in the order of integration.
 Result<Answer> AnswerFrames(const MapSession& session, const std::string& argument);
 
 }  // namespace vismap

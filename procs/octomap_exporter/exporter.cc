@@ -1,6 +1,7 @@
 #include "octomap_exporter/exporter.h"
 
 #include <filesystem>
+#include <span>
 #include <utility>
 #include <vector>
 #include <vismap/process_status_t.hpp>
@@ -17,6 +18,8 @@ namespace vismap {
 namespace {
 constexpr double kRestAfterTooLarge = 60;  // before a map that was too large is asked for again [s]
 
+constexpr double kPathPatience = 2;  // for positions of the camera [s]
+
 constexpr const char* kNothingKnown =
     "nothing is known yet: no space in the map is free or occupied, so no octree is published";
 }  // namespace
@@ -30,6 +33,8 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
       leaf_deltas_(config.octree.shell_m, bus),
       distances_(config.octomap_exporter.distance_limit_m, bus),
       grid_(config, bus),
+      path_(config.octomap_exporter.clear_start_m > 0 || config.octomap_exporter.grid_period_s > 0,
+            config.octomap_exporter.clear_start_m > 0 ? kPathPatience : 0, bus),
       catch_up_(bus, "snapshot"),
       export_pacer_(config.octomap_exporter.period_s),
       requests_(
@@ -113,6 +118,8 @@ void Exporter::OnTimer() {
 
 void Exporter::ExportIfDue() {
   if (config_.octomap_exporter.period_s <= 0 || !has_news()) return;
+  path_.Request(follower_.position());
+  if (path_.IsAwaited()) return;
   export_pacer_.RunIfDue([&] {
     const Result<std::string> exported = Export();
     export_error_ = exported ? "" : "there is no octree of the map: " + exported.error().message;
@@ -150,7 +157,9 @@ Result<void> Exporter::UpdateTrees() {
     trees_.emplace(std::move(*trees));
   }
   updated_ = follower_.position();
+  FollowPath(anew);
   OccupancyDelta leaves = trees_->Update(map, anew ? map.SortedIndices() : changes.blocks);
+  status_->SetCounter("assumed_free_leaves", static_cast<int64_t>(trees_->assumed_free()));
   std::vector<BlockIndex> changed;
   for (const auto& entry : leaves.blocks) changed.push_back(entry.first);
   const Result<void> distances =
@@ -162,6 +171,17 @@ Result<void> Exporter::UpdateTrees() {
   leaf_deltas_.PublishChanges(follower_.position(), follower_.utime(), map.cell_size(),
                               std::move(leaves));
   return {};
+}
+
+// Followers of OCTOMAP_DELTA have one state for each revision, so that new positions count only
+// together with a new revision.
+void Exporter::FollowPath(bool anew) {
+  if (anew) path_used_ = 0;
+  const std::vector<Eigen::Vector3d>& path_W = path_.positions_W();
+  if (path_.map_id() != updated_.map_id || path_used_ >= path_W.size()) return;
+  const Result<void> added = trees_->AddPath(std::span(path_W).subspan(path_used_));
+  path_used_ = path_W.size();
+  status_->SetFinding("path", added ? std::nullopt : std::optional(added.error().message));
 }
 
 // The trees of a map that is gone are neither repeated nor continued.
@@ -202,6 +222,7 @@ Result<std::string> Exporter::Publish() {
     message.rule = config_.free_space;
     message.octree = std::move(tree.octree);
     message.inflated_by = tree.inflated_by;
+    message.assumed_free = std::move(tree.assumed_free);
     latched_.Publish(tree.channel, Encode(message));
   }
   status_->Count("octrees_published");
@@ -268,6 +289,7 @@ NavigationSpace Exporter::Space() const {
   space.octree = config_.octree;
   space.grid = config_.ground_grid;
   if (space.field != nullptr) space.distance_limit_m = space.field->limit_m();
+  space.path_W = path_.positions_W();
   space.robot_radius_m = config_.octomap_exporter.robot_radius_m;
   return space;
 }
@@ -275,9 +297,10 @@ NavigationSpace Exporter::Space() const {
 void Exporter::PublishGrid() {
   const FollowerPosition& position = follower_.position();
   if (!follower_.in_sync() || !follower_.occupancy() || !grid_.IsDue(position)) return;
+  path_.Request(position);
   const StageTimer timer(status_, "grid");
   const Result<void> published =
-      grid_.Publish(*follower_.occupancy(), position, follower_.utime(), {});
+      grid_.Publish(*follower_.occupancy(), position, follower_.utime(), path_.positions_W());
   status_->SetFinding("grid", published ? std::nullopt : std::optional(published.error().message));
 }
 
@@ -315,6 +338,7 @@ void Exporter::PublishNavigation() {
   message.in_sync = follower_.in_sync();
   message.server_utime = server_utime_;
   message.message = Trouble();
+  message.n_assumed_free = trees_ ? static_cast<int32_t>(trees_->assumed_free()) : 0;
   for (const LatchedTrees::Sent& sent : latched_.sent()) {
     message.channels.emplace_back(sent.channel.name);
     message.revisions.push_back(sent.tree.revision);

@@ -6,6 +6,7 @@
 #include <vismap/navigation_status_t.hpp>
 
 #include "config/config.h"
+#include "octomap_exporter/camera_path.h"
 #include "octomap_exporter/distance_publisher.h"
 #include "octomap_exporter/grid_publisher.h"
 #include "octomap_exporter/latched_trees.h"
@@ -50,6 +51,7 @@ class Exporter {
   Result<Answer> AnswerDelta(const map_request_t& request);
   Result<void> BringUpToDate();
   Result<void> UpdateTrees();
+  void FollowPath(bool anew);
   void PublishGrid();
   NavigationSpace Space() const;
   Result<std::string> Publish();
@@ -67,6 +69,8 @@ class Exporter {
   LeafPublisher leaf_deltas_;
   DistancePublisher distances_;
   GridPublisher grid_;
+  CameraPath path_;
+  size_t path_used_ = 0;  // positions that trees_ has got
   CatchUp catch_up_;
   double next_catch_up_ = 0;  // no request before [s]
   FollowerPosition exported_;

@@ -4,6 +4,16 @@
 
 namespace vismap {
 
+namespace {
+
+std::vector<BlockIndex> IndicesOf(const OccupancyDelta& delta) {
+  std::vector<BlockIndex> indices;
+  for (const auto& entry : delta.blocks) indices.push_back(entry.first);
+  return indices;
+}
+
+}  // namespace
+
 Result<TreeSet> TreeSet::Make(double voxel_size, const VismapConfig& config) {
   Result<OctreeBuilder> fine = OctreeBuilder::Make(voxel_size, config.octree);
   if (!fine) return tl::unexpected(fine.error());
@@ -15,6 +25,11 @@ Result<TreeSet> TreeSet::Make(double voxel_size, const VismapConfig& config) {
     if (!coarse) return tl::unexpected(coarse.error());
     set.coarse_.emplace(std::move(*coarse));
   }
+  set.closed_ = config.octree;
+  set.closed_.resolution_m = set.resolution();
+  set.closed_.unknown = UnknownPolicy::kOccupied;
+  if (const double radius = config.octomap_exporter.clear_start_m; radius > 0)
+    set.clearer_.emplace(radius, set.fine_.leaves().cell_size());
   if (const Result<void> made = set.AddInflated(config); !made) return tl::unexpected(made.error());
   return set;
 }
@@ -25,23 +40,28 @@ Result<void> TreeSet::AddInflated(const VismapConfig& config) {
   Result<Inflater> inflater = Inflater::Make(leaves().cell_size(), {.radius_m = radius_});
   if (!inflater) return tl::unexpected(inflater.error());
   inflater_.emplace(std::move(*inflater));
-  inflated_options_ = config.octree;
-  inflated_options_.resolution_m = resolution();
-  inflated_options_.unknown = UnknownPolicy::kOccupied;
   return {};
 }
 
+Result<void> TreeSet::AddPath(std::span<const Eigen::Vector3d> path_W) {
+  return clearer_ ? clearer_->AddPath(path_W) : Result<void>();
+}
+
+OccupancyDelta TreeSet::UpdateCleared(const OccupancyDelta& seen) {
+  OccupancyDelta delta = clearer_->Update(fine_.leaves(), IndicesOf(seen));
+  cleared_.Update(clearer_->leaves(), IndicesOf(delta));
+  assumed_ = clearer_->Assumed();
+  return delta;
+}
+
 void TreeSet::UpdateInflated(const OccupancyDelta& changed) {
-  std::vector<BlockIndex> indices;
-  for (const auto& entry : changed.blocks) indices.push_back(entry.first);
-  const OccupancyDelta delta = inflater_->Update(leaves(), indices);
-  indices.clear();
-  for (const auto& entry : delta.blocks) indices.push_back(entry.first);
-  inflated_.Update(inflater_->inflated(), indices);
+  const OccupancyDelta delta = inflater_->Update(leaves(), IndicesOf(changed));
+  inflated_.Update(inflater_->inflated(), IndicesOf(delta));
 }
 
 OccupancyDelta TreeSet::Update(const OccupancyMap& map, std::span<const BlockIndex> changed) {
   OccupancyDelta delta = fine_.Update(map, changed);
+  if (clearer_) delta = UpdateCleared(delta);
   delta.voxel_size = resolution();  // without the error of rounding that a product has
   delta.complete = !std::exchange(has_leaves_, true);
   if (inflater_) UpdateInflated(delta);
@@ -49,26 +69,43 @@ OccupancyDelta TreeSet::Update(const OccupancyMap& map, std::span<const BlockInd
   return delta;
 }
 
+Result<PublishedTree> TreeSet::BuildClosed() {
+  const bool clear = clearer_ && policy_ == UnknownPolicy::kOccupied;
+  Result<OctreeBytes> octree =
+      clear ? cleared_.Encode(clearer_->leaves(), closed_) : fine_.Build(policy_);
+  if (!octree) return tl::unexpected(octree.error());
+  return PublishedTree{kOctomapChannel, std::move(*octree), 0,
+                       clear ? assumed_ : std::vector<VoxelIndex>()};
+}
+
+Result<PublishedTree> TreeSet::BuildInflated() {
+  Result<OctreeBytes> octree = inflated_.Encode(inflater_->inflated(), closed_);
+  if (!octree) return tl::unexpected(octree.error());
+  PublishedTree tree{kOctomapInflatedChannel, std::move(*octree), radius_, {}};
+  for (const VoxelIndex& leaf : assumed_) {
+    if (inflater_->inflated().At(leaf) == CellState::kFree) tree.assumed_free.push_back(leaf);
+  }
+  return tree;
+}
+
 Result<std::vector<PublishedTree>> TreeSet::Build() {
   std::vector<PublishedTree> trees;
-  const auto add = [&](const Channel& channel, OctreeBuilder* builder, UnknownPolicy unknown) {
-    Result<OctreeBytes> octree = builder->Build(unknown);
-    if (octree) trees.push_back({channel, std::move(*octree)});
-    return octree ? Result<void>() : tl::unexpected(octree.error());
-  };
   // The closed tree comes first: it is what planners wait for.
-  if (const Result<void> made = add(kOctomapChannel, &fine_, policy_); !made)
-    return tl::unexpected(made.error());
-  if (const Result<void> made = add(kOctomapRawChannel, &fine_, UnknownPolicy::kAbsent); !made)
-    return tl::unexpected(made.error());
+  Result<PublishedTree> closed = BuildClosed();
+  if (!closed) return tl::unexpected(closed.error());
+  trees.push_back(std::move(*closed));
+  Result<OctreeBytes> raw = fine_.Build(UnknownPolicy::kAbsent);
+  if (!raw) return tl::unexpected(raw.error());
+  trees.push_back({kOctomapRawChannel, std::move(*raw), 0, {}});
   if (inflater_) {
-    Result<OctreeBytes> octree = inflated_.Encode(inflater_->inflated(), inflated_options_);
-    if (!octree) return tl::unexpected(octree.error());
-    trees.push_back({kOctomapInflatedChannel, std::move(*octree), radius_});
+    Result<PublishedTree> inflated = BuildInflated();
+    if (!inflated) return tl::unexpected(inflated.error());
+    trees.push_back(std::move(*inflated));
   }
   if (!coarse_) return trees;
-  const Result<void> made = add(kOctomapCoarseChannel, &*coarse_, UnknownPolicy::kOccupied);
-  if (!made) return tl::unexpected(made.error());
+  Result<OctreeBytes> coarse = coarse_->Build(UnknownPolicy::kOccupied);
+  if (!coarse) return tl::unexpected(coarse.error());
+  trees.push_back({kOctomapCoarseChannel, std::move(*coarse), 0, {}});
   return trees;
 }
 

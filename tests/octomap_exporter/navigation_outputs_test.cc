@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "freespace/octree_builder.h"
+#include "freespace/octree_cache.h"
+#include "navigation/start_clearing.h"
 #include "octomap_exporter/exporter.h"
 #include "runtime/clock.h"
 #include "support/occupancy_snapshot.h"
@@ -172,6 +174,71 @@ TEST_F(NavigationOnABus, AnswersOfTheNewestMapAlsoBetweenTwoExports) {
   EXPECT_THAT(Ask("distances-delta", "").message, HasSubstr("octomap_exporter.distance_limit_m"));
   EXPECT_TRUE(Ask("frontiers", "").ok);
   EXPECT_THAT(Ask("grid", "high=1").message, HasSubstr("found 'high=1'"));
+}
+
+TEST_F(NavigationOnABus, WhereTheCameraWasIsFreeUnlessItWasSeenOccupied) {
+  config_.octomap_exporter.clear_start_m = 0.2;
+  config_.octomap_exporter.distance_limit_m = 0.6;
+  // The space around the camera at (0.4, 0.4, 0.72) was not seen, but for a post.
+  for (int i = 0; i < 27; ++i)
+    map_.Set({i % 3 + 1, i / 3 % 3 + 1, i / 9 + 3}, BlockOccupancy(CellState::kUnknown));
+  map_.Set({1, 1, 3}, BlockOccupancy(CellState::kOccupied));
+  std::vector<octree_t> trees, raw;
+  bus_->Subscribe<octree_t>(kOctomapChannel, [&](const octree_t& tree) { trees.push_back(tree); });
+  bus_->Subscribe<octree_t>(kOctomapRawChannel, [&](const octree_t& tree) { raw.push_back(tree); });
+  std::vector<std::string> arguments;
+  bus_->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
+    if (request.verb != "frames") return;
+    arguments.push_back(request.argument);
+    map_reply_t reply{};
+    reply.requester = request.source;
+    reply.request_id = request.request_id;
+    reply.ok = true;
+    reply.map_id = "m";
+    const std::string json = "[[0.4, 0.4, 0.72]]";
+    reply.payload.assign(json.begin(), json.end());
+    reply.payload_size = static_cast<int32_t>(json.size());
+    bus_->Publish(kMapReplyChannel, reply);
+  });
+  Start();
+  SendAll();
+  ASSERT_TRUE(SpinUntil([&] { return !raw.empty(); }));
+  const octree_t tree = trees.back();
+  ASSERT_GT(tree.n_assumed_free, 50);
+  OctreeBuilder seen = *OctreeBuilder::Make(kVoxelEdge, config_.octree);
+  seen.Update(map_, map_.SortedIndices());
+  OccupancyMap expected(seen.leaves().cell_size());
+  for (const BlockIndex& index : seen.leaves().SortedIndices())
+    expected.Set(index, seen.leaves().At(index));
+  for (int32_t i = 0; i < tree.n_assumed_free; ++i) {
+    const auto at = static_cast<size_t>(i);
+    const VoxelIndex leaf{tree.assumed_free_x[at], tree.assumed_free_y[at],
+                          tree.assumed_free_z[at]};
+    ASSERT_EQ(seen.leaves().At(leaf), CellState::kUnknown);
+    VoxelBits bit{};
+    bit[static_cast<size_t>(OffsetInBlock(leaf)) / 64] = uint64_t{1} << (OffsetInBlock(leaf) % 64);
+    expected.Set(BlockOf(leaf), WithFreeLeaves(expected.At(BlockOf(leaf)), bit));
+  }
+  EXPECT_EQ(expected.At(Eigen::Vector3d(0.4, 0.4, 0.72)), CellState::kFree);
+  EXPECT_EQ(expected.At(Eigen::Vector3d(0.21, 0.21, 0.55)), CellState::kOccupied);
+  OctreeOptions options = config_.octree;
+  options.resolution_m = seen.resolution();
+  options.unknown = UnknownPolicy::kOccupied;
+  OctreeCache cache;
+  cache.Update(expected, expected.SortedIndices());
+  EXPECT_EQ(tree.data, cache.Encode(expected, options)->bytes);
+  options.unknown = UnknownPolicy::kAbsent;
+  EXPECT_EQ(raw.back().data, BuildOctree(map_, options)->bytes) << "of what was seen";
+  EXPECT_EQ(raw.back().n_assumed_free, 0);
+  ASSERT_TRUE(SpinUntil([&] { return navigation_.n_assumed_free == tree.n_assumed_free; }));
+  EXPECT_THAT(Ask("clearance", "at=0.4,0.4,0.72").message, HasSubstr("1 point"));
+
+  // What is seen there later counts.
+  trees.clear();
+  for (int i = 0; i < 26; ++i) Change({i % 3 + 1, i / 3 % 3 + 1, i / 9 + 3}, CellState::kFree);
+  ASSERT_TRUE(SpinUntil([&] { return !trees.empty() && trees.back().revision == revision_; }));
+  EXPECT_LT(trees.back().n_assumed_free, tree.n_assumed_free);
+  EXPECT_THAT(arguments, Contains("positions=1"));
 }
 
 }  // namespace
