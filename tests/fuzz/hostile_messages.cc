@@ -243,8 +243,16 @@ FuzzTarget OctreeDeltaTarget() {
   update.leaves.map_id = "map";
   update.leaves.delta = SnapshotOf(SmallOccupancy());
   update.shell = 1;
-  return Target(kOctomapDeltaChannel, Encode(update),
-                [](const octree_delta_t& message) { return Accepted(Decode(message)); });
+  const octree_delta_t good = Encode(update);
+  FuzzTarget target = Target(kOctomapDeltaChannel, good, [](const octree_delta_t& message) {
+    return Accepted(Decode(message));
+  });
+  target.spoil_inside = Spoiling(good, [](TestRandom* random, octree_delta_t* message) {
+    SpoilCompressed(random, &message->payload, &message->payload_size);
+  });
+  target.largest_content = 2 * MaxOccupancyDeltaBytes(kMaxBlocksPerUpdate);
+  target.peak_content = 6 * MaxOccupancyDeltaBytes(kMaxBlocksPerUpdate);
+  return target;
 }
 
 FuzzTarget GridTarget() {
