@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -11,6 +12,8 @@
 #include "exports/ply.h"
 #include "exports/statistics.h"
 #include "mapfile/map_file.h"
+#include "objects/object_mesh.h"
+#include "objects/read_out.h"
 #include "wire/pose_digest.h"
 
 namespace vismap {
@@ -41,6 +44,32 @@ Result<Answer> AnswerPositions(const MapSession& session, const std::string& arg
   return Answer{std::to_string(positions.size()) + " positions", "json", Bytes(positions.dump())};
 }
 
+/// The blocks near a surface in which the cells of the objects' meshes begin, ascending.
+std::vector<BlockIndex> BlocksOf(const SemanticMap& map, std::span<const ObjectSummary> objects,
+                                 const LabelPlaces& places) {
+  std::set<BlockIndex> blocks;
+  for (const ObjectSummary& object : objects) {
+    for (const SegmentLabel segment : object.segments) {
+      for (const BlockIndex& at : places.BlocksOf(map.labels.Canonical(segment))) {
+        for (int i = 0; i < 8; ++i)
+          blocks.insert({at.x - (i & 1), at.y - (i >> 1 & 1), at.z - (i >> 2)});
+      }
+    }
+  }
+  std::erase_if(blocks, [&](const BlockIndex& at) {
+    const Block* block = map.voxels.Find(at);
+    return block == nullptr || !block->surface;
+  });
+  return {blocks.begin(), blocks.end()};
+}
+
+void Append(const Mesh& part, Mesh* mesh) {
+  const auto first = static_cast<uint32_t>(mesh->vertices.size());
+  mesh->vertices.insert(mesh->vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const auto& [a, b, c] : part.triangles)
+    mesh->triangles.push_back({first + a, first + b, first + c});
+}
+
 }  // namespace
 
 Result<ObjectQuery> QueryOf(const map_request_t& request) {
@@ -61,6 +90,25 @@ Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {
   const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
   return {std::to_string(products.mesh.triangles.size()) + " triangles", "ply",
           EncodePly(products.mesh, {session.metadata().map_id, {}})};
+}
+
+Result<Answer> AnswerSurface(const MapSession& session, std::span<const ObjectSummary> objects,
+                             const LabelPlaces& places, const MeshingOptions& options,
+                             bool points_only) {
+  const SemanticMap& map = session.map();
+  const std::vector<BlockIndex> blocks = BlocksOf(map, objects, places);
+  const std::vector<ShownLabel> shown = ShowLabels(map.labels);
+  Mesh around;
+  for (const BlockMesh& block : MeshEachBlock(map, blocks, shown, options))
+    Append(block.mesh, &around);
+  Mesh surface;
+  for (const Mesh& object : CutObjects(around, objects)) Append(object, &surface);
+  if (surface.vertices.empty()) return Fail("none of these objects has a surface in the map");
+  const std::string counts = std::to_string(objects.size()) + " objects, " +
+                             std::to_string(surface.vertices.size()) + " vertices, " +
+                             std::to_string(surface.triangles.size()) + " triangles";
+  if (points_only) surface.triangles.clear();
+  return Answer{counts, "ply", EncodePly(surface, {session.metadata().map_id, {}})};
 }
 
 Answer AnswerMapFile(const MapSession& session) {

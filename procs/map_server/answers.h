@@ -1,9 +1,11 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "exports/outputs.h"
+#include "objects/label_places.h"
 #include "objects/object_query.h"
 #include "requests/request_server.h"
 #include "session/map_session.h"
@@ -20,6 +22,12 @@ Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query
                              const UpDirection& up, const std::vector<ObjectSummary>& objects);
 /// "mesh" with the argument "ply": the mesh of the whole map as a PLY file.
 Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options);
+/// "mesh" for some objects, and "points": their surface as a PLY file, only its vertices for
+/// points. Only blocks with votes for the objects are meshed. `places`: of the map. Fails when none
+/// of them has a surface.
+Result<Answer> AnswerSurface(const MapSession& session, std::span<const ObjectSummary> objects,
+                             const LabelPlaces& places, const MeshingOptions& options,
+                             bool points_only);
 /// "map": the whole map as a saved one. Its message is the hash of the map.
 Answer AnswerMapFile(const MapSession& session);
 /// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.

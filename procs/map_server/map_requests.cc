@@ -25,9 +25,12 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
                  [this](const Request& request) { return PublishAndSelectObjects(request); });
   server_.Handle("mesh", [this](const Request& request) { return ReturnOrPublishMesh(request); });
   server_.Handle("snapshot", [this](const Request& request) { return PublishSpace(request); });
-  server_.Handle("octree", [this](const Request& request) {
-    const MapSession& session = map_.session();
-    return AnswerMapOctree(session.map(), session.metadata(), request, options_);
+  server_.Handle("points", [this](const Request& request) { return ReturnObjects(request, true); });
+  server_.Handle("octree", [this](const Request& request) { return ReturnOctree(request); });
+  server_.Handle("occupancy", [this](const Request& request) -> Result<Answer> {
+    const Result<EditedSpace> space = SpaceWithout(request);
+    if (!space) return tl::unexpected(space.error());
+    return AnswerOccupancy(*space);
   });
   server_.Handle("statistics", [this](const Request&) {
     return AnswerStatistics(map_.session(), map_.publisher().occupancy().Digest());
@@ -67,15 +70,50 @@ Result<Answer> MapRequests::PublishAndSelectObjects(const map_request_t& request
 }
 
 Result<Answer> MapRequests::ReturnOrPublishMesh(const map_request_t& request) {
+  if (request.argument.find('=') != std::string::npos) return ReturnObjects(request, false);
   if (request.argument == "ply") return AnswerMeshFile(map_.session(), options_);
   if (request.argument == "digest") {
     map_.publisher().PublishMesh(map_.session());
     return Answer{MeshPublisher::DigestOf(map_.session().map(), options_.meshing)};
   }
   const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
-  if (!position) return Fail("argument of mesh: ply, digest, or a " + position.error().message);
+  if (!position)
+    return Fail("argument of mesh: ply, digest, id=7 or class=NAME for objects, or a " +
+                position.error().message);
   map_.publisher().mesh().PublishSince(map_.session().map(), *position);
   return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
+}
+
+// The objects as they were published last, from which clients know their ids.
+const std::vector<ObjectSummary>& MapRequests::Objects() {
+  ObjectsPublisher& publisher = map_.publisher().objects();
+  if (publisher.objects().empty()) publisher.PublishAll(map_.session());
+  return publisher.objects();
+}
+
+Result<Answer> MapRequests::ReturnObjects(const map_request_t& request, bool points_only) {
+  const Result<ObjectQuery> query = QueryOf(request);
+  if (!query) return tl::unexpected(query.error());
+  const auto selected = SelectObjects(Objects(), *query);
+  if (!selected) return tl::unexpected(selected.error());
+  const LabelPlaces& places = map_.publisher().mesh().tracker().places();
+  return AnswerSurface(map_.session(), *selected, places, options_.meshing, points_only);
+}
+
+Result<EditedSpace> MapRequests::SpaceWithout(const map_request_t& request) {
+  const LabelPlaces& places = map_.publisher().mesh().tracker().places();
+  return EditSpace(
+      map_.session().map(), Objects(), [&](SegmentLabel label) { return places.BlocksOf(label); },
+      request.without, options_.free_space);
+}
+
+Result<Answer> MapRequests::ReturnOctree(const map_request_t& request) {
+  const MapSession& session = map_.session();
+  if (request.without.empty())
+    return AnswerMapOctree(session.map(), session.metadata(), request, options_);
+  const Result<EditedSpace> space = SpaceWithout(request);
+  if (!space) return tl::unexpected(space.error());
+  return AnswerMapOctree(session.map(), session.metadata(), request, options_, &space->delta);
 }
 
 Result<Answer> MapRequests::PublishSpace(const map_request_t& request) {

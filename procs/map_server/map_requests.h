@@ -2,12 +2,13 @@
 
 #include "exports/outputs.h"
 #include "map_server/live_map.h"
+#include "requests/object_edits.h"
 #include "requests/request_server.h"
 
 namespace vismap {
 
-/// Carries out the MAP_REQUESTs to a map server: save, load, reset, objects, mesh, octree,
-/// statistics, snapshot, frames.
+/// Carries out the MAP_REQUESTs to a map server: save, load, reset, objects, mesh, points,
+/// octree, occupancy, statistics, snapshot, frames.
 class MapRequests {
  public:
   /// Subscribes to MAP_REQUEST. All must outlive it.
@@ -22,6 +23,10 @@ class MapRequests {
   Result<Answer> Reset();
   Result<Answer> PublishAndSelectObjects(const map_request_t& request);
   Result<Answer> ReturnOrPublishMesh(const map_request_t& request);
+  Result<Answer> ReturnObjects(const map_request_t& request, bool points_only);
+  Result<Answer> ReturnOctree(const map_request_t& request);
+  Result<EditedSpace> SpaceWithout(const map_request_t& request);
+  const std::vector<ObjectSummary>& Objects();
   Result<Answer> PublishSpace(const map_request_t& request);
 
   OutputOptions options_;

@@ -27,7 +27,8 @@ std::vector<ObjectSummary> ObjectsPublisher::Publish(const MapSession& session,
   bus_->Publish(kObjectsChannel, last_);
   revision_ = map.revision;
   repeat_pacer_.Restart();
-  return std::move(list.objects);
+  objects_ = std::move(list.objects);
+  return objects_;
 }
 
 void ObjectsPublisher::Repeat() {

@@ -19,7 +19,10 @@ class ObjectsPublisher {
   ObjectsPublisher(const OutputOptions& options, Bus* bus) : options_(options), bus_(bus) {}
 
   /// Starts with another map. Publishes nothing.
-  void Start() { tracker_.Clear(); }
+  void Start() {
+    tracker_.Clear();
+    objects_.clear();
+  }
   /// The map has changed since the last list.
   bool has_changes(const SemanticMap& map) const { return revision_ != map.revision; }
 
@@ -30,6 +33,8 @@ class ObjectsPublisher {
   std::vector<ObjectSummary> PublishAll(const MapSession& session);
   /// The upward direction of the objects that PublishAll returned last.
   const UpDirection& up() const { return up_; }
+  /// The objects that were published last; empty = none of this map yet.
+  const std::vector<ObjectSummary>& objects() const { return objects_; }
   /// Publishes the last list again when nothing was published for some seconds, for those who
   /// missed it.
   void Repeat();
@@ -41,6 +46,7 @@ class ObjectsPublisher {
   Bus* bus_;
   ObjectTracker tracker_;
   UpDirection up_;
+  std::vector<ObjectSummary> objects_;
   object_list_t last_{};  // the last message; without map_id = none yet
   int64_t revision_ = 0;  // of the last message
   Pacer repeat_pacer_{5.0};

@@ -23,6 +23,7 @@ struct MapToolArguments {
   double resolution_m = 0;  ///< for octree: edge of a leaf; 0 = as in the config
   std::string unknown;      ///< for octree: "occupied", "absent" or, for the usual, ""
   double inflate_m = 0;     ///< for octree: radius of the robot
+  std::string without;      ///< for octree: objects that are left out, see map_request_t
   bool color = false;       ///< for octree: a ColorOcTree
   std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]
   bool from_exporter = false;  ///< for octree: ask the octomap exporter

@@ -77,6 +77,9 @@ void AddOctree(CommandLine& line, Command* command) {
       .Option("--inflate", &arguments.inflate_m,
               "Radius of the robot, by which obstacles and unknown space grow [m]")
       .Range(0, 5);
+  octree.Option("--without", &arguments.without,
+                "Objects that are left out, such as 'id=7;class=cup'; with ':unknown' behind one, "
+                "its place is unknown, with ':inflate=0.1' it is larger by this [m]");
   octree.Flag("--color", &arguments.color,
               "Occupied leaves have the colour of their class; for looking, not for planning");
   octree.Flag("--from-exporter", &arguments.from_exporter,

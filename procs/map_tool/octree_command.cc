@@ -9,6 +9,7 @@
 #include "map_tool/commands.h"
 #include "map_tool/live_map.h"
 #include "objects/object_query.h"
+#include "requests/object_edits.h"
 #include "requests/octree_request.h"
 
 // The subcommand `octree` of vismap-map.
@@ -24,6 +25,7 @@ Result<map_request_t> OctreeRequestOf(const MapToolArguments& arguments) {
   request.unknown = arguments.unknown.empty()       ? map_request_t::UNKNOWN_DEFAULT
                     : arguments.unknown == "absent" ? map_request_t::UNKNOWN_ABSENT
                                                     : map_request_t::UNKNOWN_OCCUPIED;
+  request.without = arguments.without;
   request.tree = arguments.color ? map_request_t::TREE_COLOR : map_request_t::TREE_OCCUPANCY;
   if (!arguments.region) return request;
   ObjectQuery query;
@@ -41,7 +43,14 @@ tl::expected<Answer, ExitFailure> OctreeOfFile(const MapToolArguments& arguments
       LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   const OutputOptions options = arguments.config;
-  Result<Answer> answer = AnswerMapOctree(loaded->map, loaded->metadata, request, options);
+  EditedSpace edited;
+  if (!request.without.empty()) {
+    Result<EditedSpace> space = EditSpace(loaded->map, loaded->metadata, request.without, options);
+    if (!space) return ExitWith(ExitCode::kUsage, arguments.map + ": " + space.error().message);
+    edited = std::move(*space);
+  }
+  Result<Answer> answer =
+      AnswerMapOctree(loaded->map, loaded->metadata, request, options, &edited.delta);
   if (!answer) return ExitWith(ExitCode::kUsage, arguments.map + ": " + answer.error().message);
   return std::move(*answer);
 }

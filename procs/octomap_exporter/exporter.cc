@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/format.h"
+#include "navigation/overlay.h"
 #include "requests/octree_request.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -38,7 +39,8 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
       catch_up_(bus, "snapshot"),
       export_pacer_(config.octomap_exporter.period_s),
       requests_(
-          RequestReceiver::kOctomapExporter, [this] { return follower_.position(); }, bus, status) {
+          RequestReceiver::kOctomapExporter, [this] { return follower_.position(); }, bus, status),
+      space_without_(bus) {
   bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
                                [this](const map_delta_t& message) { return OnDelta(message); });
   bus_->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& message) {
@@ -249,8 +251,10 @@ Result<std::string> Exporter::WriteFiles() {
 }
 
 void Exporter::HandleRequests() {
-  requests_.Handle("octomap",
-                   [this](const map_request_t& request) { return AnswerOctomap(request); });
+  requests_.HandleLate("octomap",
+                       [this](const map_request_t& request, const RequestServer::Reply& reply) {
+                         BeginOctomap(request, reply);
+                       });
   requests_.Handle("octomap-delta",
                    [this](const map_request_t& request) { return AnswerDelta(request); });
   requests_.Handle("octomap-digest", [this](const map_request_t&) -> Result<Answer> {
@@ -304,21 +308,40 @@ void Exporter::PublishGrid() {
   status_->SetFinding("grid", published ? std::nullopt : std::optional(published.error().message));
 }
 
+void Exporter::WithSpace(const map_request_t& request, const std::optional<BlockRegion>& region,
+                         const RequestServer::Reply& reply, AnswerFromSpace answer) {
+  if (!follower_.occupancy()) return reply(Fail("no map yet: nothing has come on MAP_DELTA"));
+  if (request.without.empty()) return reply(answer(*follower_.occupancy()));
+  const std::string map_id = follower_.position().map_id;
+  space_without_.Ask(map_id, request.without,
+                     [=, this](const Result<OccupancyDelta>& blocks) -> void {
+                       if (!blocks) return reply(tl::unexpected(blocks.error()));
+                       if (!follower_.occupancy() || follower_.position().map_id != map_id)
+                         return reply(Fail("another map has taken the place of " + map_id));
+                       const auto space = OccupancyWith(*follower_.occupancy(), *blocks, region);
+                       if (!space) return reply(tl::unexpected(space.error()));
+                       reply(answer(*space));
+                     });
+}
+
 // A request that restricts nothing also publishes the trees, when the map has changed.
-Result<Answer> Exporter::AnswerOctomap(const map_request_t& request) {
-  if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
-  const OccupancyMap& map = *follower_.occupancy();
-  const auto read = ReadOctreeRequest(request, map.cell_size(), config_.octree);
-  if (!read) return tl::unexpected(read.error());
+void Exporter::BeginOctomap(const map_request_t& request, const RequestServer::Reply& reply) {
+  if (!follower_.occupancy()) return reply(Fail("no map yet: nothing has come on MAP_DELTA"));
+  const double voxel_size = follower_.occupancy()->cell_size();
+  const auto read = ReadOctreeRequest(request, voxel_size, config_.octree);
+  if (!read) return reply(tl::unexpected(read.error()));
   std::string written;
-  if (!request.has_bbx && has_news()) {
+  if (!request.has_bbx && request.without.empty() && has_news()) {
     const Result<std::string> exported = Export();
-    if (!exported) return tl::unexpected(exported.error());
+    if (!exported) return reply(tl::unexpected(exported.error()));
     written = "; " + *exported;
   }
-  Result<Answer> answer = AnswerOctree(map, *read, follower_.utime());
-  if (answer) answer->message += written;
-  return answer;
+  WithSpace(request, read->Region(voxel_size * kBlockSide), reply,
+            [this, read = *read, written](const OccupancyMap& space) {
+              Result<Answer> answer = AnswerOctree(space, read, follower_.utime());
+              if (answer) answer->message += written;
+              return answer;
+            });
 }
 
 Result<Answer> Exporter::AnswerDelta(const map_request_t& request) {

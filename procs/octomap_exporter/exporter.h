@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vismap/map_delta_t.hpp>
@@ -11,6 +12,7 @@
 #include "octomap_exporter/grid_publisher.h"
 #include "octomap_exporter/latched_trees.h"
 #include "octomap_exporter/leaf_publisher.h"
+#include "octomap_exporter/space_without.h"
 #include "octomap_exporter/tree_set.h"
 #include "requests/navigation_answers.h"
 #include "runtime/bus.h"
@@ -47,7 +49,13 @@ class Exporter {
   std::string Trouble() const;
   void SetState();
   void HandleRequests();
-  Result<Answer> AnswerOctomap(const map_request_t& request);
+  /// Answers from the space that a request is about: the exporter's own, or, when the request
+  /// leaves objects out, a copy of the blocks of `region` (nullopt = all) without them, once the
+  /// map server has said what differs.
+  using AnswerFromSpace = std::function<Result<Answer>(const OccupancyMap&)>;
+  void WithSpace(const map_request_t& request, const std::optional<BlockRegion>& region,
+                 const RequestServer::Reply& reply, AnswerFromSpace answer);
+  void BeginOctomap(const map_request_t& request, const RequestServer::Reply& reply);
   Result<Answer> AnswerDelta(const map_request_t& request);
   Result<void> BringUpToDate();
   Result<void> UpdateTrees();
@@ -79,6 +87,7 @@ class Exporter {
   int64_t server_utime_ = 0;  // when the map server was heard last [us]
   Pacer export_pacer_;
   RequestServer requests_;
+  SpaceWithout space_without_;
 };
 
 }  // namespace vismap

@@ -4,10 +4,12 @@
 #include <utility>
 
 #include "base/printable.h"
+#include "base/require.h"
 #include "exports/color_octree.h"
 #include "freespace/octree_builder.h"
 #include "freespace/shortest_text.h"
 #include "navigation/inflate.h"
+#include "navigation/overlay.h"
 
 namespace vismap {
 namespace {
@@ -71,10 +73,6 @@ Result<void> CheckTexts(const map_request_t& request) {
   if (!request.argument.empty()) {
     return Fail("argument: expected none, found '" + PrintableText(request.argument, kMostText) +
                 "'; box, resolution, policy and radius are fields of map_request_t");
-  }
-  if (!request.without.empty()) {
-    return Fail("without: this program cannot leave objects out of an octree, found '" +
-                PrintableText(request.without, kMostText) + "'");
   }
   return {};
 }
@@ -168,11 +166,14 @@ Result<Answer> AnswerOctree(const OccupancyMap& map, const OctreeRequest& reques
 }
 
 Result<Answer> AnswerMapOctree(const SemanticMap& map, const MapMetadata& metadata,
-                               const map_request_t& request, const OutputOptions& options) {
+                               const map_request_t& request, const OutputOptions& options,
+                               const OccupancyDelta* edited) {
+  Require(request.without.empty() || edited != nullptr, "the space without these objects is given");
   const auto read = ReadOctreeRequest(request, map.voxels.voxel_size(), options.octree);
   if (!read) return tl::unexpected(read.error());
-  const OccupancyMap space =
-      ClassifyNearParts(map, metadata, options.free_space, read->Region(map.voxels.block_size()));
+  const std::optional<BlockRegion> region = read->Region(map.voxels.block_size());
+  OccupancyMap space = ClassifyNearParts(map, metadata, options.free_space, region);
+  if (edited != nullptr) LayOver(*edited, region, &space);
   OctreeRequest tree = *read;
   tree.color = false;
   Result<Answer> answer = AnswerOctree(space, tree, map.last_utime);

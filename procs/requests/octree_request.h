@@ -39,9 +39,11 @@ Result<std::optional<Eigen::AlignedBox3d>> ReadBox(const map_request_t& request)
 Result<Answer> AnswerOctree(const OccupancyMap& map, const OctreeRequest& request, int64_t utime);
 
 /// The tree of a map, without its FarParts, as an answer; also a ColorOcTree. Only the blocks of
-/// the box are classified.
+/// the box are classified. `edited`: the blocks that differ for request.without (EditSpace), which
+/// must be given when that is not empty.
 Result<Answer> AnswerMapOctree(const SemanticMap& map, const MapMetadata& metadata,
-                               const map_request_t& request, const OutputOptions& options);
+                               const map_request_t& request, const OutputOptions& options,
+                               const OccupancyDelta* edited = nullptr);
 
 /// The message and the facts for a tree; without its bytes.
 Answer DescribeOctree(const OctreeBytes& octree, const OctreeRequest& request, int64_t utime);

@@ -91,6 +91,10 @@ void RequestServer::Handle(const std::string& verb, Handler handler) {
   handlers_[verb] = std::move(handler);
 }
 
+void RequestServer::HandleLate(const std::string& verb, LateHandler handler) {
+  late_handlers_[verb] = std::move(handler);
+}
+
 Result<void> RequestServer::OnRequest(const map_request_t& request) {
   if (request.source.size() > kMaxSource) {
     return Fail("the source of a request has " + std::to_string(request.source.size()) +
@@ -119,7 +123,20 @@ void RequestServer::ServeNextIfDue() {
 
 void RequestServer::Serve(const map_request_t& request) {
   if (RepeatReply(request)) return;
-  Result<Answer> answer = CarryOut(request);
+  const auto late = late_handlers_.find(request.verb);
+  if (late != late_handlers_.end()) return Begin(request, late->second);
+  Finish(request, CarryOut(request));
+}
+
+void RequestServer::Begin(const map_request_t& request, const LateHandler& handler) {
+  const std::pair<std::string, int64_t> id(request.source, request.request_id);
+  if (!begun_.insert(id).second) return;
+  handler(request, [this, request, id](Result<Answer> answer) {
+    if (begun_.erase(id) > 0) Finish(request, std::move(answer));
+  });
+}
+
+void RequestServer::Finish(const map_request_t& request, Result<Answer> answer) {
   if (answer && answer->payload.size() > kLargestPayload) {
     answer = Fail("the answer has " + FormatBytes(answer->payload.size()) + ", and at most " +
                   FormatBytes(kLargestPayload) + " can be sent; save the map instead");
@@ -159,7 +176,10 @@ Result<Answer> RequestServer::CarryOut(const map_request_t& request) const {
 
 std::string RequestServer::KnownVerbs() const {
   std::string verbs;
-  for (const auto& entry : handlers_) verbs += (verbs.empty() ? "" : ", ") + entry.first;
+  std::set<std::string> names;
+  for (const auto& entry : handlers_) names.insert(entry.first);
+  for (const auto& entry : late_handlers_) names.insert(entry.first);
+  for (const std::string& name : names) verbs += (verbs.empty() ? "" : ", ") + name;
   return verbs;
 }
 

@@ -5,7 +5,9 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
@@ -84,8 +86,17 @@ class RequestServer {
   RequestServer(const RequestServer&) = delete;
   RequestServer& operator=(const RequestServer&) = delete;
 
+  /// Sends the answer to a request that was begun, now or later; once.
+  using Reply = std::function<void(Result<Answer>)>;
+  /// Begins to carry out a request, which may wait for other programs. It must call the Reply in
+  /// the end, within some seconds; the server must outlive it.
+  using LateHandler = std::function<void(const map_request_t&, Reply)>;
+
   /// Requests with this verb go to `handler`. Others are refused with the list of the known verbs.
   void Handle(const std::string& verb, Handler handler);
+  /// The same for answers that may take longer than the handler. Until the answer is there, other
+  /// requests are carried out, and a repetition of this one begins nothing.
+  void HandleLate(const std::string& verb, LateHandler handler);
   /// The share of the time that requests may take, see PauseAfter; kUsualShare at the start.
   void SetShare(double share) { share_ = share; }
 
@@ -95,6 +106,8 @@ class RequestServer {
   void Serve(const map_request_t& request);
   bool RepeatReply(const map_request_t& request);
   bool IsForUs(const map_request_t& request) const;
+  void Begin(const map_request_t& request, const LateHandler& handler);
+  void Finish(const map_request_t& request, Result<Answer> answer);
   Result<Answer> CarryOut(const map_request_t& request) const;
   map_reply_t MakeReply(const map_request_t& request, Result<Answer> answer) const;
   void Remember(map_reply_t reply);
@@ -105,6 +118,8 @@ class RequestServer {
   Bus* bus_;
   Status* status_;
   std::map<std::string, Handler> handlers_;  // by verb
+  std::map<std::string, LateHandler> late_handlers_;
+  std::set<std::pair<std::string, int64_t>> begun_;  // without an answer: source and request_id
   WaitingRequests waiting_;
   double share_ = kUsualShare;
   double next_due_ = 0;                 // of a request, while other messages come, MonotonicSeconds

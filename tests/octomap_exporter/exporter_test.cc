@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "freespace/octree_builder.h"
+#include "requests/object_edits.h"
 #include "runtime/clock.h"
 #include "support/occupancy_snapshot.h"
 #include "support/temp_folder.h"
@@ -275,6 +276,52 @@ TEST_F(ExporterOnABus, AnswersBoxResolutionAndPolicy) {
   EXPECT_EQ(reply.payload, BuildOctree(map_, options)->bytes);
   request.unknown = 7;
   EXPECT_THAT(Ask(request).message, HasSubstr("unknown: expected -1"));
+}
+
+TEST_F(ExporterOnABus, LeavesObjectsOutAsTheMapServerSays) {
+  int asked = 0;
+  bus_->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
+    if (request.verb != "occupancy") return;
+    map_reply_t reply{};
+    reply.requester = request.source;
+    reply.request_id = request.request_id;
+    reply.ok = request.without == "id=7";
+    if (++asked == 1) return;  // the first one is lost
+    reply.message = reply.ok ? "1 block differs" : "without: the map has no object with id 99";
+    EditedSpace space;
+    space.delta = {kVoxel, false, {{{1, 1, 0}, BlockOccupancy(CellState::kFree)}}};
+    reply.payload = AnswerOccupancy(space).payload;
+    reply.payload_size = static_cast<int32_t>(reply.payload.size());
+    bus_->Publish(kMapReplyChannel, reply);
+  });
+  Start();
+  FillRoom();
+  SendMap();
+  ASSERT_TRUE(SpinUntil([&] { return HasRevision("OCTOMAP_COARSE", 1); }));
+  map_request_t request = Request("octomap");
+  request.without = "id=7";
+  const map_reply_t reply = Ask(request);
+  ASSERT_TRUE(reply.ok) << reply.message;
+  EXPECT_EQ(asked, 2);
+  const std::vector<uint8_t> with = Expected(UnknownPolicy::kOccupied);
+  EXPECT_EQ(trees_["OCTOMAP"].back().data, with) << "what is published has all objects";
+  map_.Set({1, 1, 0}, BlockOccupancy(CellState::kFree));
+  EXPECT_EQ(reply.payload, Expected(UnknownPolicy::kOccupied));
+  EXPECT_NE(reply.payload, with);
+  request.without = "id=99";
+  const map_reply_t refusal = Ask(request);
+  EXPECT_FALSE(refusal.ok);
+  EXPECT_THAT(refusal.message, HasSubstr("no object with id 99"));
+}
+
+TEST_F(ExporterOnABus, SaysWhenNoMapServerAnswersWhichObjects) {
+  Start();
+  FillRoom();
+  SendMap();
+  map_request_t request = Request("octomap");
+  request.without = "id=7";
+  ASSERT_TRUE(SpinUntil([&] { return HasRevision("OCTOMAP_COARSE", 1); }));
+  EXPECT_THAT(Ask(request).message, HasSubstr("has not answered within 5 s"));
 }
 
 TEST_F(ExporterOnABus, HonoursAConfigThatWantsOctomapRaw) {

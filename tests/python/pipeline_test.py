@@ -246,6 +246,18 @@ class PipelineTest(unittest.TestCase):
         careful = vismap.read_octree(self.bus, box, resolution_m=0.05, unknown_occupied=True)
         self.assertTrue(careful.is_occupied([2.5, 1.5, 0.35]), "inside of the box it is unknown, which counts as occupied")
 
+    def check_tree_without_the_box(self):
+        objects = [o for o in vismap.get_objects(self.bus) if o.box is not None and not o.kind]
+        found = min(objects, key=lambda o: float(np.linalg.norm(o.box.center_W - camera_driver.BOX.mean(axis=0))))
+        around, top, floor = ([2.0, 1.0, -0.1], [3.0, 2.0, 0.9]), [2.5, 1.5, 0.69], [2.1, 1.5, -0.01]
+        whole = vismap.tree_without(self.bus, "", around, resolution_m=0.02, timeout=DEADLINE)
+        self.assertTrue(whole.is_occupied(top))
+        tree = vismap.tree_without(self.bus, f"id=s{found.segments[0]}", around, resolution_m=0.02, timeout=DEADLINE)
+        self.assertTrue(tree.is_free(top), found)
+        self.assertTrue(whole.is_occupied(floor) and tree.is_occupied(floor))
+        with self.assertRaisesRegex(vismap.RequestError, "no object with id s99999"):
+            vismap.tree_without(self.bus, "id=s99999", around, timeout=DEADLINE)
+
     def test_live_octree_and_its_age(self):
         self.start("exporter", BIN / "vismap-octomap-exporter")
         found, printed = self.run_example("The live octree, for planners")
@@ -259,6 +271,7 @@ class PipelineTest(unittest.TestCase):
             self.assertIs(live.octree(), live.octree(max_age_s=60))
             self.assertEqual(live.why_stale, "")
             self.assertTrue(tree.is_occupied([9.0, 1.5, 1.0]) or tree.state([9.0, 1.5, 1.0]) == vismap.UNKNOWN)
+            self.check_tree_without_the_box()
             self.processes.running["exporter"].kill()
             start = time.monotonic()
             wait_until(lambda: live.why_stale, "that the tree is stale")

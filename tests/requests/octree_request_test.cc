@@ -100,9 +100,6 @@ TEST(OctreeRequest, RefusesTextsThatMeanNothing) {
   request.argument = "policy=closed";
   EXPECT_THAT(Refusal(request), HasSubstr("argument: expected none, found 'policy=closed'"));
   request = AnyRequest();
-  request.without = "id=7";
-  EXPECT_THAT(Refusal(request), HasSubstr("without"));
-  request = AnyRequest();
   request.unknown = map_request_t::UNKNOWN_ABSENT;
   request.inflate_m = 0.2;
   EXPECT_THAT(Refusal(request), HasSubstr("only closed trees can be inflated"));

@@ -23,6 +23,9 @@ class Requests : public ::testing::Test {
       position_.revision = ++carried_out_;
       return Answer{"counted " + request.argument, "json", std::vector<uint8_t>(payload_, 7)};
     });
+    server_.HandleLate("wait", [this](const map_request_t&, const RequestServer::Reply& reply) {
+      waiting_.push_back(reply);
+    });
     server_.Handle("break", [](const map_request_t&) -> Result<Answer> {
       return Fail("it cannot be broken");
     });
@@ -57,10 +60,29 @@ class Requests : public ::testing::Test {
   FollowerPosition position_{"map", 0};
   RequestServer server_{RequestReceiver::kMapServer, [this] { return position_; }, bus_.get(),
                         &status_};
+  std::vector<RequestServer::Reply> waiting_;
   size_t payload_ = 3;
   int64_t carried_out_ = 0;
   std::vector<map_reply_t> replies_;
 };
+
+TEST_F(Requests, ALateAnswerDoesNotKeepOthersWaitingAndComesOnce) {
+  Send(Request(1, "wait"));
+  Send(Request(1, "wait"));
+  ASSERT_EQ(waiting_.size(), 1u) << "the repetition begins nothing";
+  Send(Request(2, "count"));
+  ASSERT_EQ(replies_.size(), 1u);
+  EXPECT_EQ(replies_.back().request_id, 2);
+  waiting_[0](Answer{"at last"});
+  waiting_[0](Answer{"again"});
+  Settle();
+  ASSERT_EQ(replies_.size(), 2u);
+  EXPECT_EQ(replies_.back().request_id, 1);
+  EXPECT_EQ(replies_.back().message, "at last");
+  Send(Request(1, "wait"));
+  EXPECT_EQ(waiting_.size(), 1u);
+  EXPECT_EQ(replies_.back().message, "at last") << "a repetition gets the same answer";
+}
 
 TEST_F(Requests, AreCarriedOutAndAnswered) {
   map_request_t request = Request(17, "count");
@@ -87,7 +109,7 @@ TEST_F(Requests, ThatCannotBeCarriedOutAreRefusedWithTheReason) {
   EXPECT_EQ(replies_[0].message, "it cannot be broken");
   EXPECT_EQ(replies_[0].payload_size, 0);
   EXPECT_FALSE(replies_[1].ok);
-  EXPECT_EQ(replies_[1].message, "unknown request 'fly'; known are break, count");
+  EXPECT_EQ(replies_[1].message, "unknown request 'fly'; known are break, count, wait");
   EXPECT_EQ(status_.counter("requests_refused"), 2);
 }
 
@@ -212,7 +234,7 @@ TEST_F(Requests, OneServerPerProgramAnswers) {
   ASSERT_EQ(replies_.size(), 3u);
   EXPECT_EQ(replies_[0].message, "exported");
   EXPECT_THAT(replies_[1].message, HasSubstr("known are octomap"));
-  EXPECT_THAT(replies_[2].message, HasSubstr("known are break, count"));
+  EXPECT_THAT(replies_[2].message, HasSubstr("known are break, count, wait"));
 }
 
 }  // namespace

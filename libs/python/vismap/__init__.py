@@ -15,7 +15,7 @@ from .map_file import SavedMap, open_map
 from .messages import decode, encode, types, version
 from .navigation import Clearance, Frontier, Grid, distance, frontiers, grid
 from .objects import MapObject, OrientedBox, get_objects, objects_of
-from .octree import FREE, OCCUPIED, UNKNOWN, Octree, read_octree
+from .octree import FREE, OCCUPIED, UNKNOWN, Octree, read_octree, tree_without
 from .requests import Reply, ask, load, save
 from .space import LiveSpace, Space, SpaceFollower, space_of
 from .status import Status
@@ -28,5 +28,5 @@ __all__ = [
     "RequestError", "SavedMap", "Space", "SpaceFollower", "Status", "Subscription", "UNKNOWN", "VismapError",
     "WaitTimeout", "ask", "color_of", "decode", "depth_of", "distance", "encode", "frame_message", "frontiers",
     "get_objects", "grid", "load", "now_utime", "objects_of", "open_map", "publish_frame", "read_octree", "save",
-    "space_of", "types", "version",
+    "space_of", "tree_without", "types", "version",
 ]

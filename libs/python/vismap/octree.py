@@ -158,6 +158,19 @@ def read_octree(bus: Bus, box_W: Box | None = None, resolution_m: float = 0.0, u
     return Octree.from_bytes(reply.payload)
 
 
+def tree_without(bus: Bus, without: str, box_W: Box | None = None, resolution_m: float = 0.0, inflate_m: float = 0.0,
+                 timeout: float = 60.0) -> Octree:
+    """A closed octree without some objects, to plan how to grasp them: their place is free, what they hid is not.
+
+    without: "id=7", "id=s12" (a segment) or "class=cup", several separated by ";"; behind each may stand ":unknown", then its
+    place is unknown, or ":inflate=0.1", then it is larger by this [m]. box_W: two corners [m]; only what is inside, which is
+    faster. inflate_m: radius of the robot. The octomap exporter answers. Raises RequestError when there is no such object.
+    """
+    reply = ask(bus, "octomap", box_W=box_W, resolution_m=resolution_m, unknown_occupied=True, inflate_m=inflate_m,
+                timeout=timeout, without=without)
+    return Octree.from_bytes(reply.payload)
+
+
 def _points(points_W: npt.ArrayLike) -> npt.NDArray[np.float64]:
     points = np.asarray(points_W, np.float64)
     if points.ndim < 1 or points.shape[-1] != 3:

@@ -48,15 +48,18 @@ def _new_id() -> int:
 
 
 def ask(bus: Bus, verb: str, argument: str = "", path: str = "", box_W: Box | None = None, resolution_m: float = 0.0,
-        unknown_occupied: bool | None = None, inflate_m: float = 0.0, timeout: float = 30.0) -> Reply:
+        unknown_occupied: bool | None = None, inflate_m: float = 0.0, timeout: float = 30.0,
+        without: str = "") -> Reply:
     """Sends a request to the map server (verbs "octomap...": to the octomap exporter), and waits for the answer.
 
     verb, argument, path: see procs/README.md, Requests; for example "statistics", "objects", "mesh" with "ply".
     box_W: two corners [m] in W, for objects, octree and octomap. The others are for octree and octomap. resolution_m: 0 =
-    the server's own. unknown_occupied: False = raw, True, None = closed. inflate_m: radius of the robot. Raises RequestError when the server refuses, WaitTimeout when no answer comes within `timeout` [s].
+    the server's own. unknown_occupied: False = raw, True, None = closed. inflate_m: radius of the robot. without: objects
+    that are left out, see tree_without. Raises RequestError when the server refuses, WaitTimeout when no answer comes within
+    `timeout` [s].
     """
     request: Any = messages.types["vismap.map_request_t"](
-        verb=verb, argument=argument, path=path, resolution_m=resolution_m, inflate_m=inflate_m,
+        verb=verb, argument=argument, path=path, resolution_m=resolution_m, inflate_m=inflate_m, without=without,
         unknown=-1 if unknown_occupied is None else int(unknown_occupied))
     request.utime = request.request_id = _new_id()
     if box_W is not None:
