@@ -11,13 +11,13 @@
 namespace vismap {
 
 namespace {
-constexpr double kRepeatPeriod = 0.5, kLongestWait = 5;  // [s]
+constexpr double kAskAgainPeriod = 0.5, kLongestWait = 5;  // [s]
 }  // namespace
 
 SpaceWithout::SpaceWithout(Bus* bus) : bus_(bus) {
   bus_->Subscribe<map_reply_t>(
       kMapReplyChannel, [this](const map_reply_t& reply) { OnReply(reply); }, Delivery::kUrgent);
-  bus_->Every(kRepeatPeriod / 2, [this] { RepeatOrGiveUp(); });
+  bus_->Every(kAskAgainPeriod / 2, [this] { RepeatOrGiveUp(); });
 }
 
 void SpaceWithout::Ask(const std::string& map_id, const std::string& without, Receiver receiver) {
@@ -28,7 +28,7 @@ void SpaceWithout::Ask(const std::string& map_id, const std::string& without, Re
   question.request.verb = "occupancy";
   question.request.without = without;
   question.receiver = std::move(receiver);
-  question.repeat = MonotonicSeconds() + kRepeatPeriod;
+  question.repeat = MonotonicSeconds() + kAskAgainPeriod;
   question.give_up = MonotonicSeconds() + kLongestWait;
   bus_->Publish(kMapRequestChannel, question.request);
   open_.emplace(last_id_, std::move(question));
@@ -47,7 +47,7 @@ void SpaceWithout::RepeatOrGiveUp() {
     if (now >= question.give_up) given_up.push_back(id);
     if (now < question.repeat || now >= question.give_up) continue;
     bus_->Publish(kMapRequestChannel, question.request);
-    question.repeat = now + kRepeatPeriod;
+    question.repeat = now + kAskAgainPeriod;
   }
   for (const int64_t id : given_up) {
     Finish(id, Fail("without: the map server, which knows the objects, has not answered within " +
