@@ -268,24 +268,37 @@ void Exporter::HandleRequests() {
     if (!published) return tl::unexpected(published.error());
     return Answer{"published on " + std::string(kDistancesChannel.name)};
   });
-  using Ask = Result<Answer> (*)(const NavigationSpace&, const map_request_t&);
-  const std::pair<const char*, Ask> questions[] = {{"grid", AnswerGrid},
-                                                   {"distances", AnswerDistances},
-                                                   {"clearance", AnswerClearance},
-                                                   {"frontiers", AnswerFrontiers}};
+  const std::pair<const char*, Question> questions[] = {{"grid", AnswerGrid},
+                                                        {"distances", AnswerDistances},
+                                                        {"clearance", AnswerClearance},
+                                                        {"frontiers", AnswerFrontiers}};
   for (const auto& [verb, ask] : questions) {
-    requests_.Handle(verb, [this, ask](const map_request_t& request) -> Result<Answer> {
-      if (!follower_.occupancy()) return Fail("no map yet: nothing has come on MAP_DELTA");
-      if (const Result<void> done = BringUpToDate(); !done) return tl::unexpected(done.error());
-      return ask(Space(), request);
-    });
+    requests_.HandleLate(
+        verb, [this, ask](const map_request_t& request, const RequestServer::Reply& reply) {
+          BeginQuestion(request, ask, reply);
+        });
   }
+}
+
+void Exporter::BeginQuestion(const map_request_t& request, Question ask,
+                             const RequestServer::Reply& reply) {
+  if (!follower_.occupancy()) return reply(Fail("no map yet: nothing has come on MAP_DELTA"));
+  if (const Result<void> done = BringUpToDate(); !done) return reply(tl::unexpected(done.error()));
+  WithSpace(request, std::nullopt, reply, [this, request, ask](const OccupancyMap& voxels) {
+    NavigationSpace space = Space();
+    if (request.without.empty()) return ask(space, request);
+    space.voxels = &voxels;
+    space.leaves = nullptr;
+    space.field = nullptr;
+    space.is_edited = true;
+    return ask(space, request);
+  });
 }
 
 NavigationSpace Exporter::Space() const {
   NavigationSpace space;
   space.voxels = &*follower_.occupancy();
-  space.leaves = &trees_->leaves();
+  if (trees_) space.leaves = &trees_->leaves();
   space.field = distances_.field();
   space.map_id = follower_.position().map_id;
   space.revision = follower_.position().revision;

@@ -57,6 +57,8 @@ class Exporter {
                  const RequestServer::Reply& reply, AnswerFromSpace answer);
   void BeginOctomap(const map_request_t& request, const RequestServer::Reply& reply);
   Result<Answer> AnswerDelta(const map_request_t& request);
+  using Question = Result<Answer> (*)(const NavigationSpace&, const map_request_t&);
+  void BeginQuestion(const map_request_t& request, Question ask, const RequestServer::Reply& reply);
   Result<void> BringUpToDate();
   Result<void> UpdateTrees();
   void FollowPath(bool anew);

@@ -35,7 +35,7 @@ struct Question {
   RequestArgument argument;
 };
 
-Result<void> CheckUnused(const map_request_t& request, bool may_inflate) {
+Result<void> CheckUnused(const map_request_t& request, bool may_inflate, bool is_edited) {
   if (request.tree != map_request_t::TREE_OCCUPANCY)
     return Fail("tree: expected 0, found " + std::to_string(request.tree));
   if (request.unknown < map_request_t::UNKNOWN_DEFAULT ||
@@ -45,8 +45,8 @@ Result<void> CheckUnused(const map_request_t& request, bool may_inflate) {
     return Fail("inflate_m: expected 0 with this verb, found " + ShortestText(request.inflate_m) +
                 " m");
   }
-  if (!request.without.empty()) {
-    return Fail("without: this verb cannot leave objects out, found '" +
+  if (!request.without.empty() && !is_edited) {
+    return Fail("without: this program cannot leave objects out here, found '" +
                 PrintableText(request.without, kMostWords) + "'");
   }
   return {};
@@ -55,7 +55,7 @@ Result<void> CheckUnused(const map_request_t& request, bool may_inflate) {
 Result<Question> ReadQuestion(const NavigationSpace& space, const map_request_t& request,
                               const std::vector<std::string>& keys, double usual_leaf,
                               bool may_inflate = false) {
-  if (const Result<void> checked = CheckUnused(request, may_inflate); !checked)
+  if (const Result<void> checked = CheckUnused(request, may_inflate, space.is_edited); !checked)
     return tl::unexpected(checked.error());
   Result<Box> box = ReadBox(request);
   if (!box) return tl::unexpected(box.error());

@@ -17,6 +17,7 @@ struct NavigationSpace {
   /// Leaves that are at hand; nullptr = they are made from the voxels when they are needed.
   const OccupancyMap* leaves = nullptr;
   const DistanceField* field = nullptr;  ///< of these leaves; nullptr = computed when needed
+  bool is_edited = false;  ///< what the request names in `without` is left out of the voxels
   std::string map_id;
   int64_t revision = 0;
   int64_t utime = 0;  ///< of the newest frame in the map [us]

@@ -308,6 +308,16 @@ TEST_F(ExporterOnABus, LeavesObjectsOutAsTheMapServerSays) {
   map_.Set({1, 1, 0}, BlockOccupancy(CellState::kFree));
   EXPECT_EQ(reply.payload, Expected(UnknownPolicy::kOccupied));
   EXPECT_NE(reply.payload, with);
+  map_request_t question = Request("clearance");
+  question.argument = "at=0.24,0.24,0.08";
+  const auto text = [&] {
+    const map_reply_t told = Ask(question);
+    return std::string(told.payload.begin(), told.payload.end());
+  };
+  EXPECT_THAT(text(), HasSubstr("\"distance_m\":0.0,"));
+  question.without = "id=7";
+  EXPECT_THAT(text(), testing::AllOf(HasSubstr("\"distance_m\":0.0"),
+                                     testing::Not(HasSubstr("\"distance_m\":0.0,"))));
   request.without = "id=99";
   const map_reply_t refusal = Ask(request);
   EXPECT_FALSE(refusal.ok);

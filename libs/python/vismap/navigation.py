@@ -33,11 +33,11 @@ class Clearance:
 
 
 def distance(bus: Bus, points_W: npt.ArrayLike, limit_m: float | None = None, resolution_m: float = 0.0,
-             timeout: float = 30.0) -> Clearance:
+             without: str = "", timeout: float = 30.0) -> Clearance:
     """How far one point (3,) or many (..., 3) [m] are from obstacles and from unknown space.
 
     limit_m: distances are exact up to here; None = as in the exporter's config, or 2 m. resolution_m: edge of a leaf; 0 =
-    as in the config.
+    as in the config. without: objects that are left out, see procs/README.md, Without objects.
     """
     points = np.asarray(points_W, np.float64)
     if points.ndim < 1 or points.shape[-1] != 3 or not np.all(np.isfinite(points)):
@@ -49,7 +49,7 @@ def distance(bus: Bus, points_W: npt.ArrayLike, limit_m: float | None = None, re
     for begin in range(0, len(flat), _MOST_POINTS):
         at = ";".join(",".join(repr(float(x)) for x in point) for point in flat[begin:begin + _MOST_POINTS])
         argument = f"at={at}" + ("" if limit_m is None else f";limit={float(limit_m)!r}")
-        reply = ask(bus, "clearance", argument, resolution_m=resolution_m, timeout=timeout)
+        reply = ask(bus, "clearance", argument, resolution_m=resolution_m, without=without, timeout=timeout)
         answer = reply.json()
         rows += answer["points"]
 
@@ -101,17 +101,17 @@ class Grid:
 
 def grid(bus: Bus, box_W: Box | None = None, resolution_m: float = 0.0, robot_height_m: float | None = None,
          step_height_m: float | None = None, max_slope_deg: float | None = None, band_m: Sequence[float] | None = None,
-         timeout: float = 60.0) -> Grid:
+         without: str = "", timeout: float = 60.0) -> Grid:
     """A grid for wheels of the running map. What is None or 0 is as in the section ground_grid of the exporter's config.
 
     box_W: two corners [m]; only blocks that it touches. band_m: two heights z of W between which everything counts, in
-    place of the floor.
+    place of the floor. without: objects that are left out, see procs/README.md, Without objects.
     """
     options: dict[str, float | None] = {"height": robot_height_m, "step": step_height_m, "slope": max_slope_deg}
     keys = [f"{key}={float(value)!r}" for key, value in options.items() if value is not None]
     if band_m is not None:
         keys.append("band=" + ",".join(repr(float(height)) for height in band_m))
-    reply = ask(bus, "grid", ";".join(keys), box_W=box_W, resolution_m=resolution_m, timeout=timeout)
+    reply = ask(bus, "grid", ";".join(keys), box_W=box_W, resolution_m=resolution_m, without=without, timeout=timeout)
     return Grid(decode(reply.payload, types["vismap.occupancy_grid_t"]))
 
 
