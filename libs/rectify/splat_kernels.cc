@@ -43,9 +43,10 @@ inline Step Gentler(bool before_joined, const Step& before, bool after_joined, c
           Select(none, 0.0F, Select(use_after, after.w, Select(use_before, before.w, 0.0F)))};
 }
 
+// NaN becomes `low`: the order of the arguments matters.
 inline int32_t Clamped(float value, int32_t low, int32_t high) {
   return static_cast<int32_t>(
-      std::min(std::max(value, static_cast<float>(low)), static_cast<float>(high)));
+      std::min(static_cast<float>(high), std::max(static_cast<float>(low), value)));
 }
 
 }  // namespace
@@ -58,7 +59,7 @@ void ProjectRow(const float* z, const RayRow& rays, int count, const ProjectedRo
   for (int u = 0; u < count; ++u) {
     const float depth = z[u] * r.rz[u] + r.tz;
     const float x = z[u] * r.rx[u] + r.tx, y = z[u] * r.ry[u] + r.ty;
-    const bool seen = (z[u] > 0.0F) & (depth > kNearestDepth);
+    const bool seen = (z[u] > 0.0F) & (z[u] < kFarthestDepth) & (depth > kNearestDepth);
     const float w = 1.0F / std::max(depth, kNearestDepth);
     to.x[u] = Select(seen, x * w, 0.0F);
     to.y[u] = Select(seen, y * w, 0.0F);

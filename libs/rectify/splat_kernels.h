@@ -19,6 +19,9 @@ inline constexpr int kMaxFootprint = 4;
 inline constexpr float kFootprintMargin = 0.01F;
 /// What is nearer to the colour camera than this is not used [m].
 inline constexpr float kNearestDepth = 0.05F;
+/// Depth of this and more is no depth: cameras that measure floats mark missing pixels by huge
+/// values, whose products are infinite [m].
+inline constexpr float kFarthestDepth = 1e6F;
 
 /// Where the pixels of a row of depth appear in the rectified image.
 struct ProjectedRow {

@@ -92,6 +92,24 @@ TEST(Rectify, EqualsTheNaiveOne) {
   }
 }
 
+// Cameras that measure floats mark pixels without depth by huge values, too.
+TEST(Rectify, HugeDepthIsNoDepth) {
+  const float most = std::numeric_limits<float>::max();
+  const DepthTable table = MakeDepthTable({kDepth}, SmallMove(0.3), kColor);
+  TestRandom random(7);
+  const Image<float> good = RandomScene(kDepth, &random);
+  for (const float huge : {1e6F, 1e20F, 1e36F, most, std::numeric_limits<float>::infinity()}) {
+    Image<float> depth = good, missing = good;
+    for (int v = 20; v < 90; ++v) {
+      for (int u = 30; u < 150; ++u) {
+        depth(v, u) = huge;
+        missing(v, u) = kNaN;
+      }
+    }
+    EXPECT_TRUE(SameBits(RectifyDepth(depth, table), RectifyDepth(missing, table))) << huge;
+  }
+}
+
 TEST(Rectify, IsTheSameWithAnyNumberOfThreads) {
   TestRandom random(8);
   const DepthTable table = MakeDepthTable({kDepth}, SmallMove(), kColor);

@@ -21,7 +21,7 @@ struct Step {
 std::optional<Point> Project(const Image<float>& depth_m, const DepthTable& table, int v, int u) {
   if (!depth_m.Contains(v, u)) return std::nullopt;
   const float z = depth_m(v, u);
-  if (!(z > 0)) return std::nullopt;
+  if (!(z > 0 && z < kFarthestDepth)) return std::nullopt;
   const float depth = z * table.rz(v, u) + table.tz;
   if (!(depth > kNearestDepth)) return std::nullopt;
   const float w = 1 / depth;
