@@ -21,7 +21,7 @@ std::string WithoutNumbers(const std::string& reason) {
 
 void ReasonCounts::Add(const std::string& reason) {
   ++total_;
-  const std::string key = WithoutNumbers(reason);
+  const std::string key = WithoutNumbers(reason.substr(0, kMaxLength));
   if (reasons_.size() >= kMaxReasons && !reasons_.contains(key)) return;
   Reason& known = reasons_[key];
   if (known.count++ == 0) known.example = reason.substr(0, kMaxLength);

@@ -22,6 +22,8 @@
 namespace vismap {
 namespace {
 
+constexpr size_t kMostFrameName = 256;  // characters
+
 using Options = ForeignMessageOptions;
 
 // w, x, y, z and translation.
@@ -427,6 +429,10 @@ Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::
   Result<ForeignMessage> message = found->second(bytes, channel, options);
   if (!message) return message;
   for (const EdgeSample& edge : message->edges) {
+    const size_t name = std::max(edge.parent.size(), edge.child.size());
+    if (name > kMostFrameName)
+      return Fail("a frame's name has " + std::to_string(name) + " characters; at most " +
+                  std::to_string(kMostFrameName) + " are allowed");
     if (edge.utime < 0 || edge.utime > kLatestUtime)
       return Fail("the pose of '" + edge.child + "' has the impossible time " +
                   std::to_string(edge.utime) + " us");

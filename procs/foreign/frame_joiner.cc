@@ -246,12 +246,12 @@ bool FrameJoiner::JoinFirstPair(int64_t now) {
       missing.never || finished_ || now - pair.received > Microseconds(missing.wait_ms);
   if (!whole && !give_up) return false;
   waiting_bytes_ -= pair.depth.bytes.size() + (pair.color ? pair.color->bytes.size() : 0);
+  last_utime_ = pair.utime();
   if (whole) {
     frame.utime = pair.utime();
     frame.received = pair.received;
     frame.color = std::move(pair.color);
     frame.depth = std::move(pair.depth);
-    last_utime_ = frame.utime;
     ++frames_;
   } else {
     Drop(missing.why);

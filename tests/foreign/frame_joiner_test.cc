@@ -200,6 +200,17 @@ TEST(FrameJoiner, DropsImagesOfOneTimeAndSaysWhatToDo) {
   EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("set adapter.time to RECEIVED"));
 }
 
+TEST(FrameJoiner, SaysWhatToDoWhenAllImagesHaveTheTimeZero) {
+  Joined joined(DimosOptions());
+  for (int i = 0; i < 3; ++i) {
+    joined.Add(kColorChannel, ColorImage(0), kStart + i * 100'000);
+    joined.Add(kDepthChannel, DepthImage(0), kStart + i * 100'000);
+  }
+  joined.joiner.Finish();
+  EXPECT_TRUE(joined.frames.empty());
+  EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("set adapter.time to RECEIVED"));
+}
+
 TEST(FrameJoiner, ReportsMessagesThatCannotBeUsed) {
   Joined joined(DimosOptions());
   Bytes damaged = ColorImage(kStart);
