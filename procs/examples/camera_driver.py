@@ -136,7 +136,7 @@ class Driver:
         while not self._stopping.is_set():
             try:
                 images = self._source.wait_for_images()
-            except OSError as error:
+            except Exception as error:  # the SDKs of cameras have errors of many types
                 self._failure = f"the camera has gone: {error}"
                 return
             # The clock must see all frames, also those that are not published.
