@@ -14,7 +14,10 @@ namespace vismap {
 struct BlockRegion {
   BlockIndex min, max;
 
-  double size() const { return double{1} * (max.x - min.x) * (max.y - min.y) * (max.z - min.z); }
+  /// Number of blocks. Differences of the indices may not fit their type.
+  double size() const {
+    return (double{1} * max.x - min.x) * (double{1} * max.y - min.y) * (double{1} * max.z - min.z);
+  }
   bool Contains(BlockIndex block) const {
     return block.x >= min.x && block.x < max.x && block.y >= min.y && block.y < max.y &&
            block.z >= min.z && block.z < max.z;
