@@ -145,7 +145,9 @@ class Driver:
                 self._newest.put((utime, images))
 
     def _publish(self, utime: int, images: Images) -> None:
-        self._status.set_counter("frames_skipped", self._newest.skipped)
+        for name, count in (("frames_skipped", self._newest.skipped), ("camera_clock_restarts", self._clock.restarts),
+                            ("wall_clock_set_back", self._clock.steps_back)):
+            self._status.set_counter(name, count)
         T_W_C = self._source.pose(images.device_s)
         if T_W_C is None:
             self._status.count("frames_without_pose")

@@ -3,6 +3,8 @@
 import contextlib
 import ctypes
 import io
+import math
+import time
 import unittest
 import zlib
 
@@ -257,6 +259,31 @@ class ClockTest(unittest.TestCase):
         clock = DeviceClock()
         times = [clock.to_utime(1.0, 5_000_000 - i) for i in range(5)]
         self.assertEqual(times, sorted(set(times)))
+
+    def test_a_wall_clock_that_is_set_counts_at_once(self):
+        """Also backward by an hour, though times go back then; drift and jitter stay out as before."""
+        for step_s in (-3600, -5, -0.2, 0.3, 5, 3600):
+            with self.subTest(step_s=step_s):
+                rng, clock, errors, times = np.random.default_rng(10), DeviceClock(), [], []
+                for i in range(600):
+                    taken = i / 30
+                    arrival = taken + 0.002 + float(rng.exponential(0.003))
+                    ahead = 1_700_000_000 + (step_s if i >= 300 else 0)
+                    times.append(clock.to_utime(50 + taken, round((ahead + arrival) * 1e6), 20 + arrival))
+                    errors.append(times[-1] / 1e6 - ahead - taken)
+                self.assertLess(np.abs(errors[200:]).max(), 0.003)  # also of frame 300, the first one after the step
+                self.assertEqual(clock.steps_back, int(step_s < 0))
+                self.assertEqual(np.flatnonzero(np.diff(times) <= 0).tolist(), [299] if step_s < 0 else [])
+
+    def test_arrivals_of_the_wall_clock_alone_may_go_back(self):
+        clock = DeviceClock()
+        times = [clock.to_utime(i / 30, 1_700_000_000_000_000 + round((i / 30 - (600 if i >= 40 else 0)) * 1e6)) for i in range(80)]
+        self.assertEqual(times[40], times[39] - 600_000_000 + 33_333)
+        self.assertEqual((clock.steps_back, clock.restarts), (1, 0))
+        self.assertAlmostEqual(DeviceClock().to_utime(3.0) / 1e6, time.time(), delta=1)
+        for wrong in (math.nan, math.inf):
+            with self.assertRaisesRegex(ValueError, "the time stamp of the camera is"):
+                clock.to_utime(wrong)
 
     def test_pace_is_even(self):
         for rate, expected in ((10, 10), (30, 30), (100, 30), (15, 15), (0, 30)):

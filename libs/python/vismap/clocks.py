@@ -2,12 +2,16 @@
 from __future__ import annotations
 
 import collections
+import math
 import threading
+import time
 from typing import Generic, TypeVar
 
 from .bus import now_utime
 
 Value = TypeVar("Value")
+
+_STEP_US = 10_000  # a clock that jumps by more was set; what is less may be jitter
 
 
 class DeviceClock:
@@ -15,7 +19,9 @@ class DeviceClock:
 
     A frame arrives some time after it was taken, and that time varies. The smallest difference between arrival and time
     stamp within the last `window_s` is taken for the offset between the clocks, so that the varying part disappears, and
-    a slow drift is followed. The results of one camera always increase, as `utime` must.
+    a slow drift is followed. Arrivals are measured by a clock that is never set, so that the results follow at once when the
+    wall clock is set, forward or back. The results of one camera increase, as `utime` must, but when the wall clock is set
+    back.
 
     latency_s: the constant part of the time from the exposure to the arrival, if it is known [s].
     """
@@ -23,26 +29,58 @@ class DeviceClock:
     def __init__(self, window_s: float = 30.0, latency_s: float = 0.0) -> None:
         self._window_us, self._latency_us = int(window_s * 1e6), int(latency_s * 1e6)
         self._smallest: collections.deque[tuple[int, int]] = collections.deque()  # arrival, offset; offsets ascending
-        self._last_device: float | None = None
+        self._before: tuple[int, int, int] | None = None  # of the last frame: device, arrival, wall clock minus arrival [us]
         self._last = 0
         self.restarts = 0  # how often the clock of the camera jumped back
+        self.steps_back = 0  # how often the wall clock was set back
 
-    def to_utime(self, device_s: float, arrival_utime: int | None = None) -> int:
-        """The time of a frame with the time stamp `device_s` [s] that arrives now, or at `arrival_utime` [us]."""
-        arrival = now_utime() if arrival_utime is None else arrival_utime
-        if self._last_device is not None and device_s < self._last_device:
-            self._smallest.clear()
-            self.restarts += 1
-        self._last_device = device_s
-        offset = arrival - round(device_s * 1e6)
+    def to_utime(self, device_s: float, arrival_utime: int | None = None, arrival_s: float | None = None) -> int:
+        """The time of a frame with the time stamp `device_s` [s].
+
+        arrival_utime: when it arrived by the wall clock [us]; None = now. arrival_s: the same moment by a clock that is never
+        set, such as time.monotonic() [s]. With arrival_utime alone, a wall clock that is set forward counts only after window_s.
+        """
+        if not math.isfinite(device_s):
+            raise ValueError(f"the time stamp of the camera is {device_s}; expected seconds")
+        if arrival_utime is None:
+            wall, arrival = _read_clocks()
+        else:
+            wall, arrival = arrival_utime, arrival_utime if arrival_s is None else round(arrival_s * 1e6)
+        device, ahead = round(device_s * 1e6), wall - arrival
+        self._notice_jumps(device, arrival, ahead)
+        offset = arrival - device
         while self._smallest and self._smallest[-1][1] >= offset:
             self._smallest.pop()
         self._smallest.append((arrival, offset))
         while self._smallest[0][0] < arrival - self._window_us:
             self._smallest.popleft()
-        utime = round(device_s * 1e6) + self._smallest[0][1] - self._latency_us
+        utime = device + self._smallest[0][1] + ahead - self._latency_us
         self._last = max(utime, self._last + 1)
         return self._last
+
+    def _notice_jumps(self, device: int, arrival: int, ahead: int) -> None:
+        before, self._before = self._before, (device, arrival, ahead)
+        if before is None:
+            return
+        if device < before[0]:
+            self._smallest.clear()
+            self.restarts += 1
+        if arrival < before[1] - _STEP_US:
+            self._smallest.clear()
+        if arrival < before[1] - _STEP_US or ahead < before[2] - _STEP_US:
+            self._last = 0
+            self.steps_back += 1
+
+
+def _read_clocks() -> tuple[int, int]:
+    """The wall clock and a clock that is never set, of one moment [us]."""
+    readings = []
+    for _ in range(3):  # the process may be interrupted between two clocks
+        begin = time.monotonic_ns()
+        wall = now_utime()
+        end = time.monotonic_ns()
+        readings.append((end - begin, wall, (begin + end) // 2000))
+    return min(readings)[1:]
 
 
 class Pace:
