@@ -9,6 +9,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import socket
 import subprocess
 import sys
@@ -207,6 +208,8 @@ class PipelineTest(unittest.TestCase):
         status = self.bus.subscribe("NAVIGATION")
         while not (navigation := status.get(DEADLINE).decode()).in_sync or navigation.revision < FRAMES:
             pass
+        self.processes.stop("driver")
+        self.addCleanup(self.start, "driver", sys.executable, "-B", DRIVER)
         found, _ = self.run_example("Clearance, a grid for wheels, frontiers")
         self.assertEqual(found["clearance"].limit_m, 2.0)
         points = np.array([[2.0, 1.5, 1.0], [2.5, 1.5, 1.1], [2.5, 1.5, 0.35], [9.0, 9.0, 9.0]])
@@ -230,10 +233,82 @@ class PipelineTest(unittest.TestCase):
         np.testing.assert_allclose(vismap.distance(self.bus, frontiers[0].member_W).unknown_m, 0.025, atol=1e-6)
         seen = [frontier.viewpoint_W for frontier in frontiers if frontier.viewpoint_W is not None]
         self.assertGreater(np.min(vismap.distance(self.bus, seen).distance_m), 0.2)
+        self.check_distances_in_a_box(found["near"])
+        self.check_questions_without_the_box(grid, frontiers)
         with self.assertRaisesRegex(vismap.RequestError, "band: expected the lower height first"):
             vismap.grid(self.bus, band_m=(1, 0.5))
         with self.assertRaisesRegex(vismap.RequestError, "argument: expected key=value.*found 'colour=red'"):
             vismap.ask(self.bus, "grid", "colour=red")
+
+    def check_distances_in_a_box(self, near):
+        self.assertEqual((near.limit_m, near.resolution_m, near.base_revision), (2.0, 0.05, -1))
+        corners = (near.blocks[:, None] * 8 + np.stack(np.meshgrid(*[np.arange(8)] * 3, indexing="ij"), -1).reshape(1, -1, 3) + 0.5) * 0.05
+        centers = corners.reshape(-1, 3)[::97]
+        np.testing.assert_array_equal(near.at(centers)[0], near.obstacle_m.reshape(-1)[::97])
+        clearance = vismap.distance(self.bus, centers)
+        while near.revision != clearance.revision:  # until the last frames are in the map
+            near, clearance = vismap.distances(self.bus, ([1.5, 1.0, 0.5], [2.5, 2.0, 1.5])), vismap.distance(self.bus, centers)
+        obstacle, unknown = near.at(centers)
+        np.testing.assert_allclose(unknown, clearance.unknown_m, atol=1e-5)
+        inside = clearance.unknown_m > 0
+        self.assertGreater(np.sum(inside), 100)
+        np.testing.assert_allclose(obstacle[inside], clearance.obstacle_m[inside], atol=1e-5)
+
+    def check_questions_without_the_box(self, grid, frontiers):
+        objects = [o for o in vismap.get_objects(self.bus) if o.box is not None and not o.kind]
+        found = min(objects, key=lambda o: float(np.linalg.norm(o.box.center_W - camera_driver.BOX.mean(axis=0))))
+        without, top = f"id=s{found.segments[0]}", [2.5, 1.5, 0.69]
+        self.assertEqual(float(vismap.distance(self.bus, top).obstacle_m), 0)
+        self.assertGreater(float(vismap.distance(self.bus, top, without=without).obstacle_m), 0)
+        emptied = vismap.grid(self.bus, band_m=(0.6, 0.8), without=without)
+        self.assertNotEqual(int(emptied.state([2.5, 1.5])), vismap.OCCUPIED, "its top is free, its inside unknown")
+        box = ([2.3, 1.3, 0.6], [2.6, 1.6, 0.8])
+        self.assertGreater(float(vismap.distances(self.bus, box, without=without).at(top)[0]), float(vismap.distances(self.bus, box).at(top)[0]))
+        # What the box hid is unknown, so that its place has a frontier to the space above it, which is free.
+        around = ([2.2, 1.2, 0.0], [2.8, 1.8, 0.75])
+        before = sum(frontier.leaves for frontier in vismap.frontiers(self.bus, around, least_leaves=1))
+        after = sum(frontier.leaves for frontier in vismap.frontiers(self.bus, around, without=without, least_leaves=1))
+        self.assertGreater(after, before)
+        self.assertLess(len(vismap.frontiers(self.bus, least_leaves=200)), len(frontiers))
+        self.assertEqual(vismap.grid(self.bus, band_m=(0.6, 0.8), limit_m=0.3).distances_m.max(), np.float32(0.3))
+        self.assertGreater(grid.distances_m.max(), 0.3)
+
+    def test_all_verbs_can_be_asked(self):
+        """Those of the programs are those of the table in the README, and each has an answer."""
+        sources = [ROOT / "procs" / folder for folder in ("map_server/map_requests.cc", "octomap_exporter/exporter.cc")]
+        verbs = set()
+        for source in sources:
+            text = source.read_text()
+            verbs |= set(re.findall(r'Handle(?:Late)?\(\s*"([a-z-]+)"', text)) | set(re.findall(r'\{"([a-z]+)", Answer\w+\}', text))
+        self.assertGreaterEqual(len(verbs), 20)
+        rows = re.findall(r"^\| (`[a-z].*?) \|", (PACKAGE / "README.md").read_text(), re.MULTILINE)
+        self.assertEqual({verb for row in rows for verb in re.findall(r"`([a-z-]+)`", row)}, verbs)
+        self.start("exporter", BIN / "vismap-octomap-exporter", "--config", self.write_config())
+        self.addCleanup(self.processes.stop, "exporter")
+        states = self.bus.subscribe("NAVIGATION")
+        while states.get(DEADLINE).decode().revision < FRAMES:
+            pass
+        box = ([1.5, 1.0, 0.5], [2.5, 2.0, 1.5])
+        encodings = {"objects": "json", "mesh": "ply", "points": "ply", "octree": "bt", "octomap": "bt", "map": "vismap", "statistics": "json",
+                     "frames": "json", "clearance": "json", "frontiers": "json", "grid": "occupancy_grid_t", "distances": "distance_field_t"}
+        arguments = {"mesh": "ply", "points": "id=s1", "clearance": "at=2,1.5,1", "frames": "positions=0"}
+        for verb in sorted(verbs - {"save", "load", "reset"}):
+            with self.subTest(verb=verb):
+                reply = vismap.ask(self.bus, verb, arguments.get(verb, ""), box_W=box if verb == "distances" else None,
+                                   without="id=s1" if verb == "occupancy" else "", timeout=DEADLINE)
+                self.assertEqual(reply.encoding, encodings.get(verb, reply.encoding))
+                self.assertEqual(bool(reply.payload), bool(reply.encoding))
+        colored = vismap.ask(self.bus, "octree", color=True)
+        self.assertEqual(colored.encoding, "ot")
+        self.assertIn(b"ColorOcTree", colored.payload[:200])
+        path = self.folder / "asked.vismap"
+        path.write_bytes(vismap.ask(self.bus, "map", timeout=DEADLINE).payload)
+        self.assertGreater(len(vismap.open_map(path).labels), 3)
+
+    def write_config(self):
+        path = self.folder / "exporter.txtpb"
+        path.write_text("octomap_exporter { distance_limit_m: 2 grid_period_s: 1 }\n")
+        return path
 
     def test_free_space_and_obstacles(self):
         found, _ = self.run_example("Is this point free, and how far is the next obstacle")
@@ -287,6 +362,11 @@ class PipelineTest(unittest.TestCase):
     def test_save_load_ask(self):
         found, printed = self.run_example("Save, load, ask")
         self.assertIn("kitchen", printed)
+        self.assertGreater(found["facts"]["frames"], 0)
+        before = vismap.ask(self.bus, "statistics")
+        self.assertIn("the map is empty now", vismap.reset(self.bus))
+        self.assertNotEqual(vismap.ask(self.bus, "statistics").map_id, before.map_id)
+        vismap.load(self.bus, "kitchen")
         self.assertTrue((self.folder / "maps" / "kitchen.vismap").exists() or any((self.folder / "maps").glob("kitchen*")))
         self.assertGreaterEqual(found["facts"]["revision"], FRAMES)
         with self.assertRaisesRegex(vismap.RequestError, "save.*evil"):

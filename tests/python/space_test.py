@@ -107,6 +107,67 @@ class SpaceTest(unittest.TestCase):
             vismap.space_of(message)
 
 
+def field(blocks, limit_m=2.0, resolution_m=0.1, full=True):
+    """A distance_field_t; blocks: index -> squares in half leaves [2, x, y, z], or None = unknown everywhere."""
+    raw = struct.pack("<I", len(blocks)) + b"".join(struct.pack("<3i", *index) for index in sorted(blocks))
+    raw += bytes(int(blocks[index] is not None) for index in sorted(blocks))
+    for index in sorted(blocks):
+        for squares in () if blocks[index] is None else blocks[index]:
+            numbers = squares.transpose(2, 1, 0).reshape(-1).astype("<u2")
+            raw += (numbers & 255).astype(np.uint8).tobytes() + (numbers >> 8).astype(np.uint8).tobytes()
+    packed = compress(raw)
+    return vismap.types["vismap.distance_field_t"](
+        utime=9, map_id="map", revision=4, base_revision=-1 if full else 3, full=full, part=0, parts=1, resolution_m=resolution_m,
+        limit_m=limit_m, n_blocks=len(blocks), encoding=1, payload_size=len(packed), payload=packed)
+
+
+class DistancesTest(unittest.TestCase):
+    def setUp(self):
+        self.squares = np.random.default_rng(4).integers(0, 1600, (2, 8, 8, 8))
+        self.squares[0, 1, 2, 3] = 32767
+        self.message = field({(-1, 0, 2): self.squares, (0, 0, 0): None})
+
+    def test_values_come_back_by_leaf(self):
+        found = vismap.distances_of(vismap.decode(vismap.encode(self.message)))
+        self.assertEqual(found.blocks.tolist(), [[-1, 0, 2], [0, 0, 0]])
+        expected = np.sqrt(self.squares) * 0.05
+        expected[0, 1, 2, 3] = 2.0
+        np.testing.assert_allclose(found.obstacle_m[0], expected[0], rtol=1e-6)
+        np.testing.assert_allclose(found.unknown_m[0], expected[1], rtol=1e-6)
+        self.assertEqual((found.obstacle_m[1].max(), found.unknown_m[1].max()), (0, 0))
+        self.assertEqual((found.revision, found.base_revision, found.utime), (4, -1, 9))
+        leaf = np.array([-8 + 5, 6, 16 + 7])
+        obstacle, unknown = found.at([(leaf + 0.5) * 0.1, [7.0, 7.0, 7.0]])
+        np.testing.assert_allclose([obstacle[0], unknown[0]], expected[:, 5, 6, 7], rtol=1e-6)
+        self.assertEqual((obstacle[1], unknown[1], obstacle.shape), (0, 0, (2,)))
+        self.assertEqual(found.at([1e15, 0, 0])[0].shape, ())
+        self.assertEqual(vismap.distances_of(field({}, full=False)).base_revision, 3)
+        with self.assertRaises(ValueError):
+            found.at([1, 2])
+
+    def test_damaged_payloads_are_errors(self):
+        for changes, words in (({"n_blocks": 3}, "another number of blocks"), ({"encoding": 2}, "encoding 2"), ({"n_blocks": -1}, "-1 blocks"),
+                               ({"resolution_m": 0.0}, "expected lengths above 0"), ({"limit_m": float("nan")}, "expected lengths above 0")):
+            message = vismap.decode(vismap.encode(self.message))
+            for name, value in changes.items():
+                setattr(message, name, value)
+            with self.assertRaisesRegex(vismap.MapError, words):
+                vismap.distances_of(message)
+        wrong = self.squares.copy()
+        wrong[1, 0, 0, 0] = 32768
+        with self.assertRaisesRegex(vismap.MapError, "above 32767"):
+            vismap.distances_of(field({(0, 0, 0): wrong}))
+        rng, packed = np.random.default_rng(6), self.message.payload
+        for _ in range(2000):
+            data = bytearray(packed)
+            data[int(rng.integers(len(data)))] = int(rng.integers(256))
+            self.message.payload = bytes(data)
+            try:
+                vismap.distances_of(self.message)
+            except vismap.MapError:
+                pass
+
+
 class FollowerTest(unittest.TestCase):
     def setUp(self):
         self.follower = vismap.SpaceFollower()

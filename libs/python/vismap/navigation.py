@@ -101,13 +101,15 @@ class Grid:
 
 def grid(bus: Bus, box_W: Box | None = None, resolution_m: float = 0.0, robot_height_m: float | None = None,
          step_height_m: float | None = None, max_slope_deg: float | None = None, band_m: Sequence[float] | None = None,
-         without: str = "", timeout: float = 60.0) -> Grid:
+         without: str = "", limit_m: float | None = None, timeout: float = 60.0) -> Grid:
     """A grid for wheels of the running map. What is None or 0 is as in the section ground_grid of the exporter's config.
 
     box_W: two corners [m]; only blocks that it touches. band_m: two heights z of W between which everything counts, in
-    place of the floor. without: objects that are left out, see procs/README.md, Without objects.
+    place of the floor. without: objects that are left out, see procs/README.md, Without objects. limit_m: distances_m are
+    exact up to here.
     """
-    options: dict[str, float | None] = {"height": robot_height_m, "step": step_height_m, "slope": max_slope_deg}
+    options: dict[str, float | None] = {"height": robot_height_m, "step": step_height_m, "slope": max_slope_deg,
+                                        "limit": limit_m}
     keys = [f"{key}={float(value)!r}" for key, value in options.items() if value is not None]
     if band_m is not None:
         keys.append("band=" + ",".join(repr(float(height)) for height in band_m))
@@ -126,9 +128,18 @@ class Frontier:
 
 
 def frontiers(bus: Bus, box_W: Box | None = None, robot_radius_m: float = 0.0, resolution_m: float = 0.0,
+              without: str = "", cluster_m: float | None = None, least_leaves: int | None = None,
               timeout: float = 60.0) -> list[Frontier]:
-    """The frontiers of the running map, the largest first. box_W: only those whose centre is in it [m]."""
-    reply = ask(bus, "frontiers", box_W=box_W, resolution_m=resolution_m, inflate_m=robot_radius_m, timeout=timeout)
+    """The frontiers of the running map, the largest first.
+
+    box_W: only those whose centre is in it [m]. robot_radius_m: for viewpoints; 0 = as in the exporter's config. without:
+    objects that are left out, see procs/README.md, Without objects. cluster_m: frontiers do not extend beyond cubes of this
+    edge; None = 1 m. least_leaves: smaller ones are left out; None = 8.
+    """
+    options = {"cluster": cluster_m, "least": least_leaves}
+    argument = ";".join(f"{key}={float(value)!r}" for key, value in options.items() if value is not None)
+    reply = ask(bus, "frontiers", argument, box_W=box_W, resolution_m=resolution_m, inflate_m=robot_radius_m,
+                without=without, timeout=timeout)
     return [Frontier(int(row["leaves"]), np.array(row["center_W"]), np.array(row["member_W"]),
                      None if row["viewpoint_W"] is None else np.array(row["viewpoint_W"]))
             for row in reply.json()["frontiers"]]

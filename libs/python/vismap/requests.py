@@ -49,18 +49,19 @@ def _new_id() -> int:
 
 def ask(bus: Bus, verb: str, argument: str = "", path: str = "", box_W: Box | None = None, resolution_m: float = 0.0,
         unknown_occupied: bool | None = None, inflate_m: float = 0.0, timeout: float = 30.0,
-        without: str = "") -> Reply:
+        without: str = "", color: bool = False) -> Reply:
     """Sends a request to the map server (verbs "octomap...": to the octomap exporter), and waits for the answer.
 
     verb, argument, path: see procs/README.md, Requests; for example "statistics", "objects", "mesh" with "ply".
-    box_W: two corners [m] in W, for objects, octree and octomap. The others are for octree and octomap. resolution_m: 0 =
-    the server's own. unknown_occupied: False = raw, True, None = closed. inflate_m: radius of the robot. without: objects
-    that are left out, see tree_without. Raises RequestError when the server refuses, WaitTimeout when no answer comes within
+    box_W: two corners [m] in W, for objects, trees, grid, distances and frontiers. resolution_m: edge of a leaf, 0 = the
+    server's own. unknown_occupied, for trees: False = raw, True, None = closed. inflate_m: radius of the robot, for closed
+    trees and frontiers. without: objects that are left out, see tree_without. color, for octree: an .ot stream whose occupied
+    leaves have the colour of their class, for looking only; leave unknown_occupied at None. Raises RequestError when the server refuses, WaitTimeout when no answer comes within
     `timeout` [s].
     """
     request: Any = messages.types["vismap.map_request_t"](
         verb=verb, argument=argument, path=path, resolution_m=resolution_m, inflate_m=inflate_m, without=without,
-        unknown=-1 if unknown_occupied is None else int(unknown_occupied))
+        unknown=-1 if unknown_occupied is None else int(unknown_occupied), tree=int(color))
     request.utime = request.request_id = _new_id()
     if box_W is not None:
         corners = np.asarray(box_W, np.float64)
@@ -110,3 +111,9 @@ def save(bus: Bus, name: str = "", timeout: float = 60.0) -> str:
 def load(bus: Bus, name: str, timeout: float = 60.0) -> str:
     """Replaces the map of the server by the saved map of this name. Returns the sentence that says what was loaded."""
     return ask(bus, "load", path=name, timeout=timeout).message
+
+
+def reset(bus: Bus, timeout: float = 60.0) -> str:
+    """Replaces the map of the server by an empty one with another map_id. Returns the sentence that names it. The map is
+    lost unless it was saved."""
+    return ask(bus, "reset", timeout=timeout).message
