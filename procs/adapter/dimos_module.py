@@ -13,6 +13,7 @@ from dimos.msgs.nav_msgs.OccupancyGrid import OccupancyGrid
 from dimos.msgs.sensor_msgs.CameraInfo import CameraInfo
 from dimos.msgs.sensor_msgs.Image import Image
 from dimos.msgs.sensor_msgs.PointCloud2 import PointCloud2
+from dimos.msgs.vision_msgs.Detection3DArray import Detection3DArray
 
 
 class VismapAdapterConfig(NativeModuleConfig):
@@ -31,5 +32,7 @@ class VismapAdapter(NativeModule):
     color_image: In[Image]
     depth_image: In[Image]
     camera_info: In[CameraInfo]
+    depth_camera_info: In[CameraInfo]  # used when depth is not registered to colour
     global_map: Out[PointCloud2]  # instead of VoxelGridMapper
     global_costmap: Out[OccupancyGrid]  # instead of CostMapper
+    detections_3d: Out[Detection3DArray]  # the objects of the map, with boxes
