@@ -14,7 +14,6 @@ struct MapToolArguments {
   std::string coloring = "instance";  ///< for render
   std::string view = "overview";      ///< for render
   bool json = false;                  ///< print JSON
-  std::string ground_truth, objects, classes;         ///< for evaluate
   std::optional<std::string> id, class_name, region;  ///< for objects and export: the selection
   std::string only;         ///< for export: the one thing that is written; "" = everything
   std::string grid;         ///< for export: where the 2-D grid is written, see WriteGridFiles

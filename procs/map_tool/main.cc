@@ -1,7 +1,7 @@
 #include <functional>
 
 #include "map_tool/commands.h"
-#include "map_tool/evaluate.h"
+#include "map_tool/evaluate_program.h"
 #include "map_tool/follow.h"
 
 namespace {
@@ -37,24 +37,6 @@ void AddChoiceOfObjects(CommandLine& sub, const char* id_name, MapToolArguments*
   sub.Option("--class", &arguments->class_name, "Only objects of this class: COCO name or id");
   sub.Option("--region", &arguments->region,
              "Only objects that overlap the box x0,y0,z0,x1,y1,z1 [m]");
-}
-
-void AddEvaluate(CommandLine& line, Command* command) {
-  MapToolArguments& arguments = command->arguments;
-  CommandLine sub =
-      Add(line, command, "evaluate", "Evaluate a map against a ground truth", RunEvaluate);
-  sub.Option("--gt", &arguments.ground_truth,
-             "Folder with the ground truth of a SceneNN or ScanNet sequence, or synthetic:room")
-      .Required();
-  sub.Option("--map", &arguments.map, "Saved map (.vismap), or mesh with ids (.ply)").Required();
-  sub.Option(
-      "--objects", &arguments.objects,
-      "objects.json with the scores of a mesh; if not given, the one in the folder of the mesh");
-  sub.Option("--classes", &arguments.classes,
-             "paper (the nine classes of the paper), scene (all classes of the ground truth), or "
-             "COCO names separated by commas; if not given, paper, but scene for synthetic:room");
-  sub.Flag("--json", &arguments.json, "Print JSON");
-  sub.Option("--out", &arguments.out, "Also write the JSON to this file");
 }
 
 void AddOctree(CommandLine& line, Command* command) {
@@ -116,7 +98,12 @@ void AddFileCommands(CommandLine& line, Command* command) {
              kFile)
       .Option("OTHER", &arguments.other_map, "Saved map to compare with")
       .Required();
-  AddEvaluate(line, command);
+  Add(line, command, "evaluate",
+      "Evaluate a map against a ground truth; runs vismap-evaluate, whose --help has the options",
+      [](const MapToolArguments&, ProcessContext&) -> Outcome {
+        return ExitWith(ExitCode::kUsage,
+                        "give the options of evaluate behind the word 'evaluate'");
+      });
 
   CommandLine runs =
       Add(line, command, "compare-runs",
@@ -208,6 +195,7 @@ void AddCommands(CommandLine& line, Command* command) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (ChoosesEvaluate(argc, argv)) return RunEvaluateProgram(argc, argv);
   Command command;
   ProcessSpec spec;
   spec.name = "map";

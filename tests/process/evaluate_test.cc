@@ -9,7 +9,7 @@
 
 #include "process/process_harness.h"
 
-// The command vismap-map evaluate.
+// vismap-evaluate, and the command vismap-map evaluate, which runs it.
 
 namespace vismap {
 namespace {
@@ -32,7 +32,7 @@ void MakeMap(const TempFolder& folder, const std::string& dataset, const std::st
 }
 
 Json EvaluateMap(const TempFolder& folder, const std::string& truth, const std::string& map) {
-  ChildProcess tool("map", {"evaluate", "--gt", truth, "--map", (folder / map).string(), "--json"},
+  ChildProcess tool("evaluate", {"--gt", truth, "--map", (folder / map).string(), "--json"},
                     folder.path());
   EXPECT_EQ(tool.WaitForExit(), 0) << tool.StandardError();
   return Json::parse(tool.StandardOutput(), nullptr, false);

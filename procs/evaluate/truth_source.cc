@@ -1,4 +1,4 @@
-#include "map_tool/truth_source.h"
+#include "evaluate/truth_source.h"
 
 #include "simulation/seen_surface.h"
 

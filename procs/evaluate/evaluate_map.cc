@@ -1,4 +1,4 @@
-#include "map_tool/evaluate.h"
+#include "evaluate/evaluate_map.h"
 
 #include <cmath>
 #include <cstdio>
@@ -7,10 +7,11 @@
 
 #include "base/file.h"
 #include "base/json_text.h"
+#include "evaluate/truth_source.h"
 #include "evaluation/report.h"
+#include "exports/outputs.h"
 #include "exports/ply.h"
 #include "freespace/coarsen.h"
-#include "map_tool/truth_source.h"
 
 namespace vismap {
 namespace {
@@ -53,7 +54,7 @@ Result<void> CheckPlaces(const Mesh& mesh, const std::string& path) {
   return {};
 }
 
-Result<MapInput> ReadMesh(const MapToolArguments& arguments) {
+Result<MapInput> ReadMesh(const EvaluateArguments& arguments) {
   Result<PlyFile> ply = ReadPly(arguments.map);
   if (!ply) return tl::unexpected(ply.error());
   if (const Result<void> places = CheckPlaces(ply->mesh, arguments.map); !places)
@@ -71,7 +72,7 @@ Result<MapInput> ReadMesh(const MapToolArguments& arguments) {
   return input;
 }
 
-Result<MapInput> ReadMap(const MapToolArguments& arguments) {
+Result<MapInput> ReadMap(const EvaluateArguments& arguments) {
   if (fs::path(arguments.map).extension() == ".ply") return ReadMesh(arguments);
   const Result<LoadedMap> loaded =
       LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
@@ -120,7 +121,7 @@ Result<std::vector<FreeSpaceEvaluation>> ScoreOccupancy(const OccupancyMap& voxe
   return results;
 }
 
-Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthSource& source,
+Result<Evaluation> EvaluateFiles(const EvaluateArguments& arguments, const TruthSource& source,
                                  const std::vector<EvaluatedClass>& classes) {
   const Result<MapInput> input = ReadMap(arguments);
   if (!input) return tl::unexpected(input.error());
@@ -136,7 +137,7 @@ Result<Evaluation> EvaluateFiles(const MapToolArguments& arguments, const TruthS
 
 }  // namespace
 
-Outcome RunEvaluate(const MapToolArguments& arguments, ProcessContext&) {
+Outcome RunEvaluate(const EvaluateArguments& arguments) {
   const Result<TruthSource> source = OpenTruth(arguments.ground_truth);
   if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
   const auto classes = ParseClassList(arguments.classes, source->truth);
