@@ -44,12 +44,48 @@ Result<Pose> RosPose(const Position& position, const Rotation& rotation) {
                 {position.x, position.y, position.z});
 }
 
-Result<ForeignMessage> OneEdge(std::string parent, std::string child, int64_t utime,
-                               const Result<Pose>& pose) {
-  if (!pose) return tl::unexpected(pose.error());
+Result<void> CheckFrames(const std::string& parent, const std::string& child) {
+  if (parent.empty() || child.empty()) return Fail("a frame has no name");
+  if (const size_t size = std::max(parent.size(), child.size()); size > kMostFrameName)
+    return Fail("a frame's name has " + std::to_string(size) + " characters; at most " +
+                std::to_string(kMostFrameName) + " are allowed");
+  if (parent == child) return Fail("a frame is its own parent");
+  return {};
+}
+
+// Adds the pose of a child in its parent, or says why it is left out.
+void AddEdge(const std::string& type, const std::string& parent, const std::string& child,
+             int64_t utime, const Result<Pose>& pose, ForeignMessage* message) {
+  const auto leave_out = [&](const std::string& why) {
+    message->left_out.push_back(type + ", the pose of '" + child.substr(0, kMostFrameName) +
+                                "' in '" + parent.substr(0, kMostFrameName) + "': " + why);
+  };
+  if (const Result<void> frames = CheckFrames(parent, child); !frames)
+    return leave_out(frames.error().message);
+  if (!pose) return leave_out(pose.error().message);
+  if (utime < 0 || utime > kLatestUtime)
+    return leave_out("its time " + std::to_string(utime) + " us is impossible");
+  message->edges.push_back({parent, child, utime, *pose});
+}
+
+ForeignMessage OneEdge(const std::string& type, const std::string& parent, const std::string& child,
+                       int64_t utime, const Result<Pose>& pose) {
   ForeignMessage message;
-  message.edges.push_back({std::move(parent), std::move(child), utime, *pose});
+  AddEdge(type, parent, child, utime, pose, &message);
   return message;
+}
+
+// Decodes an image when it is the first of its kind in the message.
+template <typename Decode>
+void AddImage(bool wanted, const Decode& decode, std::optional<ForeignImage>* image,
+              ForeignMessage* message) {
+  if (!wanted || *image) return;
+  Result<ForeignImage> decoded = decode();
+  if (decoded) {
+    *image = std::move(*decoded);
+  } else {
+    message->left_out.push_back(decoded.error().message);
+  }
 }
 
 ForeignMessage OneImage(ForeignImage image, ImageRole role) {
@@ -131,24 +167,23 @@ Result<ForeignMessage> FromCameraInfo(foreign::sensor_msgs::CameraInfo& message,
 Result<ForeignMessage> FromTf(foreign::tf2_msgs::TFMessage& message, const Options&) {
   ForeignMessage result;
   for (const auto& stamped : message.transforms) {
-    const Result<Pose> pose = RosPose(stamped.transform.translation, stamped.transform.rotation);
-    if (!pose) return Fail("TFMessage, '" + stamped.child_frame_id + "': " + pose.error().message);
-    result.edges.push_back({stamped.header.frame_id, stamped.child_frame_id,
-                            UtimeOf(stamped.header.stamp.sec, stamped.header.stamp.nsec), *pose});
+    AddEdge("TFMessage", stamped.header.frame_id, stamped.child_frame_id,
+            UtimeOf(stamped.header.stamp.sec, stamped.header.stamp.nsec),
+            RosPose(stamped.transform.translation, stamped.transform.rotation), &result);
   }
   return result;
 }
 
 Result<ForeignMessage> FromPoseStamped(foreign::geometry_msgs::PoseStamped& message,
                                        const Options& options) {
-  return OneEdge(message.header.frame_id, options.body_frame,
+  return OneEdge("PoseStamped", message.header.frame_id, options.body_frame,
                  UtimeOf(message.header.stamp.sec, message.header.stamp.nsec),
                  RosPose(message.pose.position, message.pose.orientation));
 }
 
 Result<ForeignMessage> FromOdometry(foreign::nav_msgs::Odometry& message, const Options& options) {
   const std::string& child = message.child_frame_id;
-  return OneEdge(message.header.frame_id, child.empty() ? options.body_frame : child,
+  return OneEdge("Odometry", message.header.frame_id, child.empty() ? options.body_frame : child,
                  UtimeOf(message.header.stamp.sec, message.header.stamp.nsec),
                  RosPose(message.pose.pose.position, message.pose.pose.orientation));
 }
@@ -216,13 +251,16 @@ Result<ForeignImage> FromDrakeImage(foreign::drake::lcmt_image& image, int64_t u
   return result;
 }
 
-Result<ForeignMessage> FromImageArray(foreign::drake::lcmt_image_array& message, const Options&) {
+Result<ForeignMessage> FromImageArray(foreign::drake::lcmt_image_array& message,
+                                      const Options& options) {
   ForeignMessage result;
   for (foreign::drake::lcmt_image& image : message.images) {
     if (image.pixel_format == kDrakeLabel) continue;
-    Result<ForeignImage> decoded = FromDrakeImage(image, message.header.utime);
-    if (!decoded) return tl::unexpected(decoded.error());
-    (image.pixel_format == kDrakeDepth ? result.depth : result.color) = std::move(*decoded);
+    const bool depth = image.pixel_format == kDrakeDepth;
+    AddImage(
+        depth ? options.depth : options.color,
+        [&] { return FromDrakeImage(image, message.header.utime); },
+        depth ? &result.depth : &result.color, &result);
   }
   return result;
 }
@@ -236,11 +274,11 @@ Result<ForeignMessage> FromViewerDraw(foreign::drake::lcmt_viewer_draw& message,
     if (message.link_name[i] == options.root) continue;
     const std::vector<float>& p = message.position[i];
     const std::vector<float>& q = message.quaternion[i];
-    const Result<Pose> pose = PoseOf({q[0], q[1], q[2], q[3]}, {p[0], p[1], p[2]});
-    if (!pose)
-      return Fail("lcmt_viewer_draw, '" + message.link_name[i] + "': " + pose.error().message);
-    result.edges.push_back({options.root, FrameOfRobot(message.link_name[i], message.robot_num[i]),
-                            message.timestamp * 1000, *pose});
+    const std::string& link = message.link_name[i];
+    AddEdge("lcmt_viewer_draw", options.root,
+            link.empty() ? link : FrameOfRobot(link, message.robot_num[i]),
+            message.timestamp * 1000, PoseOf({q[0], q[1], q[2], q[3]}, {p[0], p[1], p[2]}),
+            &result);
   }
   return result;
 }
@@ -301,19 +339,19 @@ Result<ForeignImage> FromBotDepth(foreign::bot_core::image_t& image, bool zipped
   return result;
 }
 
-Result<ForeignMessage> FromImages(foreign::bot_core::images_t& message, const Options&) {
+Result<ForeignMessage> FromImages(foreign::bot_core::images_t& message, const Options& options) {
   ForeignMessage result;
   for (size_t i = 0; i < message.images.size(); ++i) {
     const int type = message.image_types[i];
+    foreign::bot_core::image_t& image = message.images[i];
     if (type == kBotLeft) {
-      Result<ForeignImage> color = FromBotColor(message.images[i]);
-      if (!color) return tl::unexpected(color.error());
-      result.color = std::move(*color);
+      AddImage(
+          options.color, [&] { return FromBotColor(image); }, &result.color, &result);
     } else if (type == kBotDepth || type == kBotDepthZipped) {
-      Result<ForeignImage> depth =
-          FromBotDepth(message.images[i], type == kBotDepthZipped, message.utime);
-      if (!depth) return tl::unexpected(depth.error());
-      result.depth = std::move(*depth);
+      AddImage(
+          options.depth,
+          [&] { return FromBotDepth(image, type == kBotDepthZipped, message.utime); },
+          &result.depth, &result);
     }
   }
   // The colour image of the message belongs to the depth image, whatever its time.
@@ -333,7 +371,7 @@ Result<ForeignMessage> FromImage(foreign::bot_core::image_t& message, const Opti
 
 Result<ForeignMessage> FromBotPose(foreign::bot_core::pose_t& message, const Options& options) {
   const double* q = message.orientation;
-  return OneEdge(options.root, options.body_frame, message.utime,
+  return OneEdge("pose_t", options.root, options.body_frame, message.utime,
                  PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.pos)));
 }
 
@@ -341,7 +379,7 @@ Result<ForeignMessage> FromRigidTransform(foreign::bot_core::rigid_transform_t& 
                                           const std::string& channel, const Options& options) {
   const size_t to = channel.find("_TO_");
   const double* q = message.quat;
-  return OneEdge(options.root,
+  return OneEdge("rigid_transform_t", options.root,
                  to == std::string::npos ? options.camera_frame : channel.substr(0, to),
                  message.utime, PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.trans)));
 }
@@ -428,15 +466,13 @@ Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::
     return Fail("the type of the message is not one that the adapter reads");
   Result<ForeignMessage> message = found->second(bytes, channel, options);
   if (!message) return message;
-  for (const EdgeSample& edge : message->edges) {
-    const size_t name = std::max(edge.parent.size(), edge.child.size());
-    if (name > kMostFrameName)
-      return Fail("a frame's name has " + std::to_string(name) + " characters; at most " +
-                  std::to_string(kMostFrameName) + " are allowed");
-    if (edge.utime < 0 || edge.utime > kLatestUtime)
-      return Fail("the pose of '" + edge.child + "' has the impossible time " +
-                  std::to_string(edge.utime) + " us");
+  for (const auto* image : {&message->color, &message->depth}) {
+    if (*image && (*image)->frame_id.size() > kMostFrameName)
+      return Fail("the name of an image's frame has " + std::to_string((*image)->frame_id.size()) +
+                  " characters; at most " + std::to_string(kMostFrameName) + " are allowed");
   }
+  const bool empty = !message->color && !message->depth && message->edges.empty();
+  if (empty && !message->left_out.empty()) return Fail(message->left_out.front());
   return message;
 }
 

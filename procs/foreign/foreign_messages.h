@@ -34,6 +34,8 @@ struct ForeignMessage {
   std::optional<ForeignImage> color, depth;
   std::optional<ForeignCamera> camera;
   std::vector<EdgeSample> edges;
+  /// Sentences about the poses and images in it that cannot be used; each names its frame or type.
+  std::vector<std::string> left_out;
 };
 
 /// How messages are read that do not say everything themselves.
@@ -42,12 +44,16 @@ struct ForeignMessageOptions {
   std::string root;          ///< parent of poses that name none
   std::string body_frame;    ///< child of poses of the robot that name none
   std::string camera_frame;  ///< child of poses on channels that do not name one as A_TO_B
+  /// Which images of a message with several are decoded: the first of each kind that can be used.
+  bool color = true, depth = true;
 };
 
 /// Decodes a message of DimOS (Image, CameraInfo, TFMessage, PoseStamped, Odometry), Drake (image
 /// array, viewer draw) or bot_core (images, image, pose, rigid transform); the fingerprint says
-/// which. Fails on other types, and, naming the field, on what cannot be used, among it poses at
-/// times below 0 or above kLatestUtime. Times of images are not judged.
+/// which. A pose or image that cannot be used is left out: poses that are not rigid, of frames
+/// without names, with too long ones or in themselves, at times below 0 or above kLatestUtime.
+/// Times of images are not judged. Fails on other types, and, naming the field, on a message of
+/// which nothing can be used.
 Result<ForeignMessage> DecodeForeign(std::span<const uint8_t> bytes, const std::string& channel,
                                      const ForeignMessageOptions& options);
 

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <limits>
 
 #include "foreign/presets.h"
@@ -80,6 +82,84 @@ TEST(ForeignMessages, RejectPosesThatAreNone) {
   stamped.transform.rotation.w = 1;
   stamped.transform.translation.x = std::nan("");
   EXPECT_FALSE(DecodeForeign(Tf({stamped}), "tf", {}));
+}
+
+TEST(ForeignMessages, OneBadPoseDoesNotCostTheOthers) {
+  using Change = std::function<void(foreign::geometry_msgs::TransformStamped*)>;
+  const std::vector<std::pair<Change, std::string>> changes = {
+      {[](auto* bad) { bad->transform.rotation.w = 2; }, "unit length"},
+      {[](auto* bad) { bad->transform.rotation.x = std::nan(""); }, "not finite"},
+      {[](auto* bad) { bad->transform.translation.z = INFINITY; }, "not finite"},
+      {[](auto* bad) { bad->header.stamp.sec = -5; }, "its time -4999995 us is impossible"},
+      {[](auto* bad) { bad->child_frame_id = ""; }, "a frame has no name"},
+      {[](auto* bad) { bad->header.frame_id = ""; }, "a frame has no name"},
+      {[](auto* bad) { bad->header.frame_id = "bad"; }, "a frame is its own parent"},
+      {[](auto* bad) { bad->child_frame_id = std::string(300, 'x'); }, "300 characters"}};
+  for (const auto& [change, why] : changes) {
+    foreign::geometry_msgs::TransformStamped bad = Transform(5, "world", "bad", BodyAt(0));
+    change(&bad);
+    const auto message = DecodeForeign(Tf({Transform(5, "world", "first", BodyAt(0)), bad,
+                                           Transform(5, "world", "last", BodyAt(0))}),
+                                       "tf", {});
+    ASSERT_TRUE(message) << message.error().message;
+    ASSERT_EQ(message->edges.size(), 2u) << why;
+    EXPECT_EQ(message->edges[0].child, "first");
+    EXPECT_EQ(message->edges[1].child, "last");
+    ASSERT_EQ(message->left_out.size(), 1u) << why;
+    EXPECT_NE(message->left_out[0].find("TFMessage, the pose of '"), std::string::npos);
+    EXPECT_NE(message->left_out[0].find(why), std::string::npos) << message->left_out[0];
+    const auto alone = DecodeForeign(Tf({bad}), "tf", {});
+    ASSERT_FALSE(alone);
+    EXPECT_NE(alone.error().message.find(why), std::string::npos) << alone.error().message;
+  }
+}
+
+TEST(ForeignMessages, OneBadLinkOfDrakeDoesNotCostTheOthers) {
+  foreign::drake::lcmt_viewer_draw draw{};
+  draw.num_links = 3;
+  draw.link_name = {"good", "", "turned"};
+  draw.robot_num = {1, 1, 1};
+  draw.position = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  draw.quaternion = {{1, 0, 0, 0}, {1, 0, 0, 0}, {9, 0, 0, 0}};
+  const auto message = DecodeForeign(Pack(draw), "D", {kColor, "world", "b", "x"});
+  ASSERT_TRUE(message) << message.error().message;
+  ASSERT_EQ(message->edges.size(), 1u);
+  EXPECT_EQ(message->edges[0].child, "good@1");
+  EXPECT_EQ(message->left_out.size(), 2u);
+}
+
+TEST(ForeignMessages, DecodeOnlyTheImagesThatAreNeeded) {
+  foreign::drake::lcmt_image_array array{};
+  ASSERT_GT(array.decode(DrakeImages(5).data(), 0, 1 << 20), 0);
+  const foreign::drake::lcmt_image depth = array.images[0], color = array.images[1];
+  foreign::drake::lcmt_image bad_depth = depth, bad_color = color;
+  bad_depth.compression_method = 77;
+  bad_color.data.resize(9);
+  bad_color.size = 9;
+  const auto decoded = [&](std::vector<foreign::drake::lcmt_image> images, bool wants_color) {
+    array.images = std::move(images);
+    array.num_images = static_cast<int32_t>(array.images.size());
+    return DecodeForeign(Pack(array), "images", {kColor, "world", "b", "x", wants_color});
+  };
+  const auto first = decoded({depth, color, bad_depth, bad_color}, true);
+  ASSERT_TRUE(first && first->color && first->depth);
+  EXPECT_TRUE(first->left_out.empty()) << "the others are not decoded";
+  const auto second = decoded({bad_depth, bad_color, depth, color}, true);
+  ASSERT_TRUE(second && second->color && second->depth);
+  EXPECT_EQ(second->left_out.size(), 2u);
+  const auto depth_alone = decoded({bad_color, depth}, false);
+  ASSERT_TRUE(depth_alone && depth_alone->depth);
+  EXPECT_FALSE(depth_alone->color);
+  EXPECT_TRUE(depth_alone->left_out.empty());
+  EXPECT_FALSE(decoded({bad_color, bad_depth}, true));
+
+  foreign::bot_core::images_t images{};
+  ASSERT_GT(images.decode(BotImages(5, 5).data(), 0, 1 << 20), 0);
+  images.images[0].pixelformat = 1;
+  const auto bot = DecodeForeign(Pack(images), "images", {kColor, "local", "b", "x"});
+  ASSERT_TRUE(bot && bot->depth);
+  EXPECT_FALSE(bot->color);
+  EXPECT_EQ(bot->left_out.size(), 1u);
 }
 
 TEST(ForeignMessages, ReadDistortion) {

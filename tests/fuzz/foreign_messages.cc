@@ -180,8 +180,10 @@ foreign::sensor_msgs::CameraInfo Info() {
 std::vector<FuzzTarget> ForeignFuzzTargets() {
   constexpr size_t kImages = 64 * kMegabyte, kPoses = 4 * kMegabyte;
   foreign::geometry_msgs::PoseStamped pose{};
+  pose.header.frame_id = "world";
   pose.pose.orientation.w = 1;
   foreign::nav_msgs::Odometry odometry{};
+  odometry.header.frame_id = "world";
   odometry.pose.pose.orientation.w = 1;
   foreign::bot_core::pose_t bot_pose{};
   bot_pose.orientation[0] = 1;
