@@ -1,11 +1,13 @@
 #include "foreign/frame_tree.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace vismap {
 namespace {
 
 constexpr size_t kMostFrames = 4096;
+constexpr size_t kMostSamplesOfAll = 400'000;  // 64 MB
 constexpr size_t kDeepest = 64;
 
 std::string EdgeText(const std::string& parent, const std::string& child) {
@@ -23,12 +25,44 @@ void FrameTree::AddMount(const std::string& parent, const std::string& child,
   edges_[child] = {parent, PoseTrack::Fixed(T_parent_child), true};
 }
 
-void FrameTree::Add(const EdgeSample& sample, int64_t received) {
-  if (edges_.size() >= kMostFrames && !edges_.contains(sample.child)) return;
-  Edge& edge = edges_[sample.child];
-  if (edge.mount) return;
+size_t FrameTree::SamplesPerFrame() const {
+  return kMostSamplesOfAll / std::max<size_t>(1, edges_.size());
+}
+
+size_t FrameTree::size() const {
+  return std::accumulate(
+      edges_.begin(), edges_.end(), size_t{0},
+      [](size_t sum, const auto& entry) { return sum + entry.second.track.size(); });
+}
+
+// A new one takes its share of the samples from the others.
+FrameTree::Edge& FrameTree::EdgeOf(const std::string& child) {
+  const auto [at, is_new] = edges_.try_emplace(child);
+  if (is_new) {
+    for (auto& [name, edge] : edges_) edge.track.KeepNewest(SamplesPerFrame());
+  }
+  return at->second;
+}
+
+std::string FrameTree::Add(const EdgeSample& sample, int64_t received) {
+  if (edges_.size() >= kMostFrames && !edges_.contains(sample.child))
+    return "a pose of one more frame is left out, since " + std::to_string(kMostFrames) +
+           " frames have poses already";
+  Edge& edge = EdgeOf(sample.child);
+  if (edge.mount) return "";
   if (edge.parent != sample.parent) edge = {sample.parent, {}, false};
-  edge.track.Add(sample.utime, sample.T_parent_child, received);
+  if (!edge.track.Add(sample.utime, sample.T_parent_child, received))
+    return "a pose " + EdgeText(sample.parent, sample.child) +
+           " has a time that is far from those of the poses around it";
+  if (edge.track.KeepNewest(SamplesPerFrame()) > 0)
+    return "poses " + EdgeText(sample.parent, sample.child) + " were forgotten early, since " +
+           std::to_string(edges_.size()) + " frames share the room for " +
+           std::to_string(kMostSamplesOfAll) + " poses";
+  return "";
+}
+
+void FrameTree::RestartWaits(int64_t now) {
+  for (auto& [name, edge] : edges_) edge.track.RestartWait(now);
 }
 
 std::vector<std::string> FrameTree::OfRobots(const std::string& frame) const {
@@ -74,7 +108,8 @@ FrameTree::Answer FrameTree::UpTo(const std::vector<std::string>& path, size_t e
       case PoseTrack::Found::kTooOld:
         return {State::kNever, {}, "the image is older than all poses " + name};
       case PoseTrack::Found::kGap:
-        return {State::kNever,
+        // One between them may come late.
+        return {State::kWaiting,
                 {},
                 "the poses " + name +
                     " around the image are too far apart in "

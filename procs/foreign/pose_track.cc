@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 namespace vismap {
 namespace {
 
-constexpr int64_t kKept = 10'000'000;  // [us]
 constexpr size_t kMostSamples = 20'000;
+constexpr int64_t kWaitedFor = 2'000'000;         // [us]
 constexpr int64_t kOneSampleIsMount = 1'000'000;  // [us]
 constexpr double kEqual = 1e-9;
 
@@ -33,25 +34,56 @@ PoseTrack PoseTrack::Fixed(const Pose& pose) {
   return track;
 }
 
-void PoseTrack::Add(int64_t utime, const Pose& pose, int64_t received) {
-  if (fixed_) return;
-  if (!samples_.empty() && utime < samples_.back().utime - kKept) {
+bool PoseTrack::Add(int64_t utime, const Pose& pose, int64_t received) {
+  if (fixed_) return true;
+  return !times_.Add(pose, utime, received,
+                     [this](const SampleTimes::Timed& sample) { AddRight(sample); });
+}
+
+void PoseTrack::AddRight(const SampleTimes::Timed& sample) {
+  if (sample.stepped_back) {
     samples_.clear();
     count_ = 0;
     unchanged_ = true;
   }
-  if (count_ == 0) first_received_ = received;
-  ++count_;
-  if (!samples_.empty() && !SamePose(samples_.back().pose, pose)) unchanged_ = false;
-  const auto at = std::lower_bound(samples_.begin(), samples_.end(), utime,
-                                   [](const Sample& s, int64_t time) { return s.utime < time; });
-  if (at != samples_.end() && at->utime == utime) {
-    at->pose = pose;
-  } else {
-    samples_.insert(at, {utime, pose});
+  if (count_ == 0) {
+    first_received_ = sample.received;
+    rest_ = sample.item;
+    rest_until_ = sample.utime;
   }
-  while (samples_.size() > kMostSamples || samples_.front().utime < samples_.back().utime - kKept)
+  ++count_;
+  auto at = std::lower_bound(samples_.begin(), samples_.end(), sample.utime,
+                             [](const Sample& s, int64_t time) { return s.utime < time; });
+  if (at != samples_.end() && at->utime == sample.utime) {
+    at->pose = sample.item;
+  } else {
+    at = samples_.insert(at, {sample.utime, sample.item});
+  }
+  FollowRest(sample, at);
+  KeepNewest(kMostSamples);
+  while (samples_.front().utime < samples_.back().utime - kKept) samples_.pop_front();
+}
+
+// Notes how long the edge has rested in its first pose; `at` is the place of the new sample.
+void PoseTrack::FollowRest(const SampleTimes::Timed& sample,
+                           std::deque<Sample>::const_iterator at) {
+  if (SamePose(rest_, sample.item)) {
+    if (unchanged_) rest_until_ = std::max(rest_until_, at->utime);
+    return;
+  }
+  const bool was_mount = count_ > 2 || sample.received - first_received_ >= kOneSampleIsMount;
+  if (std::exchange(unchanged_, false) && !was_mount) rest_until_ = -1;
+  if (at->utime <= rest_until_)
+    rest_until_ = at == samples_.begin() ? int64_t{-1} : std::prev(at)->utime;
+}
+
+size_t PoseTrack::KeepNewest(size_t samples) {
+  size_t waited_for = 0;
+  while (samples_.size() > std::max<size_t>(2, samples)) {
+    if (samples_.front().utime > samples_.back().utime - kWaitedFor) ++waited_for;
     samples_.pop_front();
+  }
+  return waited_for;
 }
 
 bool PoseTrack::IsMount(int64_t now) const {
@@ -62,9 +94,15 @@ bool PoseTrack::IsMount(int64_t now) const {
 PoseTrack::Answer PoseTrack::At(int64_t utime, int64_t now,
                                 const PoseLookupOptions& options) const {
   if (samples_.empty()) return {Found::kLater};
-  const bool may_be_mount = fixed_ || options.constant_edges == ConstantEdges::kFixedWhenUnchanged;
-  if (may_be_mount && IsMount(now)) return {Found::kPose, samples_.back().pose};
-  if (may_be_mount && unchanged_) return {Found::kLater};  // whether it is a mount will show
+  if (fixed_) return {Found::kPose, samples_.back().pose};
+  if (options.constant_edges != ConstantEdges::kFixedWhenUnchanged) return Between(utime, options);
+  if (IsMount(now)) return {Found::kPose, samples_.back().pose};
+  if (unchanged_) return {Found::kLater};  // whether it is a mount will show
+  if (utime <= rest_until_) return {Found::kPose, rest_};
+  return Between(utime, options);
+}
+
+PoseTrack::Answer PoseTrack::Between(int64_t utime, const PoseLookupOptions& options) const {
   const auto after = std::lower_bound(samples_.begin(), samples_.end(), utime,
                                       [](const Sample& s, int64_t time) { return s.utime < time; });
   if (after == samples_.end()) return {Found::kLater};

@@ -70,6 +70,70 @@ TEST(PoseTrack, IsAMountWhileItDoesNotChange) {
   EXPECT_EQ(track.At(99'000, 0, {}).found, Found::kLater);
 }
 
+// A joint that first rests and then moves.
+TEST(PoseTrack, HoldsItsFirstPoseUpToTheLastSampleThatHadIt) {
+  PoseTrack joint;
+  for (int64_t second = 1; second <= 30; ++second)
+    joint.Add(second * 1'000'000, Turned(1, 0), second * 1'000'000);
+  EXPECT_EQ(joint.At(30'400'000, 30'400'000, {}).found, Found::kPose) << "a mount up to now";
+  joint.Add(30'500'000, Turned(2, 0), 30'500'000);
+  joint.Add(30'550'000, Turned(3, 0), 30'550'000);
+  for (const int64_t utime : {0, 1'500'000, 29'500'000, 30'000'000}) {
+    const PoseTrack::Answer rest = joint.At(utime, 31'000'000, {});
+    ASSERT_EQ(rest.found, Found::kPose) << utime;
+    EXPECT_EQ(rest.pose.translation().x(), 1) << utime;
+  }
+  EXPECT_EQ(joint.At(30'200'000, 31'000'000, {}).found, Found::kGap) << "when did it start?";
+  EXPECT_NEAR(joint.At(30'525'000, 31'000'000, {}).pose.translation().x(), 2.5, 1e-12);
+  EXPECT_EQ(joint.At(30'600'000, 31'000'000, {}).found, Found::kLater);
+  joint.Add(30'600'000, Turned(1, 0), 30'600'000);
+  joint.Add(31'600'000, Turned(1, 0), 31'600'000);
+  EXPECT_EQ(joint.At(31'000'000, 32'000'000, {}).found, Found::kGap) << "it is no mount any more";
+  joint.Add(29'800'000, Turned(4, 0), 32'000'000);  // comes late
+  EXPECT_EQ(joint.At(29'000'000, 33'000'000, {}).pose.translation().x(), 1);
+  EXPECT_EQ(joint.At(29'900'000, 33'000'000, {}).found, Found::kGap);
+  EXPECT_EQ(joint.At(30'000'000, 33'000'000, {}).pose.translation().x(), 1);
+}
+
+TEST(PoseTrack, InterpolatesFromTheRestToTheFirstMove) {
+  PoseTrack joint;
+  for (int64_t utime = 0; utime <= 60'000; utime += 20'000) joint.Add(utime, Turned(1, 0), utime);
+  joint.Add(80'000, Turned(2, 0), 80'000);
+  EXPECT_EQ(joint.At(50'000, 80'000, {}).pose.translation().x(), 1);
+  EXPECT_NEAR(joint.At(70'000, 80'000, {}).pose.translation().x(), 1.5, 1e-12);
+}
+
+TEST(PoseTrack, OneSampleBeforeAMoveIsNoRest) {
+  PoseTrack track;
+  track.Add(1000, Turned(1, 0), 0);
+  track.Add(2000, Turned(2, 0), 0);
+  EXPECT_EQ(track.At(500, 0, {}).found, Found::kTooOld);
+}
+
+TEST(PoseTrack, LosesNothingButASampleWithAWrongTime) {
+  for (const int64_t wrong : {int64_t{0}, int64_t{500'000'000'000}}) {
+    PoseTrack track;
+    bool all_right = true;
+    for (int i = 0; i < 10; ++i) {
+      const int64_t utime = 100'000'000 + i * 20'000;
+      all_right &= track.Add(i == 5 ? wrong : utime, Turned(i, 0), utime);
+    }
+    EXPECT_FALSE(all_right);
+    EXPECT_EQ(track.size(), 9u);
+    EXPECT_NEAR(track.At(100'090'000, 0, {}).pose.translation().x(), 4.5, 1e-12);
+    EXPECT_NEAR(track.At(100'110'000, 0, {}).pose.translation().x(), 5.5, 1e-12);
+  }
+}
+
+TEST(PoseTrack, KeepsTheNewestSamples) {
+  PoseTrack track;
+  for (int i = 0; i < 100; ++i) track.Add(i * 100'000, Turned(i, 0), i * 100'000);
+  EXPECT_EQ(track.KeepNewest(50), 0u) << "the oldest five seconds";
+  EXPECT_EQ(track.KeepNewest(15), 5u) << "of the newest two seconds";
+  EXPECT_EQ(track.size(), 15u);
+  EXPECT_EQ(track.At(9'850'000, 0, {}).found, Found::kPose);
+}
+
 TEST(PoseTrack, ForgetsWhatWasBeforeAStepBackInTime) {
   PoseTrack track;
   track.Add(100'000'000, Turned(0, 0), 0);
@@ -112,6 +176,45 @@ TEST(FrameTree, SurvivesACircle) {
   tree.AddMount("a", "b", Turned(1, 0));
   tree.AddMount("b", "a", Turned(1, 0));
   EXPECT_EQ(tree.Find("world", "a", 0, 0).state, FrameTree::State::kWaiting);
+}
+
+TEST(FrameTree, BoundsTheSamplesOfAllFramesAndSaysWhatItLeavesOut) {
+  FrameTree tree{{}};
+  tree.AddMount("base", "camera", Turned(1, 0));
+  std::string early, too_many;
+  for (int frame = 0; frame < 4200; ++frame) {
+    for (int i = 0; i < 150; ++i) {
+      const std::string told =
+          tree.Add({"world", "frame" + std::to_string(frame), i * 10'000, Turned(i, 0)}, 0);
+      if (!told.empty()) (frame < 4000 ? early : too_many) = told;
+    }
+  }
+  EXPECT_LE(tree.size(), 400'000u);
+  EXPECT_GT(tree.size(), 380'000u);
+  EXPECT_NE(early.find("forgotten early"), std::string::npos) << early;
+  EXPECT_NE(too_many.find("4096 frames have poses already"), std::string::npos) << too_many;
+  EXPECT_EQ(tree.Find("world", "frame7", 1'485'000, 0).state, FrameTree::State::kFound);
+  EXPECT_EQ(tree.Find("base", "camera", 0, 0).state, FrameTree::State::kFound);
+}
+
+TEST(FrameTree, NamesTheFramesOfAPoseWithAWrongTime) {
+  FrameTree tree{{}};
+  std::string told;
+  for (const int64_t utime : {1000, 2000, 900'000'000, 3000})
+    told += tree.Add({"world", "base", utime, Turned(0, 0)}, 0);
+  EXPECT_NE(told.find("a pose from 'world' to 'base' has a time that is far"), std::string::npos)
+      << told;
+}
+
+TEST(FrameTree, WaitsForAPoseThatClosesAGap) {
+  FrameTree tree{{}};
+  tree.Add({"world", "base", 0, Turned(0, 0)}, 0);
+  tree.Add({"world", "base", 5'000'000, Turned(9, 0)}, 0);
+  const FrameTree::Answer gap = tree.Find("world", "base", 10'000, 0);
+  EXPECT_EQ(gap.state, FrameTree::State::kWaiting);
+  EXPECT_NE(gap.why.find("adapter.max_gap_ms"), std::string::npos) << gap.why;
+  tree.Add({"world", "base", 20'000, Turned(2, 0)}, 0);
+  EXPECT_NEAR(tree.Find("world", "base", 10'000, 0).pose.translation().x(), 1, 1e-12);
 }
 
 TEST(Mount, IsParsedWithItsFrames) {
