@@ -69,7 +69,11 @@ std::vector<std::string> Adapter::SilentChannels() const {
     const AdapterCameraOptions& camera = joiner.options();
     for (const std::string& channel : ChannelsOf(camera)) {
       const bool needed = channel != camera.depth_intrinsics_channel;
-      if (!needed || joiner.received().contains(channel) || !told.insert(channel).second) continue;
+      const bool heard = std::any_of(joiner.received().begin(), joiner.received().end(),
+                                     [&, &pattern = channel](const auto& entry) {
+                                       return ChannelMatches(pattern, entry.first);
+                                     });
+      if (!needed || heard || !told.insert(channel).second) continue;
       sentences.push_back("no message came on " + channel + " at " + robot_->url() +
                           "; start its publisher, or correct the section adapter of the config");
     }
@@ -77,21 +81,33 @@ std::vector<std::string> Adapter::SilentChannels() const {
   return sentences;
 }
 
-void Adapter::UpdateStatus() {
-  const int64_t dropped = joiners_->dropped(), frames = joiners_->frames();
-  status_->SetCounter("frames", frames);
+// What was lost, for a while after each loss.
+void Adapter::TellLosses() {
+  const auto is_new = [](int64_t total, Losses* losses) {
+    if (total != std::exchange(losses->before, total)) losses->last = MonotonicSeconds();
+    return MonotonicSeconds() - losses->last < kTellDropsFor;
+  };
+  const int64_t dropped = joiners_->dropped(), ignored = joiners_->ignored();
   status_->SetCounter("images_dropped", dropped);
+  status_->SetCounter("poses_and_times_ignored", ignored);
+  std::optional<std::string> images, poses;
+  if (is_new(dropped, &dropped_)) {
+    images = FormatCount(dropped, "image or message", "images or messages") + " became no frame (" +
+             FormatCount(joiners_->frames(), "frame") + " did): " + joiners_->DroppedText();
+  }
+  if (is_new(ignored, &ignored_))
+    poses = FormatCount(ignored, "pose or time was", "poses or times were") +
+            " ignored: " + joiners_->IgnoredText();
+  status_->SetFinding("dropped", images);
+  status_->SetFinding("ignored", poses);
+}
+
+void Adapter::UpdateStatus() {
+  const int64_t frames = joiners_->frames();
+  status_->SetCounter("frames", frames);
   status_->SetCounter("frames_waiting", joiners_->waiting());
   status_->SetCounter("robot_reconnects", robot_->reconnects());
-  if (dropped != std::exchange(dropped_before_, dropped)) last_drop_ = MonotonicSeconds();
-  const bool tell = MonotonicSeconds() - last_drop_ < kTellDropsFor;
-  std::optional<std::string> finding;
-  if (tell) {
-    finding = FormatCount(dropped, "image or message", "images or messages") +
-              " became no frame (" + FormatCount(frames, "frame") +
-              " did): " + joiners_->DroppedText();
-  }
-  status_->SetFinding("dropped", finding);
+  TellLosses();
   std::vector<std::string> silent = SilentChannels();
   if (!robot_->connected())
     silent = {"there is no connection to the robot's bus at " + robot_->url()};

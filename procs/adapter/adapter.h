@@ -32,6 +32,7 @@ class Adapter {
   int64_t Now() const;
   void Publish(const AdapterCameraOptions& camera, ForeignFrame&& frame);
   void UpdateStatus();
+  void TellLosses();
   std::vector<std::string> SilentChannels() const;
 
   std::vector<AdapterCameraOptions> cameras_;
@@ -42,8 +43,11 @@ class Adapter {
   std::unique_ptr<MapOutputs> outputs_;
   int64_t start_wall_ = 0;
   double start_ = 0;
-  int64_t dropped_before_ = 0;
-  double last_drop_ = -1e9;
+  struct Losses {
+    int64_t before = 0;
+    double last = -1e9;  // MonotonicSeconds
+  };
+  Losses dropped_, ignored_;
 };
 
 }  // namespace vismap

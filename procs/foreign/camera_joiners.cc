@@ -64,13 +64,22 @@ int64_t CameraJoiners::dropped() const {
   return SumOver(joiners_, [](const FrameJoiner& joiner) { return joiner.dropped().total(); });
 }
 
-std::string CameraJoiners::DroppedText() const {
+int64_t CameraJoiners::ignored() const {
+  return SumOver(joiners_, [](const FrameJoiner& joiner) { return joiner.ignored().total(); });
+}
+
+std::string CameraJoiners::DroppedText() const { return TextOf(&FrameJoiner::dropped); }
+
+std::string CameraJoiners::IgnoredText() const { return TextOf(&FrameJoiner::ignored); }
+
+std::string CameraJoiners::TextOf(Counts counts) const {
   std::string text;
   for (const FrameJoiner& joiner : joiners_) {
-    if (joiner.dropped().total() == 0) continue;
+    const ReasonCounts& reasons = (joiner.*counts)();
+    if (reasons.total() == 0) continue;
     text += text.empty() ? "" : "; ";
     if (joiners_.size() > 1) text += CameraName(joiner.options()) + ": ";
-    text += joiner.dropped().Text();
+    text += reasons.Text();
   }
   return text;
 }

@@ -35,10 +35,16 @@ class CameraJoiners {
   int64_t dropped() const;
   /// What was dropped and why; with several cameras each part names its camera. "" = nothing.
   std::string DroppedText() const;
+  /// The same for poses and times that were ignored.
+  int64_t ignored() const;
+  std::string IgnoredText() const;
 
   const std::vector<FrameJoiner>& cameras() const { return joiners_; }
 
  private:
+  using Counts = const ReasonCounts& (FrameJoiner::*)() const;
+  std::string TextOf(Counts counts) const;
+
   std::vector<FrameJoiner> joiners_;
 };
 

@@ -133,6 +133,25 @@ Result<ForeignImage> ClearNoneValues(ForeignImage image, const std::vector<doubl
   return image;
 }
 
+Result<void> CheckPixels(const ForeignImage& image) {
+  const auto checked = [](const auto& decoded) -> Result<void> {
+    if (!decoded) return tl::unexpected(decoded.error());
+    return {};
+  };
+  switch (image.format) {
+    case PixelFormat::kJpeg:
+      return checked(DecodeJpeg(image.bytes, image.width, image.height));
+    case PixelFormat::kPng:
+      return checked(DecodeColorPng(image.bytes, image.width, image.height));
+    case PixelFormat::kDepth16Zlib:
+      return checked(DecodeZlib16(image.bytes, image.width, image.height));
+    case PixelFormat::kDepthPng:
+      return checked(DecodePng16(image.bytes, image.width, image.height));
+    default:
+      return {};
+  }
+}
+
 Result<ForeignImage> SwapRedBlue(ForeignImage image) {
   switch (image.format) {
     case PixelFormat::kRgb:

@@ -62,6 +62,9 @@ void ClearNegative(std::vector<uint8_t>* values);
 /// knows. Fails on an image that cannot be decoded.
 Result<ForeignImage> ClearNoneValues(ForeignImage image, const std::vector<double>& none_values);
 
+/// Fails when the pixels cannot be decoded. Those that are not packed always can.
+Result<void> CheckPixels(const ForeignImage& image);
+
 /// Exchanges red and blue of a colour image. A JPEG becomes raw RGB, a PNG is left alone. Fails on
 /// a JPEG that cannot be decoded.
 Result<ForeignImage> SwapRedBlue(ForeignImage image);

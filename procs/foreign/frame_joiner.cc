@@ -21,6 +21,13 @@ std::string Milliseconds(double ms) {
   return text;
 }
 
+// Of an image that waits, with its entry.
+size_t BytesOf(const ForeignImage& image) {
+  constexpr size_t kEntryBytes = 128;
+  return image.bytes.size() + image.frame_id.size() + kEntryBytes;
+}
+size_t BytesOf(const std::optional<ForeignImage>& image) { return image ? BytesOf(*image) : 0; }
+
 std::string PixelsText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
@@ -63,37 +70,85 @@ FrameJoiner::FrameJoiner(const AdapterCameraOptions& options, Sink sink, bool ke
       keep_pixels_(keep_pixels),
       tree_({options.lookup, Microseconds(options.max_gap_ms), options.constant_edges}) {}
 
-// Whether the channel is the one of the pattern, which then stands for this channel alone.
-bool FrameJoiner::LockChannel(std::string* pattern, const std::string& channel) const {
-  if (!ChannelMatches(*pattern, channel)) return false;
-  *pattern = channel;
-  return true;
+bool FrameJoiner::Wants(const std::string& channel) const {
+  const std::vector<std::string>& poses = options_.pose_channels;
+  return ChannelMatches(options_.color_channel, channel) ||
+         ChannelMatches(options_.depth_channel, channel) ||
+         channel == options_.intrinsics_channel || channel == options_.depth_intrinsics_channel ||
+         std::find(poses.begin(), poses.end(), channel) != poses.end();
 }
 
 Result<void> FrameJoiner::Add(const std::string& channel, std::span<const uint8_t> bytes,
                               int64_t received, int64_t number) {
-  const bool color = LockChannel(&options_.color_channel, channel);
-  const bool depth = LockChannel(&options_.depth_channel, channel);
-  const bool other = channel == options_.intrinsics_channel ||
-                     channel == options_.depth_intrinsics_channel ||
-                     std::find(options_.pose_channels.begin(), options_.pose_channels.end(),
-                               channel) != options_.pose_channels.end();
-  if (!color && !depth && !other) return {};
-  ++received_[channel];
-  Result<ForeignMessage> message =
-      DecodeForeign(bytes, channel,
-                    {depth && !color ? ImageRole::kDepth : ImageRole::kColor, options_.root,
-                     options_.body_frame, options_.camera_frame});
-  if (!message) {
-    Drop(channel + ": " + message.error().message);
-    return Fail(channel + ": " + message.error().message);
-  }
+  if (!Wants(channel)) return {};
+  constexpr size_t kMostChannels = 1000;  // that a * may stand for
+  if (received_.size() < kMostChannels || received_.contains(channel)) ++received_[channel];
+  Arrive(std::clamp<int64_t>(received, 0, kLatestUtime));
+  const bool color = ChannelMatches(options_.color_channel, channel);
+  const bool depth = ChannelMatches(options_.depth_channel, channel);
+  const ForeignMessageOptions how{depth && !color ? ImageRole::kDepth : ImageRole::kColor,
+                                  options_.root, options_.body_frame, options_.camera_frame,
+                                  options_.color_channel != kNoChannel};
+  Result<ForeignMessage> message = DecodeForeign(bytes, channel, how);
+  const auto fail = [&](const Error& error) {
+    Drop(channel + ": " + error.message);
+    return Fail(channel + ": " + error.message);
+  };
+  if (!message) return fail(message.error());
   if (message->camera && channel == options_.intrinsics_channel) color_camera_ = message->camera;
   if (message->camera && channel == options_.depth_intrinsics_channel)
     depth_camera_ = message->camera;
-  for (const EdgeSample& edge : message->edges) tree_.Add(edge, received);
-  AddImages(std::move(*message), received, number);
-  Advance(received);
+  for (const std::string& part : message->left_out) ignored_.Add(channel + ": " + part);
+  for (const EdgeSample& edge : message->edges) {
+    if (const std::string why = tree_.Add(edge, now_); !why.empty()) ignored_.Add(why);
+  }
+  const Result<void> added = AddImages(channel, std::move(*message), received, number);
+  Settle();
+  return added ? Result<void>() : fail(added.error());
+}
+
+// Follows the receiver's clock. One wrong time of a log does not move it.
+void FrameJoiner::Arrive(int64_t received) {
+  const bool wrong = arrivals_.Add({}, received, 0, [this](const auto& arrival) {
+    now_ = arrival.stepped_back ? arrival.utime : std::max(now_, arrival.utime);
+    if (arrival.stepped_back) RestartWaits();
+  });
+  if (wrong)
+    ignored_.Add(
+        "the log has a message at a time that is far from those of the messages around it");
+}
+
+// What waits has come now at the latest, since the receiver's clock was set back.
+void FrameJoiner::RestartWaits() {
+  const auto restart = [this](auto* waiting) {
+    for (auto& item : *waiting) item.received = std::min(item.received, now_);
+  };
+  restart(&colors_);
+  restart(&depths_);
+  restart(&pairs_);
+  tree_.RestartWaits(now_);
+}
+
+// When a * stands for the channel in the options, makes it the only one, or fails when the images
+// of the message cannot be those of the camera.
+Result<void> FrameJoiner::LockChannels(const std::string& channel, const ForeignMessage& message) {
+  const bool color = IsPattern(options_.color_channel) && message.color &&
+                     ChannelMatches(options_.color_channel, channel);
+  const bool depth = IsPattern(options_.depth_channel) && message.depth &&
+                     ChannelMatches(options_.depth_channel, channel);
+  const bool together = options_.color_channel == options_.depth_channel;
+  if (together && color != depth) {
+    return Fail(std::string("the message has no ") + (color ? "depth" : "colour") +
+                " image, so the channel is not that of the camera (adapter.depth_channel; a camera "
+                "without colour has adapter.color_channel: \"none\")");
+  }
+  for (const auto* image : {color ? &message.color : nullptr, depth ? &message.depth : nullptr}) {
+    if (image == nullptr) continue;
+    if (const Result<void> usable = CheckPixels(**image); !usable)
+      return Fail("an image cannot be decoded: " + usable.error().message);
+  }
+  if (color) options_.color_channel = channel;
+  if (depth) options_.depth_channel = channel;
   return {};
 }
 
@@ -115,8 +170,11 @@ Result<void> FrameJoiner::Prepare(ForeignImage* image, bool is_color, int64_t re
   return {};
 }
 
-void FrameJoiner::AddImages(ForeignMessage message, int64_t received, int64_t number) {
+Result<void> FrameJoiner::AddImages(const std::string& channel, ForeignMessage message,
+                                    int64_t received, int64_t number) {
   if (options_.color_channel == kNoChannel) message.color.reset();
+  if (!message.color && !message.depth) return {};
+  if (const Result<void> locked = LockChannels(channel, message); !locked) return locked;
   for (auto* image : {&message.color, &message.depth}) {
     if (!*image) continue;
     if (const auto prepared = Prepare(&**image, image == &message.color, received, number);
@@ -125,19 +183,37 @@ void FrameJoiner::AddImages(ForeignMessage message, int64_t received, int64_t nu
       image->reset();
     }
   }
+  AddInTime(std::move(message));
+  BoundBytes();
+  return {};
+}
+
+// Adds the images whose times are right.
+void FrameJoiner::AddInTime(ForeignMessage message) {
   if (message.color && message.depth) {
     // Drivers send the last colour image that they have, which may be old.
     if (std::abs(message.color->utime - message.depth->utime) >
         Microseconds(options_.pair_within_ms))
       message.color->utime = message.depth->utime;
-    AddPair({std::move(message.color), std::move(*message.depth), received});
+    const int64_t utime = message.depth->utime;
+    DropForItsTime(pair_times_.Add({std::move(message.color), std::move(*message.depth), now_},
+                                   utime, now_,
+                                   [this](auto&& pair) { AddPair(std::move(pair.item)); }));
   } else if (message.color) {
-    AddColor(std::move(*message.color), received);
+    const int64_t utime = message.color->utime;
+    DropForItsTime(color_times_.Add(std::move(*message.color), utime, now_, [this](auto&& color) {
+      AddColor(std::move(color.item), color.received);
+    }));
   } else if (message.depth) {
-    waiting_bytes_ += message.depth->bytes.size();
-    depths_.push_back({std::move(*message.depth), received});
+    const int64_t utime = message.depth->utime;
+    DropForItsTime(depth_times_.Add(std::move(*message.depth), utime, now_, [this](auto&& depth) {
+      AddDepth(std::move(depth.item), depth.received);
+    }));
   }
-  BoundBytes();
+}
+
+void FrameJoiner::DropForItsTime(bool wrong) {
+  if (wrong) Drop("an image has a time that is far from those of the images around it");
 }
 
 void FrameJoiner::AddColor(ForeignImage image, int64_t received) {
@@ -145,12 +221,17 @@ void FrameJoiner::AddColor(ForeignImage image, int64_t received) {
   if (last_color_utime_ >= 0 && gap > 0)
     least_color_gap_ = least_color_gap_ == 0 ? gap : std::min(least_color_gap_, gap);
   last_color_utime_ = image.utime;
-  waiting_bytes_ += image.bytes.size();
+  waiting_bytes_ += BytesOf(image);
   colors_.push_back({std::move(image), received});
 }
 
+void FrameJoiner::AddDepth(ForeignImage image, int64_t received) {
+  waiting_bytes_ += BytesOf(image);
+  depths_.push_back({std::move(image), received});
+}
+
 void FrameJoiner::AddPair(Pair pair) {
-  waiting_bytes_ += pair.depth.bytes.size() + (pair.color ? pair.color->bytes.size() : 0);
+  waiting_bytes_ += BytesOf(pair.depth) + BytesOf(pair.color);
   pairs_.push_back(std::move(pair));
 }
 
@@ -159,11 +240,11 @@ void FrameJoiner::BoundBytes() {
   while (waiting_bytes_ > most) {
     if (!pairs_.empty()) {
       const Pair& first = pairs_.front();
-      waiting_bytes_ -= first.depth.bytes.size() + (first.color ? first.color->bytes.size() : 0);
+      waiting_bytes_ -= BytesOf(first.depth) + BytesOf(first.color);
       pairs_.pop_front();
     } else {
       std::deque<Waiting>& images = depths_.empty() ? colors_ : depths_;
-      waiting_bytes_ -= images.front().image.bytes.size();
+      waiting_bytes_ -= BytesOf(images.front().image);
       images.pop_front();
     }
     Drop("more images waited than adapter.queue_mb allows");
@@ -172,20 +253,28 @@ void FrameJoiner::BoundBytes() {
 
 void FrameJoiner::Advance(int64_t now) {
   now_ = std::max(now_, now);
+  arrivals_.Restart(now_, 0);
+  Settle();
+}
+
+void FrameJoiner::Settle() {
   while (PairFirstDepth(now_) || JoinFirstPair(now_)) {
   }
   DropOldColors();
 }
 
 void FrameJoiner::Finish() {
+  color_times_.Finish([this](auto&& color) { AddColor(std::move(color.item), color.received); });
+  depth_times_.Finish([this](auto&& depth) { AddDepth(std::move(depth.item), depth.received); });
+  pair_times_.Finish([this](auto&& pair) { AddPair(std::move(pair.item)); });
   finished_ = true;
-  Advance(now_);
+  Settle();
 }
 
 void FrameJoiner::DropOldColors() {
   const int64_t wait = Microseconds(options_.wait_ms + options_.pair_within_ms);
   while (!colors_.empty() && (finished_ || now_ - colors_.front().received > wait)) {
-    waiting_bytes_ -= colors_.front().image.bytes.size();
+    waiting_bytes_ -= BytesOf(colors_.front().image);
     colors_.pop_front();
     Drop("no depth image within " + Milliseconds(options_.pair_within_ms) +
          " of the colour image (adapter.pair_within_ms)");
@@ -198,7 +287,7 @@ bool FrameJoiner::PairFirstDepth(int64_t now) {
   if (depths_.empty()) return false;
   Waiting& depth = depths_.front();
   const auto take = [&](std::optional<ForeignImage> color, int64_t received) {
-    waiting_bytes_ -= depth.image.bytes.size() + (color ? color->bytes.size() : 0);
+    waiting_bytes_ -= BytesOf(depth.image) + BytesOf(color);
     AddPair({std::move(color), std::move(depth.image), std::max(received, depth.received)});
     depths_.pop_front();
     return true;
@@ -219,7 +308,7 @@ bool FrameJoiner::PairFirstDepth(int64_t now) {
   const bool last_chance = finished_ || now - depth.received > Microseconds(options_.wait_ms);
   if (fits && (passed || surely || last_chance)) {
     for (auto skipped = colors_.begin(); skipped != nearest; ++skipped) {
-      waiting_bytes_ -= skipped->image.bytes.size();
+      waiting_bytes_ -= BytesOf(skipped->image);
       Drop("no depth image within " + Milliseconds(options_.pair_within_ms) +
            " of the colour image (adapter.pair_within_ms)");
     }
@@ -227,8 +316,8 @@ bool FrameJoiner::PairFirstDepth(int64_t now) {
     colors_.erase(colors_.begin(), nearest + 1);
     return take(std::move(color.image), color.received);
   }
-  if (!passed && !last_chance) return false;
-  waiting_bytes_ -= depth.image.bytes.size();
+  if (!(passed && color_times_.sure()) && !last_chance) return false;
+  waiting_bytes_ -= BytesOf(depth.image);
   depths_.pop_front();
   Drop("no colour image within " + Milliseconds(options_.pair_within_ms) +
        " of the depth image (adapter.pair_within_ms, adapter.color_channel)");
@@ -245,7 +334,7 @@ bool FrameJoiner::JoinFirstPair(int64_t now) {
   const bool give_up =
       missing.never || finished_ || now - pair.received > Microseconds(missing.wait_ms);
   if (!whole && !give_up) return false;
-  waiting_bytes_ -= pair.depth.bytes.size() + (pair.color ? pair.color->bytes.size() : 0);
+  waiting_bytes_ -= BytesOf(pair.depth) + BytesOf(pair.color);
   last_utime_ = pair.utime();
   if (whole) {
     frame.utime = pair.utime();

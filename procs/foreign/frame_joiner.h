@@ -7,12 +7,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/reason_counts.h"
 #include "base/result.h"
 #include "foreign/foreign_messages.h"
 #include "foreign/frame_tree.h"
+#include "foreign/time_gate.h"
 
 namespace vismap {
 
@@ -37,7 +39,10 @@ Result<ForeignImage> Corrected(ForeignImage image, bool is_color,
 /// Joins the messages of other robots' programs to RGB-D frames of one camera with poses: finds the
 /// colour image of each depth image, the intrinsics, and the pose at the time of the image. Knows
 /// no bus and no clock, so that a running adapter and a log give the same frames. Frames come in
-/// the order of their depth images. What waits is bounded in time and bytes.
+/// the order of their depth images. What waits is bounded in time and bytes. A wrong time costs no
+/// other frame, be it that of an image, of a pose, or that at which a log received a message, see
+/// TimeGate. A channel that a * stands for is the only one as soon as an image that can be used
+/// came on it.
 class FrameJoiner {
  public:
   using Sink = std::function<void(ForeignFrame&&)>;
@@ -52,7 +57,8 @@ class FrameJoiner {
   Result<void> Add(const std::string& channel, std::span<const uint8_t> bytes, int64_t received,
                    int64_t number = -1);
 
-  /// Gives up what has waited for too long at `now` [us], on the clock of `received`.
+  /// Gives up what has waited for too long at `now` [us], on the clock of `received`. This time is
+  /// relied on.
   void Advance(int64_t now);
   /// The end: nothing more will come.
   void Finish();
@@ -61,6 +67,9 @@ class FrameJoiner {
   int64_t waiting() const { return static_cast<int64_t>(depths_.size() + pairs_.size()); }
   /// Images that became no frame, and messages that could not be used, by the reason.
   const ReasonCounts& dropped() const { return dropped_; }
+  /// Poses and times that were not used, and parts of messages whose other parts were, by the
+  /// reason.
+  const ReasonCounts& ignored() const { return ignored_; }
   /// How many messages of each channel came.
   const std::map<std::string, int64_t>& received() const { return received_; }
   const AdapterCameraOptions& options() const { return options_; }
@@ -84,12 +93,18 @@ class FrameJoiner {
   };
 
   FrameJoiner(const AdapterCameraOptions& options, Sink sink, bool keep_pixels);
-  bool LockChannel(std::string* pattern, const std::string& channel) const;
-  void AddImages(ForeignMessage message, int64_t received, int64_t number);
+  bool Wants(const std::string& channel) const;
+  void Arrive(int64_t received);
+  void RestartWaits();
+  Result<void> LockChannels(const std::string& channel, const ForeignMessage& message);
+  Result<void> AddImages(const std::string& channel, ForeignMessage message, int64_t received,
+                         int64_t number);
   Result<void> Prepare(ForeignImage* image, bool is_color, int64_t received, int64_t number);
+  void AddInTime(ForeignMessage message);
   void AddColor(ForeignImage image, int64_t received);
+  void AddDepth(ForeignImage image, int64_t received);
   void AddPair(Pair pair);
-  bool Settle(int64_t now);
+  void Settle();
   bool PairFirstDepth(int64_t now);
   bool JoinFirstPair(int64_t now);
   Missing Complete(const Pair& pair, int64_t now, ForeignFrame* frame) const;
@@ -100,6 +115,7 @@ class FrameJoiner {
   void DropOldColors();
   void BoundBytes();
   void Drop(const std::string& why) { dropped_.Add(why); }
+  void DropForItsTime(bool wrong);
 
   AdapterCameraOptions options_;
   Sink sink_;
@@ -109,13 +125,17 @@ class FrameJoiner {
   std::deque<Waiting> colors_, depths_;  // in order of arrival
   std::deque<Pair> pairs_;
   size_t waiting_bytes_ = 0;
-  int64_t now_ = 0;
+  int64_t now_ = 0;  // the latest time at which a message came
+  static constexpr int64_t kArrivalSlack = 50'000, kImageSlack = 1'000'000;  // [us]
+  TimeGate<std::monostate> arrivals_{kArrivalSlack};
+  TimeGate<ForeignImage> color_times_{kImageSlack}, depth_times_{kImageSlack};
+  TimeGate<Pair> pair_times_{kImageSlack};
   int64_t last_color_utime_ = -1;
   int64_t least_color_gap_ = 0;  // [us]; 0 = not known
   std::optional<int64_t> last_utime_;
   int64_t frames_ = 0;
   bool finished_ = false;
-  ReasonCounts dropped_;
+  ReasonCounts dropped_, ignored_;
   std::map<std::string, int64_t> received_;
 };
 

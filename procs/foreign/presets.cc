@@ -56,8 +56,6 @@ AdapterCameraOptions OfPreset(AdapterPreset preset) {
   return {};
 }
 
-bool EndsWithStar(std::string_view pattern) { return pattern.ends_with('*'); }
-
 }  // namespace
 
 AdapterCameraOptions WithPreset(AdapterCameraOptions options) {
@@ -152,13 +150,15 @@ Result<void> CheckComplete(const std::vector<AdapterCameraOptions>& cameras) {
   return {};
 }
 
+bool IsPattern(const std::string& channel) { return channel.ends_with('*'); }
+
 bool ChannelMatches(const std::string& pattern, const std::string& channel) {
-  if (!EndsWithStar(pattern)) return channel == pattern;
+  if (!IsPattern(pattern)) return channel == pattern;
   return channel.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1));
 }
 
 std::string ChannelExpression(const std::string& pattern) {
-  if (!EndsWithStar(pattern)) return ExpressionFor(pattern);
+  if (!IsPattern(pattern)) return ExpressionFor(pattern);
   return ExpressionFor(std::string_view(pattern).substr(0, pattern.size() - 1)) + ".*";
 }
 

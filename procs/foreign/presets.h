@@ -29,6 +29,8 @@ Result<void> CheckComplete(const AdapterCameraOptions& options);
 /// The same for several cameras, which must have one root, and must not read the same images.
 Result<void> CheckComplete(const std::vector<AdapterCameraOptions>& cameras);
 
+/// Whether a * at its end stands for any ending.
+bool IsPattern(const std::string& channel);
 /// Whether a channel has this name, where an ending * of `pattern` stands for any ending.
 bool ChannelMatches(const std::string& pattern, const std::string& channel);
 /// The regular expression with which LCM subscribes to it.

@@ -151,6 +151,7 @@ Result<void> ForeignDataset::Scan(const DatasetOptions& options) {
 
 void ForeignDataset::AddRemarks(const CameraJoiners& joiners, int64_t damaged) {
   if (joiners.dropped() > 0) remarks_.push_back("not used: " + joiners.DroppedText());
+  if (joiners.ignored() > 0) remarks_.push_back("ignored: " + joiners.IgnoredText());
   if (damaged > 0)
     remarks_.push_back(reader_.path() + " has " + FormatCount(damaged, "damaged part"));
   for (size_t i = 0; i < cameras_.size(); ++i) {
@@ -191,13 +192,14 @@ FrameHeader ForeignDataset::Header(size_t i) const {
   return frames_[i].header;
 }
 
-Result<ForeignMessage> ForeignDataset::MessageAt(int64_t number, ImageRole role,
+// Reads the colour or the depth image of a message again.
+Result<ForeignMessage> ForeignDataset::MessageAt(int64_t number, ImageRole role, bool is_color,
                                                  const AdapterCameraOptions& camera) const {
   const LogEvent& event = images_[static_cast<size_t>(number)];
   const Result<std::vector<uint8_t>> bytes = reader_.ReadData(event);
   if (!bytes) return tl::unexpected(bytes.error());
-  Result<ForeignMessage> message =
-      DecodeForeign(*bytes, event.channel, {role, camera.root, camera.body_frame, ""});
+  Result<ForeignMessage> message = DecodeForeign(
+      *bytes, event.channel, {role, camera.root, camera.body_frame, "", is_color, !is_color});
   if (!message) {
     return Fail(reader_.path() + ", " + event.channel + " at byte " + std::to_string(event.offset) +
                 ": " + message.error().message);
@@ -210,7 +212,7 @@ Result<void> ForeignDataset::ReadPixels(const AdapterCameraOptions& camera, bool
                                         ForeignImage* image) const {
   const bool own_channel = camera.color_channel != camera.depth_channel;
   const ImageRole role = !is_color && own_channel ? ImageRole::kDepth : ImageRole::kColor;
-  Result<ForeignMessage> message = MessageAt(image->message, role, camera);
+  Result<ForeignMessage> message = MessageAt(image->message, role, is_color, camera);
   if (!message) return tl::unexpected(message.error());
   std::optional<ForeignImage>& found = is_color ? message->color : message->depth;
   if (!found) return Fail(reader_.path() + ": an image changed while the log was read");

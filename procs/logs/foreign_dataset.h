@@ -48,7 +48,7 @@ class ForeignDataset : public Dataset {
   Result<void> Scan(const DatasetOptions& options);
   void Keep(size_t camera, ForeignFrame joined, const DatasetOptions& options);
   void AddRemarks(const CameraJoiners& joiners, int64_t damaged);
-  Result<ForeignMessage> MessageAt(int64_t number, ImageRole role,
+  Result<ForeignMessage> MessageAt(int64_t number, ImageRole role, bool is_color,
                                    const AdapterCameraOptions& camera) const;
   Result<void> ReadPixels(const AdapterCameraOptions& camera, bool is_color,
                           ForeignImage* image) const;

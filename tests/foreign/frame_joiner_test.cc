@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <map>
 #include <memory>
+#include <vector>
 
 #include "foreign/camera_joiners.h"
 #include "foreign/frame_message.h"
@@ -130,6 +133,196 @@ TEST(FrameJoiner, CountsDepthWithoutColorAndColorWithoutDepth) {
   EXPECT_EQ(joined.joiner.dropped().total(), 2);
   EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("no colour image within 20 ms"));
   EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("no depth image within 20 ms"));
+}
+
+/// A message whose own time and time of receipt can be changed.
+struct TimedMessage {
+  std::string channel;
+  std::function<Bytes(int64_t utime)> make;
+  int64_t utime = 0, received = 0;
+};
+
+/// Half a second of a DimOS robot, images at 10 Hz, poses at 50 Hz.
+std::vector<TimedMessage> HalfASecond(bool depth_first) {
+  std::vector<TimedMessage> messages;
+  const auto add = [&](const char* channel, int64_t utime, const auto& make) {
+    messages.push_back({channel, make, utime, utime});
+  };
+  add(kInfoChannel, kStart - 20'000, CameraInfo);
+  for (int tick = -1; tick <= 26; ++tick) {
+    const int64_t now = kStart + tick * 20'000 + 6000;
+    add(kTfChannel, now, [now](int64_t utime) {
+      return Tf({Transform(utime, "world", "base_link", BodyAt(now - kStart))});
+    });
+    if (tick % 5 != 0 || tick < 0 || tick >= 25) continue;
+    const auto depth_of = [](int64_t utime) { return DepthImage(utime); };
+    if (depth_first) add(kDepthChannel, now + 3000, depth_of);
+    add(kColorChannel, now + 4000, ColorImage);
+    if (!depth_first) add(kDepthChannel, now + 4700, depth_of);
+    add(kTfChannel, now + 4800, Mounts);
+  }
+  return messages;
+}
+
+/// The frames that the messages give, by their times; checks their poses.
+std::map<int64_t, Pose> FramesOf(const std::vector<TimedMessage>& messages, ReasonCounts* ignored) {
+  Joined joined(DimosOptions());
+  for (const TimedMessage& message : messages)
+    joined.Add(message.channel, message.make(message.utime), message.received);
+  joined.joiner.Finish();
+  std::map<int64_t, Pose> poses;
+  for (const ForeignFrame& frame : joined.frames) {
+    const Pose truth = BodyAt(frame.utime - kStart) * OpticalInBody();
+    EXPECT_LT((frame.T_W_C.translation() - truth.translation()).norm(), 1e-3);
+    poses[frame.utime] = frame.T_W_C;
+  }
+  *ignored = joined.joiner.ignored();
+  return poses;
+}
+
+constexpr int64_t kHour = 3'600'000'000;
+constexpr int64_t kWrongBy[] = {kHour, -kHour, 100'000 * kHour, 5'000'000, -5'000'000};
+
+TEST(FrameJoiner, AMessageWithAWrongTimeOfReceiptCostsNothing) {
+  for (const bool depth_first : {false, true}) {
+    const std::vector<TimedMessage> messages = HalfASecond(depth_first);
+    ReasonCounts ignored;
+    const auto expected = FramesOf(messages, &ignored);
+    ASSERT_EQ(expected.size(), 5u);
+    EXPECT_EQ(ignored.total(), 0) << ignored.Text();
+    for (size_t i = 0; i < messages.size(); ++i) {
+      for (const int64_t wrong : kWrongBy) {
+        std::vector<TimedMessage> changed = messages;
+        changed[i].received += wrong;
+        const auto frames = FramesOf(changed, &ignored);
+        ASSERT_EQ(frames.size(), expected.size())
+            << messages[i].channel << " " << i << " " << wrong;
+        for (const auto& [utime, pose] : expected)
+          EXPECT_EQ(pose.matrix(), frames.at(utime).matrix());
+        if (i > 0 && i + 1 < messages.size()) {
+          EXPECT_THAT(ignored.Text(), HasSubstr("1 x the log has a message at a time that is far"));
+        }
+      }
+    }
+  }
+}
+
+TEST(FrameJoiner, AMessageWithAWrongTimeCostsNoOtherFrame) {
+  for (const bool depth_first : {false, true}) {
+    const std::vector<TimedMessage> messages = HalfASecond(depth_first);
+    ReasonCounts ignored;
+    const auto expected = FramesOf(messages, &ignored);
+    for (size_t i = 0; i < messages.size(); ++i) {
+      for (const int64_t wrong : kWrongBy) {
+        std::vector<TimedMessage> changed = messages;
+        changed[i].utime += wrong;
+        const auto frames = FramesOf(changed, &ignored);
+        const bool is_image =
+            messages[i].channel == kColorChannel || messages[i].channel == kDepthChannel;
+        for (const auto& [utime, pose] : expected) {
+          const bool own = is_image && std::abs(utime - messages[i].utime) < 5000;
+          EXPECT_TRUE(own || frames.contains(utime))
+              << messages[i].channel << " " << i << " " << wrong << ", frame " << utime - kStart;
+        }
+      }
+    }
+  }
+}
+
+TEST(FrameJoiner, FollowsARobotWhoseClockIsSetBack) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  const size_t before = joined.frames.size();
+  const int64_t later = kStart + 60'000'000;  // a simulation starts again, at time 0
+  joined.joiner.Advance(later);
+  for (int tick = 0; tick < 30; ++tick) {
+    const int64_t utime = tick * 20'000, now = later + utime;
+    joined.Add(kTfChannel,
+               Tf({Transform(utime, "world", "base_link", BodyAt(utime)),
+                   Transform(utime, "base_link", "optical", OpticalInBody())}),
+               now);
+    if (tick % 5 != 3) continue;
+    joined.Add(kColorChannel, ColorImage(utime + 5000), now + 5000);
+    joined.Add(kDepthChannel, DepthImage(utime + 5000), now + 5000);
+  }
+  EXPECT_EQ(joined.frames.size(), before + 6) << joined.joiner.dropped().Text();
+}
+
+TEST(FrameJoiner, IgnoresOnlyThePoseThatCannotBeUsed) {
+  foreign::geometry_msgs::TransformStamped bad = Transform(kStart, "base_link", "arm", BodyAt(0));
+  bad.transform.rotation.w = 3;
+  Joined joined(DimosOptions());
+  joined.Add(kInfoChannel, CameraInfo(kStart), kStart);
+  for (int i = 0; i < 2; ++i) {
+    const int64_t utime = kStart + i * 20'000;
+    joined.Add(kTfChannel, Tf({bad, Transform(utime, "world", "optical", BodyAt(0))}), utime);
+  }
+  joined.Add(kColorChannel, ColorImage(kStart + 10'000), kStart + 21'000);
+  joined.Add(kDepthChannel, DepthImage(kStart + 10'000), kStart + 21'000);
+  EXPECT_EQ(joined.frames.size(), 1u) << joined.joiner.dropped().Text();
+  EXPECT_EQ(joined.joiner.dropped().total(), 0);
+  EXPECT_EQ(joined.joiner.ignored().total(), 2);
+  EXPECT_THAT(
+      joined.joiner.ignored().Text(),
+      HasSubstr("2 x /tf#tf2_msgs.TFMessage: TFMessage, the pose of 'arm' in 'base_link': a "
+                "pose is not finite, or its quaternion"));
+}
+
+AdapterCameraOptions DrakeOptions() {
+  AdapterCameraOptions options;
+  options.preset = AdapterPreset::kDrake;
+  options.intrinsics = {52, 52, 31.5, 23.5};
+  options.camera_frame = "camera";
+  return WithPreset(options);
+}
+
+TEST(FrameJoiner, TakesTheFirstChannelOfDrakeWhoseImagesCanBeUsed) {
+  foreign::drake::lcmt_image_array array{};
+  ASSERT_GT(array.decode(DrakeImages(0).data(), 0, 1 << 20), 0);
+  const auto only = [&](std::vector<foreign::drake::lcmt_image> images) {
+    foreign::drake::lcmt_image_array part = array;
+    part.images = std::move(images);
+    part.num_images = static_cast<int32_t>(part.images.size());
+    return Pack(part);
+  };
+  foreign::drake::lcmt_image damaged = array.images[0];
+  damaged.data[damaged.data.size() / 2] ^= 0xff;
+  foreign::drake::lcmt_image unknown = array.images[0];
+  unknown.channel_type = 9;
+  const std::vector<Bytes> useless = {only({array.images[1]}), only({array.images[0]}),
+                                      only({damaged, array.images[1]}),
+                                      only({unknown, array.images[1]}), only({})};
+  for (const bool keep_pixels : {true, false}) {
+    size_t frames = 0;
+    Result<FrameJoiner> joiner = FrameJoiner::Create(
+        DrakeOptions(), [&](ForeignFrame&&) { ++frames; }, keep_pixels);
+    for (int tick = 0; tick < 20; ++tick) {
+      const int64_t utime = tick * 20'000;
+      EXPECT_TRUE(joiner->Add("DRAKE_VIEWER_DRAW", DrakeDraw(utime, "camera", BodyAt(0)), utime));
+      for (size_t i = 0; i < useless.size(); ++i)
+        (void)joiner->Add("DRAKE_RGBD_CAMERA_IMAGES_" + std::to_string(i), useless[i], utime);
+      EXPECT_TRUE(joiner->Add("DRAKE_RGBD_CAMERA_IMAGES_good", DrakeImages(utime), utime));
+    }
+    joiner->Finish();
+    EXPECT_EQ(frames, 20u) << joiner->dropped().Text();
+    EXPECT_EQ(joiner->options().depth_channel, "DRAKE_RGBD_CAMERA_IMAGES_good");
+    EXPECT_EQ(joiner->options().color_channel, "DRAKE_RGBD_CAMERA_IMAGES_good");
+    const std::string told = joiner->dropped().Text();
+    EXPECT_THAT(told, HasSubstr("has no depth image"));
+    EXPECT_THAT(told, HasSubstr("has no colour image"));
+    EXPECT_THAT(told, HasSubstr("an image cannot be decoded"));
+  }
+}
+
+TEST(FrameJoiner, BoundsImagesWithoutPixels) {
+  AdapterCameraOptions options = DimosOptions();
+  options.queue_mb = 1;
+  Result<FrameJoiner> joiner = FrameJoiner::Create(
+      options, [](ForeignFrame&&) {}, false);
+  for (int i = 0; i < 10'000; ++i)
+    EXPECT_TRUE(joiner->Add(kDepthChannel, DepthImage(kStart + i), kStart));
+  EXPECT_LT(joiner->waiting(), (1 << 20) / 128);
+  EXPECT_THAT(joiner->dropped().Text(), HasSubstr("adapter.queue_mb"));
 }
 
 TEST(FrameJoiner, SaysThatIntrinsicsAreMissing) {

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "logs/log_reader.h"
+#include "logs/log_writer.h"
 #include "logs/recording.h"
 #include "support/foreign_builder.h"
 #include "support/log_builder.h"
@@ -65,6 +67,35 @@ TEST(ForeignDataset, TakesEveryNthFrameAndAtMostSoMany) {
   ASSERT_TRUE(recording) << recording.error().message;
   ASSERT_EQ(recording->dataset->size(), 2u);
   EXPECT_EQ(recording->dataset->Header(1).utime, kLogStart + 310'000);
+}
+
+/// The same log with another time of one event.
+std::string WithEventAt(const TempFolder& folder, const std::string& log, int event, int64_t time) {
+  const std::string path = (folder / "changed.lcmlog").string();
+  LogWriter writer = *LogWriter::Create(path);
+  LogReader reader = *LogReader::Open(log);
+  int number = 0;
+  const Result<void> read = ForEachEvent(
+      reader,
+      [&](const LogEvent& at) -> Result<void> {
+        writer.Add(number++ == event ? time : at.timestamp, at.channel, *reader.ReadData(at));
+        return {};
+      },
+      [](const LogDamage&) {});
+  EXPECT_TRUE(read && writer.Finish());
+  return path;
+}
+
+TEST(ForeignDataset, AnEventWithAWrongTimeCostsNoFrame) {
+  const TempFolder folder;
+  const std::string path = DimosLog(folder, 5);
+  for (const int64_t time : {int64_t{0}, kLogStart + 3'600'000'000, int64_t{1} << 61}) {
+    const Result<Recording> recording = OpenRecording(WithEventAt(folder, path, 9, time), "");
+    ASSERT_TRUE(recording) << recording.error().message;
+    EXPECT_EQ(recording->dataset->size(), 5u) << time;
+    EXPECT_THAT(recording->dataset->remarks(),
+                ::testing::Contains(HasSubstr("ignored: 1 x the log has a message at a time")));
+  }
 }
 
 TEST(ForeignDataset, UsesTheCameraOfTheCommandLine) {
