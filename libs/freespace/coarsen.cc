@@ -4,42 +4,10 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "freespace/cell_overlaps.h"
 
 namespace vismap {
 namespace {
-
-/// The part of a block's eight voxels along one axis that lies in one cell.
-struct Overlap {
-  int cell = 0;   ///< 0..7 in the coarse block
-  int begin = 0;  ///< first voxel, 0..7
-  int count = 0;
-  uint64_t mask = 0;  ///< the voxels, as bits 0..7
-  uint64_t rows = 0;  ///< the same for rows of a layer: eight bits for each
-};
-
-/// The cells that block `position` (0..factor-1) of a coarse block touches along one axis. Limits
-/// of cells and of blocks need not coincide.
-struct Overlaps {
-  std::array<Overlap, kBlockSide> items;
-  size_t size = 0;
-  const Overlap* begin() const { return items.data(); }
-  const Overlap* end() const { return items.data() + size; }
-};
-
-Overlaps OverlapsAt(int position, int factor) {
-  Overlaps overlaps;
-  for (int voxel = 0; voxel < kBlockSide; ++voxel) {
-    const int cell = (kBlockSide * position + voxel) / factor;
-    if (overlaps.size == 0 || overlaps.items[overlaps.size - 1].cell != cell) {
-      overlaps.items[overlaps.size++] = {cell, voxel, 0, 0, 0};
-    }
-    Overlap& last = overlaps.items[overlaps.size - 1];
-    ++last.count;
-    last.mask |= uint64_t{1} << voxel;
-    last.rows |= uint64_t{0xff} << (8 * voxel);
-  }
-  return overlaps;
-}
 
 constexpr uint64_t kEveryRow = 0x0101010101010101ull;
 
@@ -131,14 +99,6 @@ void AddAny(const VoxelBits& plane, const Overlaps& xs, const Overlaps& ys, cons
   }
 }
 
-/// The cells that a block touches in a layer.
-uint64_t CellsOf(const Overlaps& xs, const Overlaps& ys) {
-  uint64_t row = 0, cells = 0;
-  for (const Overlap& x : xs) row |= uint64_t{1} << x.cell;
-  for (const Overlap& y : ys) cells |= row << (kBlockSide * y.cell);
-  return cells;
-}
-
 /// Adds a block for cells that are free only when all of their voxels are, which needs no counting.
 void AddBlock(const BlockOccupancy& block, const Overlaps& xs, const Overlaps& ys,
               const Overlaps& zs, AnyVoxel* any) {
@@ -195,12 +155,6 @@ void ForEachFineBlock(const OccupancyMap& fine, BlockIndex index, int n, const V
   }
 }
 
-int32_t FloorDivide(int32_t a, int32_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
-
-BlockIndex CoarseIndex(BlockIndex fine, int factor) {
-  return {FloorDivide(fine.x, factor), FloorDivide(fine.y, factor), FloorDivide(fine.z, factor)};
-}
-
 }  // namespace
 
 BlockOccupancy CoarsenBlock(const OccupancyMap& fine, BlockIndex index,
@@ -223,27 +177,12 @@ BlockOccupancy CoarsenBlock(const OccupancyMap& fine, BlockIndex index,
 
 OccupancyMap Coarsen(const OccupancyMap& fine, const CoarsenOptions& options) {
   OccupancyMap coarse(fine.cell_size() * options.factor);
-  UpdateCoarse(fine, fine.SortedIndices(), options, &coarse);
-  return coarse;
-}
-
-OccupancyDelta UpdateCoarse(const OccupancyMap& fine, std::span<const BlockIndex> changed,
-                            const CoarsenOptions& options, OccupancyMap* coarse) {
-  std::vector<BlockIndex> indices;
-  for (const BlockIndex& index : changed) {
-    const BlockIndex parent = CoarseIndex(index, options.factor);
-    if (indices.empty() || indices.back() != parent) indices.push_back(parent);
-  }
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-  std::vector<BlockOccupancy> now(indices.size());
+  const std::vector<BlockIndex> indices = CoarseBlocksOf(fine.SortedIndices(), options.factor);
+  std::vector<BlockOccupancy> blocks(indices.size());
   ParallelFor(indices.size(), 8,
-              [&](size_t i) { now[i] = CoarsenBlock(fine, indices[i], options); });
-  OccupancyDelta delta{coarse->cell_size(), false, {}};
-  for (size_t i = 0; i < indices.size(); ++i) {
-    if (coarse->Set(indices[i], now[i])) delta.blocks.emplace_back(indices[i], now[i]);
-  }
-  return delta;
+              [&](size_t i) { blocks[i] = CoarsenBlock(fine, indices[i], options); });
+  for (size_t i = 0; i < indices.size(); ++i) coarse.Set(indices[i], blocks[i]);
+  return coarse;
 }
 
 }  // namespace vismap

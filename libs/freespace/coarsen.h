@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-
 #include "freespace/occupancy_map.h"
 
 namespace vismap {
@@ -17,12 +15,7 @@ struct CoarsenOptions {
 BlockOccupancy CoarsenBlock(const OccupancyMap& fine, BlockIndex index,
                             const CoarsenOptions& options);
 
-/// The whole map in larger cells.
+/// The whole map in larger cells. Of a map that changes, a Coarsener keeps it up to date.
 OccupancyMap Coarsen(const OccupancyMap& fine, const CoarsenOptions& options);
-
-/// Updates a coarser map after the given blocks of `fine` changed, so that it is equal to Coarsen
-/// of the whole map. Returns the blocks of `coarse` that changed.
-OccupancyDelta UpdateCoarse(const OccupancyMap& fine, std::span<const BlockIndex> changed,
-                            const CoarsenOptions& options, OccupancyMap* coarse);
 
 }  // namespace vismap

@@ -9,8 +9,7 @@ OctreeBuilder::OctreeBuilder(double voxel_size, const OctreeGrid& grid,
                              const OctreeOptions& options)
     : voxel_size_(voxel_size),
       encoding_(options),
-      coarsening_{grid.factor, options.free_fraction},
-      leaves_(voxel_size * grid.factor) {
+      coarsener_(voxel_size, {grid.factor, options.free_fraction}) {
   encoding_.resolution_m = grid.resolution;
 }
 
@@ -26,17 +25,17 @@ Result<OctreeBuilder> OctreeBuilder::Make(double voxel_size, const OctreeOptions
 
 OccupancyDelta OctreeBuilder::Update(const OccupancyMap& map, std::span<const BlockIndex> changed) {
   Require(map.cell_size() == voxel_size_, "an octree is built of one map");
-  OccupancyDelta delta = UpdateCoarse(map, changed, coarsening_, &leaves_);
+  OccupancyDelta delta = coarsener_.Update(map, changed);
   std::vector<BlockIndex> indices;
   indices.reserve(delta.blocks.size());
   for (const auto& entry : delta.blocks) indices.push_back(entry.first);
-  cache_.Update(leaves_, indices);
+  cache_.Update(leaves(), indices);
   return delta;
 }
 
 Result<OctreeBytes> OctreeBuilder::Build(UnknownPolicy unknown) {
   encoding_.unknown = unknown;
-  return cache_.Encode(leaves_, encoding_);
+  return cache_.Encode(leaves(), encoding_);
 }
 
 }  // namespace vismap

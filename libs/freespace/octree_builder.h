@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "freespace/coarsen.h"
+#include "freespace/coarsener.h"
 #include "freespace/octree_cache.h"
 
 namespace vismap {
@@ -25,7 +25,7 @@ class OctreeBuilder {
 
   double resolution() const { return encoding_.resolution_m; }  ///< edge of a leaf [m]
   /// The map in cells of the size of leaves.
-  const OccupancyMap& leaves() const { return leaves_; }
+  const OccupancyMap& leaves() const { return coarsener_.coarse(); }
   int64_t encoded_cubes() const { return cache_.encoded(); }  ///< see OctreeCache
 
  private:
@@ -33,8 +33,7 @@ class OctreeBuilder {
 
   double voxel_size_;
   OctreeOptions encoding_;  // its resolution is that of the leaves
-  CoarsenOptions coarsening_;
-  OccupancyMap leaves_;
+  Coarsener coarsener_;
   OctreeCache cache_;
 };
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "freespace/coarsen.h"
+#include "freespace/coarsener.h"
 #include "navigation/distance_field.h"
 #include "navigation/frontiers.h"
 #include "navigation/ground_grid.h"
@@ -77,7 +77,7 @@ struct Walk {
   explicit Walk(double voxel, int factor)
       : coarsen{factor, 1.0},
         fine(voxel),
-        leaves(voxel * factor),
+        coarsener(voxel, coarsen),
         inflater(*Inflater::Make(voxel * factor, {})),
         distances(*DistanceField::Make(voxel * factor, {})) {}
 
@@ -86,8 +86,7 @@ struct Walk {
     for (const auto& block : fine.Update(map, delta.changed_blocks, {}).blocks)
       changed.push_back(block.first);
     OccupancyDelta coarse;
-    coarsened.frames.push_back(
-        Measure([&] { coarse = UpdateCoarse(fine, changed, coarsen, &leaves); }));
+    coarsened.frames.push_back(Measure([&] { coarse = coarsener.Update(fine, changed); }));
     std::vector<BlockIndex> blocks;
     for (const auto& block : coarse.blocks) blocks.push_back(block.first);
     inflated.frames.push_back(Measure([&] { inflater.Update(leaves, blocks); }));
@@ -106,7 +105,9 @@ struct Walk {
   }
 
   CoarsenOptions coarsen;
-  OccupancyMap fine, leaves;
+  OccupancyMap fine;
+  Coarsener coarsener;
+  const OccupancyMap& leaves = coarsener.coarse();
   Inflater inflater;
   DistanceField distances;
   size_t changed_blocks = 0, changed_distances = 0;

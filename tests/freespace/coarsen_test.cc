@@ -1,9 +1,7 @@
-#include "freespace/coarsen.h"
-
 #include <gtest/gtest.h>
 
+#include "freespace/coarsener.h"
 #include "freespace/random_occupancy.h"
-#include "support/occupancy_snapshot.h"
 
 namespace vismap {
 namespace {
@@ -11,7 +9,6 @@ namespace {
 using testing_support::Random;
 using testing_support::RandomBlock;
 using testing_support::RandomOccupancy;
-using testing_support::SnapshotOf;
 
 /// The rule of CoarsenOptions, voxel by voxel.
 CellState NaiveCell(const OccupancyMap& fine, VoxelIndex cell, const CoarsenOptions& options) {
@@ -75,24 +72,45 @@ TEST(Coarsen, EqualsTheNaiveRuleForEveryFactor) {
   }
 }
 
-TEST(Coarsen, IncrementalEqualsFull) {
-  OccupancyMap fine = MostlyFree(6);
-  const CoarsenOptions options{5, 1.0};
-  OccupancyMap coarse = Coarsen(fine, options);
-  OccupancyMap follower(coarse.cell_size());
-  ASSERT_TRUE(follower.Apply(SnapshotOf(coarse)));
-  Random random(7);
-  for (int round = 0; round < 20; ++round) {
-    std::vector<BlockIndex> changed;
-    for (int i = 0; i < 5; ++i) {
-      changed.push_back({random.Below(14) - 7, random.Below(14) - 7, random.Below(9) - 4});
-      fine.Set(changed.back(),
-               random.Below(3) == 0 ? BlockOccupancy(CellState::kUnknown) : RandomBlock(&random));
+/// A block as maps have them: most often only a few voxels differ from free space.
+BlockOccupancy AnyBlock(Random* random) {
+  const int kind = random->Below(8);
+  if (kind < 3) return BlockOccupancy(static_cast<CellState>(kind));
+  if (kind == 3) return RandomBlock(random);
+  OccupancyPlanes planes = BlockOccupancy(CellState::kFree).Planes();
+  for (int i = 0; i < 3; ++i) {
+    const int voxel = random->Below(kBlockVoxels);
+    const uint64_t bit = uint64_t{1} << (voxel % 64);
+    planes.free[static_cast<size_t>(voxel) / 64] &= ~bit;
+    if (kind > 5) planes.occupied[static_cast<size_t>(voxel) / 64] |= bit;
+  }
+  return BlockOccupancy(planes);
+}
+
+TEST(Coarsener, EqualsCoarsenOfTheWholeMapAfterEveryChange) {
+  for (const CoarsenOptions options :
+       {CoarsenOptions{1, 1.0}, CoarsenOptions{2, 1.0}, CoarsenOptions{3, 1.0},
+        CoarsenOptions{4, 1.0}, CoarsenOptions{5, 1.0}, CoarsenOptions{5, 0.9},
+        CoarsenOptions{6, 1.0}, CoarsenOptions{7, 1.0}, CoarsenOptions{8, 1.0},
+        CoarsenOptions{13, 1.0}, CoarsenOptions{16, 1.0}, CoarsenOptions{17, 1.0}}) {
+    OccupancyMap fine = MostlyFree(6);
+    Coarsener coarsener(fine.cell_size(), options);
+    OccupancyMap follower(coarsener.coarse().cell_size());
+    ASSERT_TRUE(follower.Apply(coarsener.Update(fine, fine.SortedIndices())));
+    ASSERT_EQ(coarsener.coarse().Digest(), Coarsen(fine, options).Digest());
+    Random random(7);
+    for (int round = 0; round < 30; ++round) {
+      std::vector<BlockIndex> changed;
+      for (int i = 0; i < 5; ++i) {
+        changed.push_back({random.Below(14) - 7, random.Below(14) - 7, random.Below(9) - 4});
+        fine.Set(changed.back(), AnyBlock(&random));
+      }
+      const OccupancyDelta delta = coarsener.Update(fine, changed);
+      ASSERT_EQ(coarsener.coarse().Digest(), Coarsen(fine, options).Digest())
+          << "factor " << options.factor << ", round " << round;
+      ASSERT_TRUE(follower.Apply(delta));
+      ASSERT_EQ(follower.Digest(), coarsener.coarse().Digest());
     }
-    const OccupancyDelta delta = UpdateCoarse(fine, changed, options, &coarse);
-    ASSERT_EQ(coarse.Digest(), Coarsen(fine, options).Digest());
-    ASSERT_TRUE(follower.Apply(delta));
-    ASSERT_EQ(follower.Digest(), coarse.Digest());
   }
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "freespace/coarsen.h"
+#include "freespace/coarsener.h"
 #include "quality/mapped_sequence.h"
 #include "session/map_frame.h"
 #include "simulation/simulate.h"
@@ -111,14 +111,16 @@ ChairFigures Watch(const std::string& change, CellState wanted, const char* what
   const testing_support::InputSequence sequence(name);
   MapSession session({}, {});
   const double size = session.map().voxels.voxel_size();
-  OccupancyMap voxels(size), leaves(kLeafFactor * size);
+  OccupancyMap voxels(size);
+  Coarsener coarsener(size, {.factor = kLeafFactor});
+  const OccupancyMap& leaves = coarsener.coarse();
   CellWatch of_voxels(CellsOf(scene, size), wanted);
   CellWatch of_leaves(CellsOf(scene, kLeafFactor * size), wanted);
   for (size_t frame = 0; frame < headers.size(); ++frame) {
     testing_support::InputFrame input = sequence.Read(frame);
     const MappedFrame done = MapFrame(std::move(input.frame), input.Detections(), {}, &session);
     voxels.Update(session.map(), done.delta.changed_blocks, {});
-    UpdateCoarse(voxels, done.delta.changed_blocks, {.factor = kLeafFactor}, &leaves);
+    coarsener.Update(voxels, done.delta.changed_blocks);
     if (frame + 1 == kTour) {
       of_voxels.Start(voxels);
       of_leaves.Start(leaves);

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "freespace/coarsen.h"
+#include "freespace/coarsener.h"
 #include "navigation/distance_field.h"
 #include "navigation/frontiers.h"
 #include "navigation/inflate.h"
@@ -38,16 +38,17 @@ struct Tour {
  private:
   Tour() {
     const std::string room = "synthetic:room?width=320&frames=" + std::to_string(kFrames);
-    OccupancyMap voxels(0.01), now(0.05);
+    OccupancyMap voxels(0.01);
+    Coarsener now(0.01, {5, 1.0});
     int frame = 0;
     testing_support::MakeRecordedMap(
         room, kFrames, {}, [&](const SemanticMap& map, const MapDelta& delta) {
           std::vector<BlockIndex> changed;
           for (const auto& block : voxels.Update(map, delta.changed_blocks, {}).blocks)
             changed.push_back(block.first);
-          UpdateCoarse(voxels, changed, {5, 1.0}, &now);
+          now.Update(voxels, changed);
           if (++frame == kFrames / 2 || frame == kFrames / 2 + 10 || frame == kFrames)
-            leaves.push_back(CopyOf(now));
+            leaves.push_back(CopyOf(now.coarse()));
         });
     const auto dataset = OpenSequence(room, "", {});
     for (size_t i = 0; i < (*dataset)->size(); ++i)
