@@ -44,6 +44,22 @@ constexpr std::array<uint16_t, 256> kEveryOtherBit = [] {
   return table;
 }();
 
+/// The state that all 4 x 4 x 4 cells of a group have; kInner when they differ. `group`: one of the
+/// eight of a block, in OctoMap's order.
+NodeState StateOfGroup(const OccupancyPlanes& planes, int group) {
+  const uint64_t cells = uint64_t{0x0f0f0f0f} << (4 * (group & 1) + 32 * ((group >> 1) & 1));
+  uint64_t all_free = cells, all_occupied = cells, any = 0;
+  for (int layer = 0; layer < 4; ++layer) {
+    const auto z = static_cast<size_t>(4 * (group >> 2) + layer);
+    all_free &= planes.free[z];
+    all_occupied &= planes.occupied[z];
+    any |= planes.free[z] | planes.occupied[z];
+  }
+  if (all_free == cells) return NodeState::kFree;
+  if (all_occupied == cells) return NodeState::kOccupied;
+  return (any & cells) == 0 ? NodeState::kUnknown : NodeState::kInner;
+}
+
 class SubtreeEncoder {
  public:
   SubtreeEncoder(const OccupancyMap* leaves, const OctreeExtent& extent, UnknownPolicy unknown)
@@ -88,19 +104,25 @@ class SubtreeEncoder {
     const size_t start = writer_.Reserve();
     uint32_t code = 0;
     for (int group = 0; group < 8; ++group) {
-      const size_t group_start = writer_.Reserve();
-      uint32_t group_code = 0;
-      for (int child = 0; child < 8; ++child) {
-        const int x = 2 * (group & 1) + (child & 1);
-        const int y = 2 * ((group >> 1) & 1) + ((child >> 1) & 1);
-        const int z = 2 * (group >> 2) + (child >> 2);
-        const uint32_t cells =
-            kEveryOtherBit[Eight(planes.free, x, y, z)] |
-            static_cast<uint32_t>(kEveryOtherBit[Eight(planes.occupied, x, y, z)]) << 1;
-        const size_t cell_start = writer_.Reserve();
-        group_code |= NodeWriter::Code(writer_.Finish(cell_start, cells), child);
-      }
-      code |= NodeWriter::Code(writer_.Finish(group_start, group_code), group);
+      NodeState state = StateOfGroup(planes, group);
+      if (state == NodeState::kInner) state = EmitGroup(planes, group);
+      code |= NodeWriter::Code(state, group);
+    }
+    return writer_.Finish(start, code);
+  }
+
+  NodeState EmitGroup(const OccupancyPlanes& planes, int group) {
+    const size_t start = writer_.Reserve();
+    uint32_t code = 0;
+    for (int child = 0; child < 8; ++child) {
+      const int x = 2 * (group & 1) + (child & 1);
+      const int y = 2 * ((group >> 1) & 1) + ((child >> 1) & 1);
+      const int z = 2 * (group >> 2) + (child >> 2);
+      const uint32_t cells = kEveryOtherBit[Eight(planes.free, x, y, z)] |
+                             static_cast<uint32_t>(kEveryOtherBit[Eight(planes.occupied, x, y, z)])
+                                 << 1;
+      const size_t cell_start = writer_.Reserve();
+      code |= NodeWriter::Code(writer_.Finish(cell_start, cells), child);
     }
     return writer_.Finish(start, code);
   }

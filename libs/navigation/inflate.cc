@@ -76,20 +76,29 @@ void AddBlock(const VoxelBits& obstacles, int dx, int dy, int dz, int reach, Sur
   }
 }
 
-/// Grows all rows by every half width from 0 to `reach`.
-void GrowRows(Surroundings& around, int reach, GrownRows* grown) {
+/// Grows `count` rows of up to as many leaves as a Word has bits by every half width from 0 to
+/// `reach`. Short rows are many to a vector register.
+template <typename Word>
+void GrowRowsOf(const uint64_t* rows, size_t count, int reach, uint8_t* grown) {
+  std::array<Word, static_cast<size_t>(kMostRows) * kMostRows> narrow;
+  for (size_t i = 0; i < count; ++i) narrow[i] = static_cast<Word>(rows[i]);
+  for (size_t i = 0; i < count; ++i) grown[i] = static_cast<uint8_t>(narrow[i] >> reach);
+  for (int width = 1; width <= reach; ++width) {
+    const uint8_t* before = grown;
+    grown += count;
+    const int right = reach + width, left = reach - width;
+    for (size_t i = 0; i < count; ++i)
+      grown[i] = static_cast<uint8_t>(before[i] | narrow[i] >> right | narrow[i] >> left);
+  }
+}
+
+void GrowRows(const Surroundings& around, int reach, GrownRows* grown) {
   const size_t count = static_cast<size_t>(around.side) * static_cast<size_t>(around.side);
   grown->resize(count * static_cast<size_t>(reach + 1));
-  uint8_t* before = grown->data();
-  for (size_t i = 0; i < count; ++i) before[i] = static_cast<uint8_t>(around.rows[i] >> reach);
-  for (int width = 1; width <= reach; ++width) {
-    uint8_t* now = before + count;
-    for (size_t i = 0; i < count; ++i) {
-      const uint64_t row = around.rows[i];
-      now[i] = static_cast<uint8_t>(before[i] | row >> (reach + width) | row >> (reach - width));
-    }
-    before = now;
-  }
+  const auto grow = around.side <= 16   ? GrowRowsOf<uint16_t>
+                    : around.side <= 32 ? GrowRowsOf<uint32_t>
+                                        : GrowRowsOf<uint64_t>;
+  grow(around.rows.data(), count, reach, grown->data());
 }
 
 uint64_t EightRows(const uint8_t* rows) {
