@@ -68,12 +68,13 @@ Result<void> WriteMesh(const MapMetadata& metadata, const MapProducts& products,
                        const std::filesystem::path& path);
 
 /// Writes all outputs of a map into `folder`, which is created: map.vismap, mesh.ply, objects.json,
-/// objects/*.ply, octree.bt (raw), octree.closed.bt (closed, see UnknownPolicy) and map.png.
-/// Returns what SaveMap returns. Fails with all that cannot be made or written; the other files are
-/// written then, and no older file stands beside them. Only when an older map.vismap cannot be
-/// replaced, everything stays as it was.
-Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
-                              const MapProducts& products, const OutputOptions& options,
-                              const std::filesystem::path& folder);
+/// objects/*.ply, octree.bt (raw), octree.closed.bt (closed, see UnknownPolicy) and map.png. A map
+/// in which nothing is known has no octrees (see WriteOctree); then the result is a sentence that
+/// says so, else "". Fails with all that cannot be made or written; the other files are written
+/// then. No older file stands beside new ones. Only when an older map.vismap cannot be replaced,
+/// everything stays as it was.
+Result<std::string> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
+                                 const MapProducts& products, const OutputOptions& options,
+                                 const std::filesystem::path& folder);
 
 }  // namespace vismap

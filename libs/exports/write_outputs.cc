@@ -32,12 +32,22 @@ class Outputs {
   std::string problems_;
 };
 
-Result<void> WriteOneOctree(const SemanticMap& map, const MapMetadata& metadata,
-                            const OutputOptions& options, UnknownPolicy unknown,
-                            const fs::path& file) {
-  const Result<OctreeBytes> octree = MakeOctree(map, metadata, options, unknown);
-  if (!octree) return tl::unexpected(octree.error());
-  return WriteOctree(file, *octree);
+/// Writes both octrees. Returns why there are none when nothing is known, else "".
+std::string WriteOctrees(const SemanticMap& map, const MapMetadata& metadata,
+                         const OutputOptions& options, const fs::path& folder, Outputs* outputs) {
+  std::string none;
+  for (const auto& [name, unknown] : {std::pair{"octree.bt", UnknownPolicy::kAbsent},
+                                      std::pair{"octree.closed.bt", UnknownPolicy::kOccupied}}) {
+    const Result<OctreeBytes> octree = MakeOctree(map, metadata, options, unknown);
+    const Result<void> written =
+        octree ? WriteOctree(folder / name, *octree) : tl::unexpected(octree.error());
+    if (octree && octree->nodes == 0) {
+      none = written.error().message;
+    } else {
+      outputs->Check(folder / name, written);
+    }
+  }
+  return none;
 }
 
 Result<void> WritePicture(const MapMetadata& metadata, const MapProducts& products,
@@ -58,16 +68,17 @@ void RemoveStaleOutputs(const fs::path& folder) {
 
 }  // namespace
 
-Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
-                              const MapProducts& products, const OutputOptions& options,
-                              const fs::path& folder) {
+Result<std::string> WriteOutputs(const SemanticMap& map, const MapMetadata& metadata,
+                                 const MapProducts& products, const OutputOptions& options,
+                                 const fs::path& folder) {
   if (const Result<void> made = CreateFolder(folder); !made) return tl::unexpected(made.error());
   RemoveStaleOutputs(folder);
   std::error_code ignored;
   const fs::path map_file = folder / "map.vismap";
   const bool replaces_map = fs::exists(map_file, ignored);
-  Result<SaveInfo> saved = SaveMap(map, metadata, map_file);
-  if (!saved && replaces_map) return saved;  // the older map stays, with all that belongs to it
+  const Result<SaveInfo> saved = SaveMap(map, metadata, map_file);
+  // The older map stays, with all that belongs to it.
+  if (!saved && replaces_map) return tl::unexpected(saved.error());
   Outputs outputs;
   if (!saved) outputs.Check(map_file, tl::unexpected(saved.error()));
   outputs.Check(folder / "mesh.ply", WriteMesh(metadata, products, folder / "mesh.ply"));
@@ -75,12 +86,10 @@ Result<SaveInfo> WriteOutputs(const SemanticMap& map, const MapMetadata& metadat
                 WriteFileAtomically(folder / "objects.json", ObjectsText(metadata, products)));
   const Result<int> objects = WriteObjectMeshes(metadata, products, folder / "objects");
   if (!objects) outputs.Check(folder / "objects", tl::unexpected(objects.error()));
-  for (const auto& [name, unknown] : {std::pair{"octree.bt", UnknownPolicy::kAbsent},
-                                      std::pair{"octree.closed.bt", UnknownPolicy::kOccupied}})
-    outputs.Check(folder / name, WriteOneOctree(map, metadata, options, unknown, folder / name));
+  std::string without_octrees = WriteOctrees(map, metadata, options, folder, &outputs);
   outputs.Check(folder / "map.png", WritePicture(metadata, products, folder / "map.png"));
   if (!outputs.problems().empty()) return Fail(outputs.problems());
-  return saved;
+  return without_octrees;
 }
 
 }  // namespace vismap

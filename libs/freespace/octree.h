@@ -75,8 +75,14 @@ Result<void> CheckOctreeBounds(const Eigen::AlignedBox3d& bounds_W);
 /// unknown space shall be occupied in a box whose sides have more than 2^26 leaves.
 Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& options);
 
-/// Writes the stream to a file, see WriteFileAtomically; the folder must exist.
+/// Writes the stream to a file, see WriteFileAtomically; the folder must exist. Collision checkers
+/// take a tree without nodes, in which nothing is known, for free space everywhere. So it is not
+/// written: the Error says why there is no octree, and an older file at `path` is removed.
 Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree);
+
+/// Renames an octree of an earlier run to PATH.previous, so that readers do not take it for one of
+/// the present map. Does nothing when there is none.
+Result<void> SetOctreeAside(const std::filesystem::path& path);
 
 /// Properties of a `.bt` stream.
 struct OctreeStreamInfo {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 
 #include "base/file.h"
 #include "freespace/block_region.h"
@@ -43,7 +44,22 @@ Result<OctreeBytes> BuildOctree(const OccupancyMap& map, const OctreeOptions& op
 }
 
 Result<void> WriteOctree(const std::filesystem::path& path, const OctreeBytes& octree) {
-  return WriteFileAtomically(path, octree.bytes);
+  if (octree.nodes > 0) return WriteFileAtomically(path, octree.bytes);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+  return Fail("there is no octree of the map in " + path.parent_path().string() +
+              ": nothing in it is known to be free or occupied, and collision checkers take an "
+              "empty tree for free space");
+}
+
+Result<void> SetOctreeAside(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};
+  const std::filesystem::path aside = path.string() + ".previous";
+  std::filesystem::rename(path, aside, error);
+  if (!error) return {};
+  return Fail("the octree of an earlier run, " + path.string() + ", cannot be renamed to " +
+              aside.string() + ": " + error.message());
 }
 
 }  // namespace vismap

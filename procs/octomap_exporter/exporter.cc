@@ -21,6 +21,8 @@ constexpr double kRestAfterTooLarge = 60;  // before a map that was too large is
 
 constexpr double kPathPatience = 2;  // for positions of the camera [s]
 
+constexpr const char* kOctreeFiles[] = {"octree.bt", "octree.closed.bt"};  // raw and closed
+
 constexpr const char* kNothingKnown =
     "nothing is known yet: no space in the map is free or occupied, so no octree is published";
 }  // namespace
@@ -49,8 +51,9 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
   HandleRequests();
   bus_->Every(0.2, [this] { OnTimer(); });
   bus_->Every(1.0, [this] { PublishNavigation(); });
-  for (const char* name : {"octree.bt", "octree.closed.bt"})
+  for (const char* name : kOctreeFiles)
     RemoveStaleTemporaries(std::filesystem::path(config.octomap_exporter.output_folder) / name);
+  SetFilesAside();
   if (config.octomap_exporter.unknown == UnknownPolicy::kAbsent) {
     status_->SetFinding("policy",
                         "OCTOMAP carries a tree without unknown space (octomap_exporter.unknown: "
@@ -89,6 +92,7 @@ Result<void> Exporter::OnTooLarge() {
                                std::to_string(config_.octomap_exporter.max_map_mb) +
                                " MB (octomap_exporter.max_map_mb), so it is not followed";
   ForgetTrees();
+  SetFilesAside();
   export_error_ = sentence;
   next_catch_up_ = MonotonicSeconds() + kRestAfterTooLarge;
   status_->Count("updates_too_large");
@@ -202,6 +206,7 @@ Result<std::string> Exporter::Export() {
   exported_ = follower_.position();
   if (trees_->is_empty()) {
     latched_.Clear();
+    SetFilesAside();
     TellLeftOut("");
     return kNothingKnown;
   }
@@ -242,12 +247,22 @@ Result<std::string> Exporter::WriteFiles() {
   for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
     const Result<OctreeBytes> tree = trees_->Build(unknown);
     if (!tree) return tl::unexpected(tree.error());
-    const char* name = unknown == UnknownPolicy::kAbsent ? "octree.bt" : "octree.closed.bt";
+    const char* name = kOctreeFiles[static_cast<size_t>(unknown)];
     const Result<void> written = WriteOctree(folder / name, *tree);
     if (!written) return tl::unexpected(written.error());
   }
   return "revision " + std::to_string(exported_.revision) + " written to " + folder.string() +
          "/octree.bt and octree.closed.bt";
+}
+
+// Files of an earlier run, or of a map that is gone, are not those of the present map.
+void Exporter::SetFilesAside() {
+  const std::string& folder = config_.octomap_exporter.output_folder;
+  if (folder.empty()) return;
+  for (const char* name : kOctreeFiles) {
+    const Result<void> done = SetOctreeAside(std::filesystem::absolute(folder) / name);
+    if (!done) LogWarningRateLimited(name, done.error().message);
+  }
 }
 
 void Exporter::HandleRequests() {

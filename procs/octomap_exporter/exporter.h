@@ -28,8 +28,9 @@ namespace vismap {
 /// NAVIGATION how old they are, and answers requests ("octomap": a tree as the request wants it;
 /// "octomap-delta": leaves that a follower lacks; "grid", "distances", "clearance", "frontiers":
 /// see navigation_answers.h; "octomap-digest": digest of the map that it has). Writes octree.bt and
-/// octree.closed.bt into a folder when one is configured. When it starts late or misses an update,
-/// it requests what it lacks.
+/// octree.closed.bt into a folder when one is configured; files of an earlier run or map that are
+/// there get the ending .previous. When it starts late or misses an update, it requests what it
+/// lacks.
 class Exporter {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
@@ -66,6 +67,7 @@ class Exporter {
   NavigationSpace Space() const;
   Result<std::string> Publish();
   Result<std::string> WriteFiles();
+  void SetFilesAside();
   void TellLeftOut(const std::string& sentence);
   void ForgetTrees();
   void PublishNavigation();

@@ -256,7 +256,8 @@ Outcome WriteResults(const Arguments& arguments, Run* run) {
   const auto written =
       WriteOutputs(session.map(), session.metadata(), products, options, arguments.out);
   std::vector<std::string> findings = FindingsOf(arguments, *run, products.mesh);
-  if (!written) findings.push_back(written.error().message);
+  const std::string problem = written ? *written : written.error().message;
+  if (!problem.empty()) findings.push_back(problem);
   const auto reported = WriteReport(arguments, *run, products.objects, findings);
   Summarise(arguments, session, products, run->times);
   std::printf("%s\n", LeftOutText(run->LeftOut(), run->frames()).c_str());

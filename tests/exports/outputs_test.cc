@@ -34,14 +34,14 @@ TEST(WriteObjectMeshes, RemovesMeshesOfAnEarlierRunAndNothingThatItDidNotWrite) 
 const char* const kFiles[] = {"map.vismap", "mesh.ply",         "objects.json",
                               "octree.bt",  "octree.closed.bt", "map.png"};
 
-Result<SaveInfo> WriteRoom(const TempFolder& folder, const OutputOptions& options = {}) {
+Result<std::string> WriteRoom(const TempFolder& folder, const OutputOptions& options = {}) {
   const SemanticMap map = testing_support::AnalyticRoom();
   return WriteOutputs(map, {}, MakeProducts(map, {}, options), options, folder.path());
 }
 
 TEST(WriteOutputs, WritesAllFiles) {
   const TempFolder folder;
-  ASSERT_TRUE(WriteRoom(folder));
+  EXPECT_EQ(WriteRoom(folder), "");
   for (const char* name : kFiles) EXPECT_GT(fs::file_size(folder / name), 50u) << name;
 }
 
@@ -50,7 +50,7 @@ TEST(WriteOutputs, WhatCannotBeMadeCostsOnlyItselfAndLeavesNoOlderFile) {
   for (const char* name : kFiles) folder.Write(name, "old");
   OutputOptions options;
   options.octree.free_fraction = 2;
-  const Result<SaveInfo> written = WriteRoom(folder, options);
+  const Result<std::string> written = WriteRoom(folder, options);
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().message.find("free_fraction"), std::string::npos);
   for (const std::string name : kFiles) {
@@ -60,11 +60,24 @@ TEST(WriteOutputs, WhatCannotBeMadeCostsOnlyItselfAndLeavesNoOlderFile) {
   }
 }
 
+TEST(WriteOutputs, AMapInWhichNothingIsKnownHasNoOctree) {
+  const TempFolder folder;
+  for (const char* name : kFiles) folder.Write(name, "old");
+  const SemanticMap map(testing_support::kGrid);
+  const auto written = WriteOutputs(map, {}, MakeProducts(map, {}, {}), {}, folder.path());
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_NE(written->find("no octree of the map in " + folder.path().string()), std::string::npos);
+  for (const std::string name : kFiles) {
+    EXPECT_EQ(fs::exists(folder / name), !name.starts_with("octree")) << name;
+    EXPECT_TRUE(!fs::exists(folder / name) || fs::file_size(folder / name) > 3) << name;
+  }
+}
+
 TEST(WriteOutputs, WhatCannotBeWrittenCostsOnlyItself) {
   const TempFolder folder;
   fs::create_directories(folder / "mesh.ply");
   folder.Write("mesh.ply/mine", "mine");
-  const Result<SaveInfo> written = WriteRoom(folder);
+  const Result<std::string> written = WriteRoom(folder);
   ASSERT_FALSE(written);
   EXPECT_NE(written.error().message.find("mesh.ply"), std::string::npos);
   EXPECT_TRUE(fs::exists(folder / "mesh.ply/mine"));

@@ -362,6 +362,37 @@ TEST_F(OctreeFile, MissingFolderIsAnError) {
   EXPECT_FALSE(WriteOctree(folder_ / "none" / "map.bt", octree_));
 }
 
+TEST_F(OctreeFile, AnEmptyTreeIsNotWrittenAndLeavesNoOlderFile) {
+  const std::filesystem::path path = folder_ / "map.bt";
+  ASSERT_TRUE(WriteOctree(path, octree_));
+  for (const UnknownPolicy unknown : {UnknownPolicy::kAbsent, UnknownPolicy::kOccupied}) {
+    OctreeOptions options;
+    options.unknown = unknown;
+    const Result<void> written = WriteOctree(path, *BuildOctree(OccupancyMap(0.01), options));
+    ASSERT_FALSE(written);
+    EXPECT_NE(written.error().message.find("there is no octree of the map in " + folder_.string()),
+              std::string::npos);
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  }
+}
+
+TEST_F(OctreeFile, OneOfAnEarlierRunIsSetAside) {
+  const std::filesystem::path path = folder_ / "map.bt", aside = folder_ / "map.bt.previous";
+  EXPECT_TRUE(SetOctreeAside(path)) << "there is none";
+  for (int run = 0; run < 2; ++run) {
+    ASSERT_TRUE(WriteOctree(path, octree_));
+    ASSERT_TRUE(SetOctreeAside(path));
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_EQ(ReadFileBytes(aside), octree_.bytes);
+  }
+  ASSERT_TRUE(WriteOctree(path, octree_));
+  std::filesystem::remove(aside);
+  std::filesystem::create_directories(aside / "mine");
+  const Result<void> done = SetOctreeAside(path);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("map.bt.previous"), std::string::npos);
+}
+
 TEST_F(OctreeFile, EveryCutIsAnError) {
   for (size_t size = 0; size < octree_.bytes.size(); ++size) {
     const std::span<const uint8_t> cut(octree_.bytes.data(), size);
