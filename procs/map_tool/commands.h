@@ -19,10 +19,10 @@ struct MapToolArguments {
   std::string grid;         ///< for export: where the 2-D grid is written, see WriteGridFiles
   int frames = 0;           ///< for follow: stop when the map has this number of frames; 0 = never
   double timeout = 60;      ///< longest wait for the answer of a server [s]
-  double resolution_m = 0;  ///< for octree: edge of a leaf; 0 = as in the config
+  double resolution_m = 0;  ///< edge of a leaf; 0 = as in the config
   std::string unknown;      ///< for octree: "occupied", "absent" or, for the usual, ""
-  double inflate_m = 0;     ///< for octree: radius of the robot
-  std::string without;      ///< for octree: objects that are left out, see map_request_t
+  double inflate_m = 0;     ///< for octree and frontiers: radius of the robot
+  std::string without;      ///< for questions about free space: objects that are left out
   bool color = false;       ///< for octree: a ColorOcTree
   std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]
   bool from_exporter = false;  ///< for octree: ask the octomap exporter

@@ -9,6 +9,7 @@
 #include "map_tool/live_map.h"
 #include "map_tool/object_table.h"
 #include "map_tool/selected_objects.h"
+#include "map_tool/space_request.h"
 #include "navigation/grid_files.h"
 #include "objects/camera_up.h"
 
@@ -42,7 +43,11 @@ Outcome ExportObjects(const MapToolArguments& arguments, const LoadedMap& loaded
 
 Outcome ExportOctree(const MapToolArguments& arguments, const LoadedMap& loaded,
                      UnknownPolicy unknown, const char* name) {
-  const auto octree = MakeOctree(loaded.map, loaded.metadata, arguments.config, unknown);
+  const auto space = SpaceOf(arguments, loaded);
+  if (!space) return tl::unexpected(space.error());
+  OctreeOptions options = arguments.config.octree;
+  options.unknown = unknown;
+  const Result<OctreeBytes> octree = BuildOctree(*space, options);
   if (!octree) return ExitWith(ExitCode::kFailed, octree.error().message);
   const fs::path file = fs::path(arguments.out) / name;
   return Wrote(WriteOctree(file, *octree), file);
@@ -69,6 +74,7 @@ Outcome ExportAll(const MapToolArguments& arguments, const LoadedMap& loaded) {
   const auto written =
       WriteOutputs(loaded.map, loaded.metadata, products, arguments.config, arguments.out);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
+  if (!written->empty()) LogWarning(*written);
   PrintObjects(ObjectsText(loaded.metadata, products), false);
   std::printf("map hash %s\nresults in %s\n", loaded.map_hash.c_str(),
               fs::absolute(arguments.out).c_str());
@@ -102,9 +108,9 @@ Outcome CheckUpward(const MapToolArguments& arguments, const MapMetadata& metada
 
 Outcome ExportGrid(const MapToolArguments& arguments, const LoadedMap& loaded) {
   if (const Outcome upward = CheckUpward(arguments, loaded.metadata); !upward) return upward;
-  const OccupancyMap voxels =
-      ClassifyNearParts(loaded.map, loaded.metadata, arguments.config.free_space);
-  const auto grid = MakeGroundGrid(voxels, arguments.config.ground_grid, PathOf(loaded.metadata));
+  const auto space = SpaceOf(arguments, loaded);
+  if (!space) return tl::unexpected(space.error());
+  const auto grid = MakeGroundGrid(*space, arguments.config.ground_grid, PathOf(loaded.metadata));
   if (!grid) return ExitWith(ExitCode::kFailed, arguments.map + ": " + grid.error().message);
   const auto files = WriteGridFiles(*grid, arguments.grid);
   if (!files) return ExitWith(ExitCode::kFailed, arguments.map + ": " + files.error().message);
@@ -115,18 +121,31 @@ Outcome ExportGrid(const MapToolArguments& arguments, const LoadedMap& loaded) {
   return {};
 }
 
+/// Whether the options go together.
+Outcome CheckTogether(const MapToolArguments& arguments, const ObjectQuery& query) {
+  const auto refuse = [](const char* sentence) { return ExitWith(ExitCode::kUsage, sentence); };
+  const bool folder = !arguments.out.empty();
+  const bool octree_alone = arguments.only.starts_with("octree");
+  if (!folder && arguments.grid.empty())
+    return refuse("export: expected --out FOLDER, --grid WHERE, or both");
+  if (!folder && (!query.all() || !arguments.only.empty()))
+    return refuse("export: a selection needs --out FOLDER");
+  if (!query.all() && !arguments.only.empty())
+    return refuse("export: --only and a selection of objects exclude each other");
+  if (!arguments.without.empty() && folder && !octree_alone) {
+    return refuse(
+        "export: --without is about free space only: with --out it needs --only octree or --only "
+        "octree-closed");
+  }
+  return {};
+}
+
 }  // namespace
 
 Outcome RunExport(const MapToolArguments& arguments, ProcessContext& context) {
   const Result<ObjectQuery> query = QueryOf(arguments);
   if (!query) return ExitWith(ExitCode::kUsage, query.error().message);
-  if (arguments.out.empty() && arguments.grid.empty())
-    return ExitWith(ExitCode::kUsage, "export: expected --out FOLDER, --grid WHERE, or both");
-  if (arguments.out.empty() && (!query->all() || !arguments.only.empty()))
-    return ExitWith(ExitCode::kUsage, "export: a selection needs --out FOLDER");
-  if (!query->all() && !arguments.only.empty())
-    return ExitWith(ExitCode::kUsage,
-                    "export: --only and a selection of objects exclude each other");
+  if (const Outcome fit = CheckTogether(arguments, *query); !fit) return fit;
   const auto loaded = LoadMapOrLive(arguments, context);
   if (!loaded) return tl::unexpected(loaded.error());
   if (!arguments.grid.empty()) {

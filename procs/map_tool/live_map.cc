@@ -37,19 +37,21 @@ tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments&
   return RequestFromServer(arguments, context, std::move(request));
 }
 
+tl::expected<LoadedMap, ExitFailure> LoadSavedMap(const MapToolArguments& arguments) {
+  Result<LoadedMap> loaded = LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
+  if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
+  return std::move(*loaded);
+}
+
 tl::expected<LoadedMap, ExitFailure> LoadMapOrLive(const MapToolArguments& arguments,
                                                    ProcessContext& context) {
-  const size_t most = MaxMapBytes(arguments.config.integration);
-  if (arguments.map != kLive) {
-    Result<LoadedMap> loaded = LoadMap(arguments.map, most);
-    if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-    return std::move(*loaded);
-  }
+  if (arguments.map != kLive) return LoadSavedMap(arguments);
   const auto reply = RequestFromServer(arguments, context, "map");
   if (!reply) return tl::unexpected(reply.error());
   const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(reply->payload.data()),
                                        reply->payload.size());
-  Result<LoadedMap> loaded = DecodeMap(bytes, "map of the running server", most);
+  Result<LoadedMap> loaded =
+      DecodeMap(bytes, "map of the running server", MaxMapBytes(arguments.config.integration));
   if (!loaded) return ExitWith(ExitCode::kFailed, loaded.error().message);
   return std::move(*loaded);
 }

@@ -22,7 +22,10 @@ tl::expected<map_reply_t, ExitFailure> RequestFromServer(const MapToolArguments&
                                                          const std::string& path = "",
                                                          const std::string& argument = "");
 
-/// A saved map, or the map of the running server.
+/// A saved map, or the reason to exit.
+tl::expected<LoadedMap, ExitFailure> LoadSavedMap(const MapToolArguments& arguments);
+
+/// The same, or the map of the running server.
 tl::expected<LoadedMap, ExitFailure> LoadMapOrLive(const MapToolArguments& arguments,
                                                    ProcessContext& context);
 

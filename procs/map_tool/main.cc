@@ -39,6 +39,12 @@ void AddChoiceOfObjects(CommandLine& sub, const char* id_name, MapToolArguments*
              "Only objects that overlap the box x0,y0,z0,x1,y1,z1 [m]");
 }
 
+void AddWithout(CommandLine& sub, MapToolArguments* arguments) {
+  sub.Option("--without", &arguments->without,
+             "Objects that are left out, such as 'id=7;class=cup'; with ':unknown' behind one, its "
+             "place is unknown, with ':inflate=0.1' it is larger by this [m]");
+}
+
 void AddOctree(CommandLine& line, Command* command) {
   MapToolArguments& arguments = command->arguments;
   CommandLine octree = AddWithMap(line, command, "octree",
@@ -59,9 +65,7 @@ void AddOctree(CommandLine& line, Command* command) {
       .Option("--inflate", &arguments.inflate_m,
               "Radius of the robot, by which obstacles and unknown space grow [m]")
       .Range(0, 5);
-  octree.Option("--without", &arguments.without,
-                "Objects that are left out, such as 'id=7;class=cup'; with ':unknown' behind one, "
-                "its place is unknown, with ':inflate=0.1' it is larger by this [m]");
+  AddWithout(octree, &arguments);
   octree.Flag("--color", &arguments.color,
               "Occupied leaves have the colour of their class; for looking, not for planning");
   octree.Flag("--from-exporter", &arguments.from_exporter,
@@ -85,6 +89,7 @@ void AddFileCommands(CommandLine& line, Command* command) {
                "map.yaml in this folder, or to WHERE.pgm and WHERE.yaml; the section ground_grid "
                "of the config says how it is made");
   AddChoiceOfObjects(files, "--object", &arguments);
+  AddWithout(files, &arguments);
 
   CommandLine render =
       AddWithMap(line, command, "render", "Render a picture of a saved map", RunRender, kFile);
@@ -157,6 +162,7 @@ void AddNavigationCommands(CommandLine& line, Command* command) {
     sub.Option("--res", &arguments.resolution_m,
                "Edge of a leaf [m], 2 to 64 times the voxel size; 0 = as in the config")
         .Range(0, 64);
+    AddWithout(sub, &arguments);
     sub.Flag("--json", &arguments.json, "Print JSON");
   };
   CommandLine clearance = AddWithMap(

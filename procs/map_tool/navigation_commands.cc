@@ -1,13 +1,10 @@
-#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <vismap/map_request_t.hpp>
 
 #include "base/json_text.h"
-#include "exports/outputs.h"
 #include "map_tool/commands.h"
 #include "map_tool/live_map.h"
-#include "objects/object_query.h"
+#include "map_tool/space_request.h"
 #include "requests/navigation_answers.h"
 
 // The subcommands `clearance` and `frontiers` of vismap-map.
@@ -18,31 +15,20 @@ namespace {
 using Question = Result<Answer> (*)(const NavigationSpace&, const map_request_t&);
 
 Result<map_request_t> NavigationRequest(const MapToolArguments& arguments, const char* verb) {
-  map_request_t request{};
-  request.verb = verb;
-  request.unknown = map_request_t::UNKNOWN_DEFAULT;
-  request.resolution_m = arguments.resolution_m;
-  request.inflate_m = arguments.inflate_m;
-  if (!arguments.points.empty()) request.argument = "at=" + arguments.points;
-  if (!arguments.region) return request;
-  ObjectQuery query;
-  if (const Result<void> set = SetRegion(*arguments.region, &query); !set)
-    return tl::unexpected(set.error());
-  request.has_bbx = true;
-  std::copy_n(query.region_W->min().data(), 3, request.bbx_min_W);
-  std::copy_n(query.region_W->max().data(), 3, request.bbx_max_W);
+  Result<map_request_t> request = SpaceRequest(arguments, verb);
+  if (request && !arguments.points.empty()) request->argument = "at=" + arguments.points;
   return request;
 }
 
 tl::expected<std::string, ExitFailure> AskFile(const MapToolArguments& arguments,
                                                const map_request_t& request, Question question) {
-  const Result<LoadedMap> loaded =
-      LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
-  if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-  const OccupancyMap voxels =
-      ClassifyNearParts(loaded->map, loaded->metadata, arguments.config.free_space);
+  const auto loaded = LoadSavedMap(arguments);
+  if (!loaded) return tl::unexpected(loaded.error());
+  const auto voxels = SpaceOf(arguments, *loaded);
+  if (!voxels) return tl::unexpected(voxels.error());
   NavigationSpace space;
-  space.voxels = &voxels;
+  space.voxels = &*voxels;
+  space.is_edited = !arguments.without.empty();
   space.map_id = loaded->metadata.map_id;
   space.revision = loaded->map.revision;
   space.utime = loaded->map.last_utime;

@@ -1,15 +1,10 @@
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <span>
-#include <vismap/map_request_t.hpp>
 
 #include "base/file.h"
-#include "exports/outputs.h"
 #include "map_tool/commands.h"
 #include "map_tool/live_map.h"
-#include "objects/object_query.h"
-#include "requests/object_edits.h"
+#include "map_tool/space_request.h"
 #include "requests/octree_request.h"
 
 // The subcommand `octree` of vismap-map.
@@ -18,39 +13,20 @@ namespace vismap {
 namespace {
 
 Result<map_request_t> OctreeRequestOf(const MapToolArguments& arguments) {
-  map_request_t request{};
-  request.verb = arguments.from_exporter ? "octomap" : "octree";
-  request.resolution_m = arguments.resolution_m;
-  request.inflate_m = arguments.inflate_m;
-  request.unknown = arguments.unknown.empty()       ? map_request_t::UNKNOWN_DEFAULT
-                    : arguments.unknown == "absent" ? map_request_t::UNKNOWN_ABSENT
-                                                    : map_request_t::UNKNOWN_OCCUPIED;
-  request.without = arguments.without;
-  request.tree = arguments.color ? map_request_t::TREE_COLOR : map_request_t::TREE_OCCUPANCY;
-  if (!arguments.region) return request;
-  ObjectQuery query;
-  if (const Result<void> set = SetRegion(*arguments.region, &query); !set)
-    return tl::unexpected(set.error());
-  request.has_bbx = true;
-  std::copy_n(query.region_W->min().data(), 3, request.bbx_min_W);
-  std::copy_n(query.region_W->max().data(), 3, request.bbx_max_W);
+  Result<map_request_t> request =
+      SpaceRequest(arguments, arguments.from_exporter ? "octomap" : "octree");
+  if (request && arguments.color) request->tree = map_request_t::TREE_COLOR;
   return request;
 }
 
 tl::expected<Answer, ExitFailure> OctreeOfFile(const MapToolArguments& arguments,
                                                const map_request_t& request) {
-  const Result<LoadedMap> loaded =
-      LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
-  if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-  const OutputOptions options = arguments.config;
-  EditedSpace edited;
-  if (!request.without.empty()) {
-    Result<EditedSpace> space = EditSpace(loaded->map, loaded->metadata, request.without, options);
-    if (!space) return ExitWith(ExitCode::kUsage, arguments.map + ": " + space.error().message);
-    edited = std::move(*space);
-  }
-  Result<Answer> answer =
-      AnswerMapOctree(loaded->map, loaded->metadata, request, options, &edited.delta);
+  const auto loaded = LoadSavedMap(arguments);
+  if (!loaded) return tl::unexpected(loaded.error());
+  const auto edits = EditsOf(arguments, *loaded);
+  if (!edits) return tl::unexpected(edits.error());
+  Result<Answer> answer = AnswerMapOctree(loaded->map, loaded->metadata, request, arguments.config,
+                                          *edits ? &**edits : nullptr);
   if (!answer) return ExitWith(ExitCode::kUsage, arguments.map + ": " + answer.error().message);
   return std::move(*answer);
 }

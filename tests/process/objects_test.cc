@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -8,7 +9,7 @@
 
 #include "process/room_pipeline.h"
 
-// The commands vismap-map objects and vismap-map export with selected objects.
+// The commands of vismap-map that select objects, or leave them out.
 
 namespace vismap {
 namespace {
@@ -117,6 +118,11 @@ TEST(ObjectsCommand, ReportsErrors) {
   EXPECT_EQ(Objects({"--class", "zebra"}).at("objects").size(), 0u);
 }
 
+std::string BytesOf(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
 TEST(ExportCommand, WritesMeshAndPointsOfTheSelectedObjects) {
   const MappedRoom& room = MappedRoom::Get();
   const fs::path out = room.folder() / "one";
@@ -151,17 +157,86 @@ TEST(ExportCommand, WritesOneThingAlone) {
     const fs::path out = room.folder() / ("only_" + what);
     const Ran ran = MapTool({"export", room.map(), "--out", out.string(), "--only", what});
     ASSERT_EQ(ran.exit_code, 0) << ran.error;
-    const auto bytes = [&](const fs::path& path) {
-      std::ifstream in(path, std::ios::binary);
-      return std::string(std::istreambuf_iterator<char>(in), {});
-    };
-    EXPECT_EQ(bytes(out / file), bytes(room.folder() / "out" / file)) << what;
+    EXPECT_EQ(BytesOf(out / file), BytesOf(room.folder() / "out" / file)) << what;
     EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 1) << what;
   }
   const Ran both =
       MapTool({"export", room.map(), "--out", "x", "--only", "mesh", "--class", "chair"});
   EXPECT_EQ(both.exit_code, 2);
   EXPECT_THAT(both.error, HasSubstr("exclude each other"));
+}
+
+TEST(SpaceCommands, LeaveObjectsOutOfASavedMap) {
+  const MappedRoom& room = MappedRoom::Get();
+  const Json chair = Objects({"--class", "chair"}).at("objects").at(0);
+  const std::string without = "id=" + std::to_string(chair.at("instance").get<int>());
+  const auto ask = [&](std::vector<std::string> arguments, bool leave_out) {
+    arguments.insert(arguments.begin() + 1, room.map());
+    if (leave_out) arguments.insert(arguments.end(), {"--without", without});
+    const Ran ran = MapTool(arguments);
+    EXPECT_EQ(ran.exit_code, 0) << ran.error;
+    return ran.out;
+  };
+  const auto center = chair.at("center").get<std::vector<double>>();
+  const std::string at =
+      std::to_string(center[0]) + "," + std::to_string(center[1]) + "," + std::to_string(center[2]);
+  const auto obstacle = [&](bool leave_out) {
+    const Json json = Json::parse(ask({"clearance", "--at", at, "--json"}, leave_out));
+    return json.at("points").at(0).at("obstacle_m").get<double>();
+  };
+  EXPECT_GT(obstacle(true), obstacle(false) + 0.1);
+  EXPECT_NE(ask({"frontiers"}, true), ask({"frontiers"}, false));
+
+  const auto free_cells = [&](bool leave_out) {
+    const fs::path grid = room.folder() / (leave_out ? "without" : "with");
+    ask({"export", "--grid", grid.string()}, leave_out);
+    const std::string bytes = BytesOf(grid.string() + ".pgm");
+    return std::count(bytes.begin(), bytes.end(), static_cast<char>(254));
+  };
+  EXPECT_GT(free_cells(true), free_cells(false));
+
+  const fs::path tree = room.folder() / "tree.bt", out = room.folder() / "without_chair";
+  ask({"octree", "--out", tree.string()}, true);
+  ask({"export", "--out", out.string(), "--only", "octree-closed"}, true);
+  EXPECT_EQ(BytesOf(out / "octree.closed.bt"), BytesOf(tree));
+  EXPECT_NE(BytesOf(out / "octree.closed.bt"), BytesOf(room.folder() / "out/octree.closed.bt"));
+}
+
+TEST(SpaceCommands, RefuseObjectsThatCannotBeLeftOut) {
+  const std::string map = MappedRoom::Get().map();
+  const std::string out = (MappedRoom::Get().folder() / "refused").string();
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"clearance", map, "--at", "0,0,1", "--without", "id=999"},
+           {"frontiers", map, "--without", "id=999"},
+           {"export", map, "--grid", out, "--without", "id=999"}}) {
+    const Ran ran = MapTool(arguments);
+    EXPECT_EQ(ran.exit_code, 2) << arguments[0];
+    EXPECT_THAT(ran.error, HasSubstr("no object with id 999")) << arguments[0];
+  }
+  const Ran all = MapTool({"export", map, "--out", out, "--without", "id=1"});
+  EXPECT_EQ(all.exit_code, 2);
+  EXPECT_THAT(all.error, HasSubstr("--only octree"));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(SpaceCommands, AMapInWhichNothingIsKnownHasNoOctree) {
+  const TempFolder folder;
+  folder.Write("out/octree.closed.bt", "of an earlier run");
+  const fs::path out = folder / "out";
+  ChildProcess mapper("offline-mapper",
+                      {"--dataset", "synthetic:room?frames=1&width=160", "--out", out.string()},
+                      folder.path());
+  EXPECT_EQ(mapper.WaitForExit(), 0) << mapper.StandardError();
+  EXPECT_THAT(mapper.StandardError(),
+              HasSubstr("there is no octree of the map in " + out.string()));
+  const Json report = Json::parse(std::ifstream(out / "report.json"));
+  EXPECT_THAT(report.at("findings").dump(), HasSubstr("no octree of the map"));
+  EXPECT_TRUE(fs::exists(out / "map.vismap"));
+  for (const char* name : {"octree.bt", "octree.closed.bt"}) EXPECT_FALSE(fs::exists(out / name));
+  const Ran ran = MapTool(
+      {"export", (out / "map.vismap").string(), "--out", out.string(), "--only", "octree-closed"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_THAT(ran.error, HasSubstr("nothing in it is known to be free or occupied"));
 }
 
 TEST(ObjectsCommand, WorksWithARunningServerAndIdsSurviveALoad) {
