@@ -5,13 +5,11 @@
 
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include "base/file.h"
 #include "freespace/octree_builder.h"
+#include "octomap_exporter/exporter_on_a_bus.h"
 #include "requests/object_edits.h"
-#include "runtime/clock.h"
-#include "support/occupancy_snapshot.h"
 #include "support/temp_folder.h"
 #include "wire/octree_follower.h"
 #include "wire/octree_message.h"
@@ -22,16 +20,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing_support::SnapshotOf;
 
-constexpr double kVoxel = 0.02;
-
-/// An exporter on a bus of its own, a map that it follows, and what it publishes.
-class ExporterOnABus : public ::testing::Test {
+/// With the trees that it publishes.
+class PublishedTrees : public testing_support::ExporterOnABus {
  protected:
-  ExporterOnABus() {
-    config_.grid.voxel_size_m = kVoxel;
-    config_.octomap_exporter.period_s = 0.05;
+  PublishedTrees() {
     config_.octomap_exporter.coarse_resolution_m = 0.2;
     for (const Channel& channel :
          {kOctomapChannel, kOctomapRawChannel, kOctomapCoarseChannel, kOctomapInflatedChannel}) {
@@ -40,44 +33,8 @@ class ExporterOnABus : public ::testing::Test {
                                   trees_[name].push_back(tree);
                                 });
     }
-    bus_->Subscribe<navigation_status_t>(
-        kNavigationChannel, [this](const navigation_status_t& message) { navigation_ = message; });
-    bus_->Subscribe<map_reply_t>(kMapReplyChannel,
-                                 [this](const map_reply_t& reply) { replies_.push_back(reply); });
   }
 
-  void Start() { exporter_ = std::make_unique<Exporter>(config_, bus_.get(), &status_); }
-
-  template <typename Condition>
-  bool SpinUntil(const Condition& condition, double seconds = 10) {
-    const double end = MonotonicSeconds() + seconds;
-    while (!condition() && MonotonicSeconds() < end) bus_->Spin(0.01);
-    return condition();
-  }
-  void SpinFor(double seconds) {
-    SpinUntil([] { return false; }, seconds);
-  }
-
-  /// Sends the whole map as its next revision.
-  void SendMap() {
-    ++revision_;
-    bus_->Publish(kMapDeltaChannel,
-                  Encode(MapUpdate{1000 * revision_, "m", revision_, -1, 0, 1, SnapshotOf(map_)}));
-  }
-  /// Changes one block, and sends the change.
-  void Change(BlockIndex index, CellState state) {
-    map_.Set(index, BlockOccupancy(state));
-    OccupancyDelta delta{kVoxel, false, {{index, map_.At(index)}}};
-    ++revision_;
-    bus_->Publish(kMapDeltaChannel, Encode(MapUpdate{1000 * revision_, "m", revision_,
-                                                     revision_ - 1, 0, 1, std::move(delta)}));
-  }
-  void FillRoom() {
-    for (int i = 0; i < 12 * 12 * 8; ++i)
-      map_.Set({i % 12 - 4, i / 12 % 12 - 5, i / 144}, BlockOccupancy(CellState::kFree));
-    for (int i = 0; i < 12 * 12; ++i)
-      map_.Set({i % 12 - 4, i / 12 - 5, 0}, BlockOccupancy(CellState::kOccupied));
-  }
   bool HasRevision(const std::string& channel, int64_t revision) {
     return !trees_[channel].empty() && trees_[channel].back().revision == revision;
   }
@@ -99,32 +56,11 @@ class ExporterOnABus : public ::testing::Test {
     cache.Update(inflated, inflated.SortedIndices());
     return cache.Encode(inflated, options)->bytes;
   }
-  map_reply_t Ask(map_request_t request) {
-    request.request_id = ++next_id_;
-    bus_->Publish(kMapRequestChannel, request);
-    EXPECT_TRUE(SpinUntil(
-        [&] { return !replies_.empty() && replies_.back().request_id == request.request_id; }));
-    return replies_.empty() ? map_reply_t{} : replies_.back();
-  }
-  static map_request_t Request(const std::string& verb) {
-    map_request_t request{};
-    request.verb = verb;
-    request.unknown = map_request_t::UNKNOWN_DEFAULT;
-    return request;
-  }
 
-  std::unique_ptr<Bus> bus_ = std::move(*Bus::Open({"memq://", "test"}));
-  Status status_{bus_.get(), "octomap-exporter"};
-  VismapConfig config_;
-  std::unique_ptr<Exporter> exporter_;
-  OccupancyMap map_{kVoxel};
-  int64_t revision_ = 0, next_id_ = 0;
   std::map<std::string, std::vector<octree_t>> trees_;
-  navigation_status_t navigation_{};
-  std::vector<map_reply_t> replies_;
 };
 
-TEST_F(ExporterOnABus, PublishesTheMapClosedRawAndCoarse) {
+TEST_F(PublishedTrees, PublishesTheMapClosedRawAndCoarse) {
   Start();
   FillRoom();
   SendMap();
@@ -149,7 +85,7 @@ TEST_F(ExporterOnABus, PublishesTheMapClosedRawAndCoarse) {
   }
 }
 
-TEST_F(ExporterOnABus, SendsNoTreeWhileNothingIsKnownAndSaysWhy) {
+TEST_F(PublishedTrees, SendsNoTreeWhileNothingIsKnownAndSaysWhy) {
   Start();
   ASSERT_TRUE(SpinUntil([&] { return navigation_.published_utime > 0; }));
   EXPECT_EQ(navigation_.revision, -1);
@@ -173,7 +109,7 @@ TEST_F(ExporterOnABus, SendsNoTreeWhileNothingIsKnownAndSaysWhy) {
   EXPECT_THAT(trees_, IsEmpty()) << "the tree of a map that is gone is not repeated";
 }
 
-TEST_F(ExporterOnABus, AReaderThatComesWhileTheMapStandsStillHasATreeWithinTwoSeconds) {
+TEST_F(PublishedTrees, AReaderThatComesWhileTheMapStandsStillHasATreeWithinTwoSeconds) {
   Start();
   FillRoom();
   SendMap();
@@ -190,7 +126,7 @@ TEST_F(ExporterOnABus, AReaderThatComesWhileTheMapStandsStillHasATreeWithinTwoSe
   }
 }
 
-TEST_F(ExporterOnABus, NavigationTellsRevisionsAndAges) {
+TEST_F(PublishedTrees, NavigationTellsRevisionsAndAges) {
   Start();
   FillRoom();
   SendMap();
@@ -212,7 +148,7 @@ TEST_F(ExporterOnABus, NavigationTellsRevisionsAndAges) {
   EXPECT_TRUE(SpinUntil([&] { return navigation_.server_utime > heard; }, 2));
 }
 
-TEST_F(ExporterOnABus, AFollowerOfDeltasHasTheBytesOfTheWholeTree) {
+TEST_F(PublishedTrees, AFollowerOfDeltasHasTheBytesOfTheWholeTree) {
   OctreeFollower follower;
   bool deaf = false;
   int64_t bytes = 0;
@@ -251,7 +187,7 @@ TEST_F(ExporterOnABus, AFollowerOfDeltasHasTheBytesOfTheWholeTree) {
   EXPECT_EQ(follower.gaps(), 1);
 }
 
-TEST_F(ExporterOnABus, AnswersBoxResolutionAndPolicy) {
+TEST_F(PublishedTrees, AnswersBoxResolutionAndPolicy) {
   Start();
   FillRoom();
   SendMap();
@@ -278,7 +214,7 @@ TEST_F(ExporterOnABus, AnswersBoxResolutionAndPolicy) {
   EXPECT_THAT(Ask(request).message, HasSubstr("unknown: expected -1"));
 }
 
-TEST_F(ExporterOnABus, LeavesObjectsOutAsTheMapServerSays) {
+TEST_F(PublishedTrees, LeavesObjectsOutAsTheMapServerSays) {
   int asked = 0;
   bus_->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
     if (request.verb != "occupancy") return;
@@ -324,7 +260,7 @@ TEST_F(ExporterOnABus, LeavesObjectsOutAsTheMapServerSays) {
   EXPECT_THAT(refusal.message, HasSubstr("no object with id 99"));
 }
 
-TEST_F(ExporterOnABus, SaysWhenNoMapServerAnswersWhichObjects) {
+TEST_F(PublishedTrees, SaysWhenNoMapServerAnswersWhichObjects) {
   Start();
   FillRoom();
   SendMap();
@@ -334,7 +270,7 @@ TEST_F(ExporterOnABus, SaysWhenNoMapServerAnswersWhichObjects) {
   EXPECT_THAT(Ask(request).message, HasSubstr("has not answered within 5 s"));
 }
 
-TEST_F(ExporterOnABus, HonoursAConfigThatWantsOctomapRaw) {
+TEST_F(PublishedTrees, HonoursAConfigThatWantsOctomapRaw) {
   config_.octomap_exporter.unknown = UnknownPolicy::kAbsent;
   Start();
   FillRoom();
@@ -344,7 +280,7 @@ TEST_F(ExporterOnABus, HonoursAConfigThatWantsOctomapRaw) {
   EXPECT_THAT(status_.findings(), ElementsAre(HasSubstr("octomap_exporter.unknown: ABSENT")));
 }
 
-TEST_F(ExporterOnABus, WritesBothFiles) {
+TEST_F(PublishedTrees, WritesBothFiles) {
   const TempFolder folder;
   config_.octomap_exporter.output_folder = folder.path().string();
   Start();
@@ -353,6 +289,31 @@ TEST_F(ExporterOnABus, WritesBothFiles) {
   ASSERT_TRUE(SpinUntil([&] { return std::filesystem::exists(folder / "octree.closed.bt"); }));
   EXPECT_EQ(ReadFileBytes(folder / "octree.bt").value(), Expected(UnknownPolicy::kAbsent));
   EXPECT_EQ(ReadFileBytes(folder / "octree.closed.bt").value(), Expected(UnknownPolicy::kOccupied));
+}
+
+TEST_F(PublishedTrees, FilesAreOfThePresentMapOrSetAside) {
+  const TempFolder folder;
+  const std::string names[] = {"octree.bt", "octree.closed.bt"};
+  for (const std::string& name : names) folder.Write(name, "of an earlier run");
+  config_.octomap_exporter.output_folder = folder.path().string();
+  const auto expect_none = [&](const char* when) {
+    for (const std::string& name : names) {
+      EXPECT_FALSE(std::filesystem::exists(folder / name)) << when;
+      EXPECT_TRUE(std::filesystem::exists(folder / (name + ".previous"))) << when;
+    }
+  };
+  Start();
+  expect_none("nothing is known yet");
+  EXPECT_EQ(std::filesystem::file_size(folder / "octree.closed.bt.previous"), 17u);
+  FillRoom();
+  SendMap();
+  ASSERT_TRUE(SpinUntil([&] { return std::filesystem::exists(folder / "octree.closed.bt"); }));
+  const std::vector<uint8_t> closed = Expected(UnknownPolicy::kOccupied);
+  map_ = OccupancyMap(kVoxel);
+  SendMap();
+  ASSERT_TRUE(SpinUntil([&] { return !std::filesystem::exists(folder / "octree.closed.bt"); }));
+  expect_none("the map was reset");
+  EXPECT_EQ(ReadFileBytes(folder / "octree.closed.bt.previous").value(), closed);
 }
 
 TEST(LatchedTrees, LargeTreesAreRepeatedAsSeldomAsTheBudgetDemands) {

@@ -1,15 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <map>
-#include <memory>
-
 #include "freespace/octree_builder.h"
 #include "freespace/octree_cache.h"
 #include "navigation/start_clearing.h"
-#include "octomap_exporter/exporter.h"
-#include "runtime/clock.h"
-#include "support/occupancy_snapshot.h"
+#include "octomap_exporter/exporter_on_a_bus.h"
 #include "wire/distance_follower.h"
 #include "wire/grid_message.h"
 
@@ -18,85 +13,35 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using testing_support::SnapshotOf;
 
-constexpr double kVoxelEdge = 0.02;
-
-/// An exporter on a bus of its own, which is told of a room that changes.
-class NavigationOnABus : public ::testing::Test {
+/// With the grids that it publishes of a room that changes.
+class NavigationOutputs : public testing_support::ExporterOnABus {
  protected:
-  NavigationOnABus() {
-    config_.grid.voxel_size_m = kVoxelEdge;
-    config_.octomap_exporter.period_s = 0.05;
+  NavigationOutputs() {
     config_.octomap_exporter.grid_period_s = 0.05;
     bus_->Subscribe<occupancy_grid_t>(
         kGridChannel, [this](const occupancy_grid_t& grid) { grids_.push_back(grid); });
-    bus_->Subscribe<navigation_status_t>(
-        kNavigationChannel, [this](const navigation_status_t& message) { navigation_ = message; });
-    bus_->Subscribe<map_reply_t>(kMapReplyChannel,
-                                 [this](const map_reply_t& reply) { replies_.push_back(reply); });
-    for (int i = 0; i < 12 * 12 * 8; ++i) {
-      map_.Set({i % 12 - 4, i / 12 % 12 - 5, i / 144},
-               BlockOccupancy(i < 144 ? CellState::kOccupied : CellState::kFree));
-    }
+    FillRoom();
   }
 
-  template <typename Condition>
-  bool SpinUntil(const Condition& condition, double seconds = 10) {
-    const double end = MonotonicSeconds() + seconds;
-    while (!condition() && MonotonicSeconds() < end) bus_->Spin(0.01);
-    return condition();
-  }
-  void Start() { exporter_ = std::make_unique<Exporter>(config_, bus_.get(), &status_); }
-  void SendAll() {
-    ++revision_;
-    bus_->Publish(kMapDeltaChannel,
-                  Encode(MapUpdate{1000 * revision_, "m", revision_, -1, 0, 1, SnapshotOf(map_)}));
-  }
-  void Change(BlockIndex index, CellState state) {
-    map_.Set(index, BlockOccupancy(state));
-    OccupancyDelta delta{kVoxelEdge, false, {{index, map_.At(index)}}};
-    ++revision_;
-    bus_->Publish(kMapDeltaChannel, Encode(MapUpdate{1000 * revision_, "m", revision_,
-                                                     revision_ - 1, 0, 1, std::move(delta)}));
-  }
-  map_reply_t Ask(const std::string& verb, const std::string& argument) {
-    map_request_t request{};
-    request.verb = verb;
-    request.argument = argument;
-    request.unknown = map_request_t::UNKNOWN_DEFAULT;
-    request.request_id = ++next_id_;
-    bus_->Publish(kMapRequestChannel, request);
-    EXPECT_TRUE(SpinUntil(
-        [&] { return !replies_.empty() && replies_.back().request_id == request.request_id; }));
-    return replies_.empty() ? map_reply_t{} : replies_.back();
-  }
   bool HasGrid(int64_t revision) {
     return SpinUntil([&] { return !grids_.empty() && grids_.back().revision == revision; });
   }
   /// The field of the whole map, computed at once.
   DistanceField ExpectedField(double limit_m) {
-    OctreeBuilder builder = *OctreeBuilder::Make(kVoxelEdge, config_.octree);
+    OctreeBuilder builder = *OctreeBuilder::Make(kVoxel, config_.octree);
     builder.Update(map_, map_.SortedIndices());
     DistanceField field = *DistanceField::Make(builder.leaves().cell_size(), {limit_m});
     field.Update(builder.leaves(), builder.leaves().SortedIndices());
     return field;
   }
 
-  std::unique_ptr<Bus> bus_ = std::move(*Bus::Open({"memq://", "test"}));
-  Status status_{bus_.get(), "octomap-exporter"};
-  VismapConfig config_;
-  std::unique_ptr<Exporter> exporter_;
-  OccupancyMap map_{kVoxelEdge};
-  int64_t revision_ = 0, next_id_ = 0;
   std::vector<occupancy_grid_t> grids_;
-  navigation_status_t navigation_{};
-  std::vector<map_reply_t> replies_;
 };
 
-TEST_F(NavigationOnABus, PublishesTheGridOfEachStateAndRepeatsIt) {
+TEST_F(NavigationOutputs, PublishesTheGridOfEachStateAndRepeatsIt) {
   Start();
-  SendAll();
+  SendMap();
   ASSERT_TRUE(HasGrid(1));
   const auto expect_grid = [&] {
     const Result<GridMessage> read = Decode(grids_.back());
@@ -121,7 +66,7 @@ TEST_F(NavigationOnABus, PublishesTheGridOfEachStateAndRepeatsIt) {
   EXPECT_GT(grids_.back().published_utime, before.published_utime);
 }
 
-TEST_F(NavigationOnABus, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
+TEST_F(NavigationOutputs, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
   config_.octomap_exporter.distance_limit_m = 0.6;
   DistanceFollower follower;
   bool deaf = false;
@@ -132,7 +77,7 @@ TEST_F(NavigationOnABus, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
     follower.Apply(std::move(*update), MonotonicSeconds());
   });
   Start();
-  SendAll();
+  SendMap();
   for (int32_t step = 1; step < 12; ++step) {
     ASSERT_TRUE(HasGrid(revision_));
     if (!deaf) {
@@ -154,11 +99,11 @@ TEST_F(NavigationOnABus, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
   EXPECT_EQ(follower.gaps(), 1);
 }
 
-TEST_F(NavigationOnABus, AnswersOfTheNewestMapAlsoBetweenTwoExports) {
+TEST_F(NavigationOutputs, AnswersOfTheNewestMapAlsoBetweenTwoExports) {
   config_.octomap_exporter.period_s = 0;
   Start();
   EXPECT_THAT(Ask("clearance", "at=0,0,1").message, HasSubstr("no map yet"));
-  SendAll();
+  SendMap();
   const auto distance = [&] {
     const map_reply_t reply = Ask("clearance", "at=0.08,0.08,0.72");
     EXPECT_TRUE(reply.ok) << reply.message;
@@ -176,7 +121,7 @@ TEST_F(NavigationOnABus, AnswersOfTheNewestMapAlsoBetweenTwoExports) {
   EXPECT_THAT(Ask("grid", "high=1").message, HasSubstr("found 'high=1'"));
 }
 
-TEST_F(NavigationOnABus, WhereTheCameraWasIsFreeUnlessItWasSeenOccupied) {
+TEST_F(NavigationOutputs, WhereTheCameraWasIsFreeUnlessItWasSeenOccupied) {
   config_.octomap_exporter.clear_start_m = 0.2;
   config_.octomap_exporter.distance_limit_m = 0.6;
   // The space around the camera at (0.4, 0.4, 0.72) was not seen, but for a post.
@@ -201,11 +146,11 @@ TEST_F(NavigationOnABus, WhereTheCameraWasIsFreeUnlessItWasSeenOccupied) {
     bus_->Publish(kMapReplyChannel, reply);
   });
   Start();
-  SendAll();
+  SendMap();
   ASSERT_TRUE(SpinUntil([&] { return !raw.empty(); }));
   const octree_t tree = trees.back();
   ASSERT_GT(tree.n_assumed_free, 50);
-  OctreeBuilder seen = *OctreeBuilder::Make(kVoxelEdge, config_.octree);
+  OctreeBuilder seen = *OctreeBuilder::Make(kVoxel, config_.octree);
   seen.Update(map_, map_.SortedIndices());
   OccupancyMap expected(seen.leaves().cell_size());
   for (const BlockIndex& index : seen.leaves().SortedIndices())
