@@ -19,6 +19,7 @@
 #include <vismap/segmented_frame_t.hpp>
 
 #include "runtime/bus.h"
+#include "runtime/frame_lag.h"
 #include "runtime/status.h"
 #include "wire/channel_types.h"
 
@@ -91,6 +92,13 @@ void Client::SetWaiting(const std::string& sentence) {
 }
 void Client::Count(const std::string& counter, int64_t amount) {
   parts_->status.Count(counter, amount);
+}
+void Client::SetCounter(const std::string& counter, int64_t value) {
+  parts_->status.SetCounter(counter, value);
+}
+void Client::AddTiming(const std::string& stage, double ms) { parts_->status.AddTiming(stage, ms); }
+void Client::SawFrame(int camera_id, int64_t utime) {
+  SetCounter(kNewestUtimeCounter + std::to_string(camera_id), utime);
 }
 void Client::SetFindings(const std::string& subject, const std::vector<std::string>& sentences) {
   parts_->status.SetFindings(subject, sentences);

@@ -68,6 +68,12 @@ class Client {
   void SetRunning();
   void SetWaiting(const std::string& sentence);
   void Count(const std::string& counter, int64_t amount = 1);
+  void SetCounter(const std::string& counter, int64_t value);
+  /// Adds a duration [ms]; the next STATUS has the median and the maximum of each stage.
+  void AddTiming(const std::string& stage, double ms);
+  /// Tells the map server of the newest frame of a camera, so that it can say by how much the map
+  /// is behind.
+  void SawFrame(int camera_id, int64_t utime);
   /// Replaces what is wrong or suspect about one subject; vismap-doctor repeats it. Empty =
   /// nothing.
   void SetFindings(const std::string& subject, const std::vector<std::string>& sentences);

@@ -70,8 +70,10 @@ endforeach()
 install(TARGETS vismap_lcmtypes EXPORT vismapTargets)
 install(TARGETS vismap_client EXPORT vismapTargets
         LIBRARY DESTINATION ${LIBRARIES} COMPONENT client NAMELINK_COMPONENT dev)
-install(FILES ${PROJECT_SOURCE_DIR}/procs/client/client.h ${PROJECT_SOURCE_DIR}/procs/client/navigation.h
-        DESTINATION include/vismap COMPONENT dev)
+foreach(HEADER client.h clocks.h navigation.h)
+  list(APPEND CLIENT_HEADERS ${PROJECT_SOURCE_DIR}/procs/client/${HEADER})
+endforeach()
+install(FILES ${CLIENT_HEADERS} DESTINATION include/vismap COMPONENT dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/procs/examples DESTINATION ${DOC}/vismap-dev COMPONENT dev)
 install(EXPORT vismapTargets NAMESPACE vismap:: DESTINATION ${LIBRARIES}/cmake/vismap COMPONENT dev)
 include(CMakePackageConfigHelpers)
