@@ -2,7 +2,7 @@
 // it with OMPL (RRT*) and FCL, and prints it. Unknown space is an obstacle.
 //
 // Build it with the CMakeLists.txt beside it, then, while a vismap system runs:
-//   ./plan_sphere START GOAL [RADIUS [SECONDS [URL]]]
+//   ./plan_sphere START GOAL [RADIUS [SECONDS [URL]]] [--channel-prefix PREFIX]
 //   ./plan_sphere 1.1,1.2,1.3 4.2,3.6,1.3 0.2 3 tcpq://127.0.0.1:7700
 // START and GOAL are points x,y,z of the map [m]. Standard output has one line "x y z" for each
 // point of the path. Exit codes: 0 there is a path, 1 there is none, 2 wrong usage.
@@ -270,13 +270,20 @@ bool ReadPoint(const char* text, Vector3d* point) {
          point->allFinite();
 }
 
-std::optional<Task> ReadTask(int argc, char** argv) {
+std::optional<Task> ReadTask(std::vector<std::string> words) {
   Task task;
-  if (argc < 3 || argc > 6) return std::nullopt;
-  if (!ReadPoint(argv[1], &task.start) || !ReadPoint(argv[2], &task.goal)) return std::nullopt;
-  if (argc > 3) task.radius = std::atof(argv[3]);
-  if (argc > 4) task.seconds = std::atof(argv[4]);
-  if (argc > 5) task.navigation.url = argv[5];
+  const auto prefix = std::find(words.begin(), words.end(), "--channel-prefix");
+  if (prefix != words.end()) {
+    if (prefix + 1 == words.end()) return std::nullopt;
+    task.navigation.channel_prefix = *(prefix + 1);
+    words.erase(prefix, prefix + 2);
+  }
+  if (words.size() < 2 || words.size() > 5) return std::nullopt;
+  if (!ReadPoint(words[0].c_str(), &task.start) || !ReadPoint(words[1].c_str(), &task.goal))
+    return std::nullopt;
+  if (words.size() > 2) task.radius = std::atof(words[2].c_str());
+  if (words.size() > 3) task.seconds = std::atof(words[3].c_str());
+  if (words.size() > 4) task.navigation.url = words[4];
   if (!(task.radius > 0 && task.radius < kLookAround && task.seconds > 0)) return std::nullopt;
   task.navigation.name = "plan-sphere";
   task.navigation.trees = {vismap::TreeKind::kClosed, vismap::TreeKind::kRaw};
@@ -286,10 +293,11 @@ std::optional<Task> ReadTask(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::optional<Task> task = ReadTask(argc, argv);
+  const std::optional<Task> task = ReadTask({argv + 1, argv + argc});
   if (!task) {
     std::cerr
-        << "usage: plan_sphere X,Y,Z X,Y,Z [RADIUS [SECONDS [URL]]]; the radius is below 1 m\n";
+        << "usage: plan_sphere X,Y,Z X,Y,Z [RADIUS [SECONDS [URL]]] [--channel-prefix PREFIX]; "
+           "the radius is below 1 m\n";
     return 2;
   }
   ompl::msg::setLogLevel(ompl::msg::LOG_ERROR);

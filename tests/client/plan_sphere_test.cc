@@ -92,6 +92,21 @@ TEST_F(PlanSphereTest, GoesThroughKnownSpaceOnlyAndSaysWhyNot) {
   expect_refusal(here, {0.5, -0.8, 0.8}, "is outside of the known space, which is from (0.00");
 }
 
+TEST_F(PlanSphereTest, FindsTheMapUnderAPrefix) {
+  ProcessBus prefixed(processes, "robot1/");
+  FakeExporter exporter(&prefixed);
+  exporter.SetMap(TwoRooms(true), 1);
+  ChildProcess program(
+      kProgram,
+      {"--channel-prefix", "robot1/", "0.5,0.5,0.8", "3.1,0.8,0.8", "0.2", "1", processes.url()},
+      processes.folder());
+  ASSERT_TRUE(exporter.LiveUntil([&] { return !program.Running(); }));
+  EXPECT_EQ(program.WaitForExit(), 0) << program.StandardError();
+  EXPECT_GE(PathOf(program.StandardOutput()).size(), 2u);
+  ChildProcess wrong(kProgram, {"0,0,0", "1,1,1", "--channel-prefix"}, processes.folder());
+  EXPECT_EQ(wrong.WaitForExit(), 2);
+}
+
 /// The leaves of a tree that OctoMap has read.
 OccupancyMap LeavesOf(const octree_t& message) {
   std::istringstream stream(std::string(message.data.begin(), message.data.end()));
