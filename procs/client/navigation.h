@@ -8,6 +8,7 @@
 #include <vector>
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
+#include <vismap/occupancy_grid_t.hpp>
 #include <vismap/octree_t.hpp>
 
 namespace vismap {
@@ -29,6 +30,8 @@ struct NavigationClientOptions {
   /// once a second, trees are stale [s].
   double max_silence_s = 2.8;
   std::string channel_prefix = {};  ///< as in ClientOptions
+  bool grid = false;       ///< also receive GRID, which octomap_exporter.grid_period_s turns on
+  bool distances = false;  ///< also follow DISTANCES (octomap_exporter.distance_limit_m)
 };
 
 /// A tree of free space, and how far it can be trusted.
@@ -81,6 +84,52 @@ class SpaceDistances {
   std::unique_ptr<Field> field_;
 };
 
+/// A 2-D grid for robots on wheels, and how far it can be trusted, as FreeSpace.
+struct WheelGrid {
+  /// nullptr = there is none, and `why` says so. It is never changed.
+  std::shared_ptr<const occupancy_grid_t> grid;
+  double age_s = std::numeric_limits<double>::infinity();
+  bool stale = true;
+  std::string why;
+
+  explicit operator bool() const { return grid != nullptr; }
+};
+
+/// Distances from the centres of leaves, as they come on DISTANCES. It never changes, and any
+/// threads may read. A newer one shares with it what is equal.
+class LeafDistances {
+ public:
+  struct Field;
+  explicit LeafDistances(std::unique_ptr<const Field> field);  ///< NavigationClient makes them
+  ~LeafDistances();
+
+  double leaf_m() const;   ///< edge of a leaf [m]
+  double limit_m() const;  ///< distances are exact up to here; what is farther away is this [m]
+
+  /// From the centre of the leaf around a point, to the nearest face of an occupied or an unknown
+  /// leaf [m]. 0 where nothing is known.
+  double ToObstacle(const std::array<double, 3>& p_W) const;
+  double ToUnknown(const std::array<double, 3>& p_W) const;
+  /// A ball of this radius around the point itself is in free space [m]: at most 1.74 leaves less
+  /// than the distance to what is nearest, and never more.
+  double FreeRadius(const std::array<double, 3>& p_W) const;
+
+ private:
+  std::unique_ptr<const Field> field_;
+};
+
+/// Distances, and how far they can be trusted, as FreeSpace.
+struct KnownDistances {
+  std::shared_ptr<const LeafDistances> distances;  ///< nullptr = there are none
+  std::string map_id;                              ///< of the map that they are of
+  int64_t revision = -1;
+  double age_s = std::numeric_limits<double>::infinity();
+  bool stale = true;
+  std::string why;
+
+  explicit operator bool() const { return distances != nullptr; }
+};
+
 /// What to ask the octomap exporter for.
 struct TreeRequest {
   struct Box {
@@ -93,8 +142,8 @@ struct TreeRequest {
   std::string without;      ///< objects that are left out, such as "id=7;class=cup"; empty = none
 };
 
-/// Free space for planners: keeps the newest trees of the octomap exporter, knows how old they are
-/// and whether the programs that make them are alive, and asks for others.
+/// Free space for planners: keeps the newest trees, grid and distances of the octomap exporter,
+/// knows how old they are and whether the programs that make them are alive, and asks for others.
 ///
 ///   vismap::NavigationClient navigation;
 ///   navigation.Start();
@@ -129,6 +178,17 @@ class NavigationClient {
   /// last state with `why`.
   FreeSpace WaitFor(TreeKind kind, double timeout_s,
                     double max_age_s = std::numeric_limits<double>::infinity());
+
+  /// The same for the newest grid. Throws std::invalid_argument unless the options ask for grids.
+  WheelGrid NewestGrid(double max_age_s = std::numeric_limits<double>::infinity()) const;
+  WheelGrid WaitForGrid(double timeout_s,
+                        double max_age_s = std::numeric_limits<double>::infinity());
+
+  /// The same for the newest distances. They are followed by what changes: when a message was
+  /// missed, it asks the exporter for what it lacks.
+  KnownDistances NewestDistances(double max_age_s = std::numeric_limits<double>::infinity()) const;
+  KnownDistances WaitForDistances(double timeout_s,
+                                  double max_age_s = std::numeric_limits<double>::infinity());
 
   /// Asks the octomap exporter for a tree and waits up to `timeout_s` [s]. Its reasons for a
   /// refusal are in `why`.

@@ -1,11 +1,14 @@
-// A planner for wheels to start from: reads a grid as map_server and nav2 do (PGM + YAML, which
-// vismap writes), plans the path of a round robot over it with A*, and prints it. Unknown cells are
-// obstacles.
+// A planner for wheels to start from: takes the grid of a running vismap system, or reads one as
+// map_server and nav2 do (PGM + YAML, which vismap writes), plans the path of a round robot over it
+// with A*, and prints it. Unknown cells are obstacles.
 //
-//   ./plan_grid MAP.yaml START GOAL [RADIUS]
-//   ./plan_grid map.yaml 1.1,1.2 4.2,3.6 0.2
+//   ./plan_grid MAP.yaml|live START GOAL [RADIUS] [--lcm-url URL] [--channel-prefix PREFIX]
+//   ./plan_grid live 1.1,1.2 4.2,3.6 0.2    # needs octomap_exporter { grid_period_s: 1 }
 // START and GOAL are points x,y of the map [m]. Standard output has one line "x y" for each cell of
-// the path. Exit codes: 0 there is a path, 1 there is none, 2 wrong usage, 3 unreadable files.
+// the path. Exit codes: 0 there is a path, 1 there is none or no grid, 2 wrong usage, 3 unreadable
+// files or no bus.
+#include <vismap/navigation.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,6 +28,9 @@
 #include <vector>
 
 namespace {
+
+constexpr double kWaitForGrid = 10;  // [s]
+constexpr double kMaxAge = 5;        // of a grid that is planned on [s]
 
 struct Cell {
   int x = 0, y = 0;
@@ -114,6 +120,16 @@ Grid ReadGrid(const std::filesystem::path& yaml) {
       grid.obstacle[grid.At({x, y})] = occupied < number("free_thresh") ? 0 : 1;
     }
   }
+  return grid;
+}
+
+Grid GridOf(const vismap::occupancy_grid_t& message) {
+  Grid grid{message.width,
+            message.height,
+            message.resolution_m,
+            {message.origin_W[0], message.origin_W[1]}};
+  for (const uint8_t state : message.states)
+    grid.obstacle.push_back(state == vismap::occupancy_grid_t::FREE ? 0 : 1);
   return grid;
 }
 
@@ -215,9 +231,10 @@ class Search {
 };
 
 struct Task {
-  std::filesystem::path yaml;
+  std::string map;  ///< a YAML file, or "live"
   std::array<double, 2> start{}, goal{};
   double radius = 0.2;
+  vismap::NavigationClientOptions navigation;
 };
 
 int Refuse(const std::string& sentence) {
@@ -235,25 +252,58 @@ std::string WhyNot(const Grid& grid, const Grid& inflated, const std::array<doub
   return "";
 }
 
-int Plan(const Task& task, const Grid& grid) {
+/// A path, or why there is none.
+struct Plan {
+  std::vector<Cell> path;
+  std::string why;
+};
+
+Plan MakePlan(const Task& task, const Grid& grid) {
   const Grid inflated = Inflate(grid, task.radius);
   for (const auto& [name, p] : {std::pair("start", task.start), std::pair("goal", task.goal)}) {
     const std::string why = WhyNot(grid, inflated, p);
-    if (!why.empty()) return Refuse(std::string("the ") + name + " " + why);
+    if (!why.empty()) return {{}, std::string("the ") + name + " " + why};
   }
-  const std::vector<Cell> path =
-      Search(inflated, grid.CellOf(task.start), grid.CellOf(task.goal)).Run();
-  if (path.empty()) return Refuse("there is no path; unknown cells are not driven through");
+  Plan plan{Search(inflated, grid.CellOf(task.start), grid.CellOf(task.goal)).Run(), ""};
+  if (plan.path.empty()) plan.why = "there is no path; unknown cells are not driven through";
+  return plan;
+}
+
+int Print(const Plan& plan, const Task& task, const Grid& grid) {
+  if (plan.path.empty()) return Refuse(plan.why);
   double length = 0, clearance = 1;
-  for (size_t i = 0; i < path.size(); ++i) {
-    const std::array<double, 2> p = grid.CentreOf(path[i]);
+  for (size_t i = 0; i < plan.path.size(); ++i) {
+    const std::array<double, 2> p = grid.CentreOf(plan.path[i]);
     std::printf("%.4f %.4f\n", p[0], p[1]);
-    if (i > 0) length += Straight(path[i - 1], path[i]) * grid.resolution;
-    clearance = std::min(clearance, GapAround(grid, path[i], clearance));
+    if (i > 0) length += Straight(plan.path[i - 1], plan.path[i]) * grid.resolution;
+    clearance = std::min(clearance, GapAround(grid, plan.path[i], clearance));
   }
   std::fprintf(stderr, "path of %.2f m in %zu cells; clearance %.3f m, radius %.3f m\n", length,
-               path.size(), clearance, task.radius);
+               plan.path.size(), clearance, task.radius);
   return 0;
+}
+
+/// Whether the robot fits in all cells of a path of another grid, which may have other bounds.
+bool IsFree(const Grid& now, const Grid& planned, const std::vector<Cell>& path, double radius) {
+  const Grid inflated = Inflate(now, radius);
+  return std::all_of(path.begin(), path.end(), [&](Cell cell) {
+    return WhyNot(now, inflated, planned.CentreOf(cell)).empty();
+  });
+}
+
+int PlanLive(const Task& task) {
+  vismap::NavigationClient navigation(task.navigation);
+  navigation.Start();
+  const vismap::WheelGrid found = navigation.WaitForGrid(kWaitForGrid, kMaxAge);
+  if (!found) return Refuse(found.why);
+  const Grid grid = GridOf(*found.grid);
+  const Plan plan = MakePlan(task, grid);
+  // The map may have changed meanwhile.
+  const vismap::WheelGrid now = navigation.NewestGrid(kMaxAge);
+  if (!now) return Refuse(now.why);
+  if (now.grid != found.grid && !IsFree(GridOf(*now.grid), grid, plan.path, task.radius))
+    return Refuse("the map has changed, and the path is not free any more");
+  return Print(plan, task, grid);
 }
 
 bool ReadPoint(const char* text, std::array<double, 2>* p) {
@@ -262,20 +312,53 @@ bool ReadPoint(const char* text, std::array<double, 2>* p) {
          std::isfinite((*p)[1]);
 }
 
+/// Takes the options and their values out of the words of a command line.
+bool TakeOptions(std::vector<std::string>* words, vismap::NavigationClientOptions* options) {
+  for (size_t i = 0; i < words->size();) {
+    const std::string& word = (*words)[i];
+    std::string* value = word == "--lcm-url"          ? &options->url
+                         : word == "--channel-prefix" ? &options->channel_prefix
+                                                      : nullptr;
+    if (value == nullptr) {
+      ++i;
+      continue;
+    }
+    if (i + 1 == words->size()) return false;
+    *value = (*words)[i + 1];
+    words->erase(words->begin() + static_cast<std::ptrdiff_t>(i),
+                 words->begin() + static_cast<std::ptrdiff_t>(i) + 2);
+  }
+  return true;
+}
+
+std::optional<Task> ReadTask(std::vector<std::string> words) {
+  Task task;
+  task.navigation.name = "plan-grid";
+  task.navigation.trees = {};
+  task.navigation.grid = true;
+  if (!TakeOptions(&words, &task.navigation) || words.size() < 3 || words.size() > 4)
+    return std::nullopt;
+  task.map = words[0];
+  if (!ReadPoint(words[1].c_str(), &task.start) || !ReadPoint(words[2].c_str(), &task.goal))
+    return std::nullopt;
+  if (words.size() == 4) task.radius = std::atof(words[3].c_str());
+  if (!(task.radius >= 0 && task.radius < 5)) return std::nullopt;
+  return task;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  Task task;
-  const bool understood =
-      (argc == 4 || argc == 5) && ReadPoint(argv[2], &task.start) && ReadPoint(argv[3], &task.goal);
-  if (understood && argc == 5) task.radius = std::atof(argv[4]);
-  if (!understood || !(task.radius >= 0 && task.radius < 5)) {
-    std::cerr << "usage: plan_grid MAP.yaml X,Y X,Y [RADIUS]; the radius is below 5 m\n";
+  const std::optional<Task> task = ReadTask({argv + 1, argv + argc});
+  if (!task) {
+    std::cerr << "usage: plan_grid MAP.yaml|live X,Y X,Y [RADIUS] [--lcm-url URL] "
+                 "[--channel-prefix PREFIX]; the radius is below 5 m\n";
     return 2;
   }
   try {
-    task.yaml = argv[1];
-    return Plan(task, ReadGrid(task.yaml));
+    if (task->map == "live") return PlanLive(*task);
+    const Grid grid = ReadGrid(task->map);
+    return Print(MakePlan(*task, grid), *task, grid);
   } catch (const std::exception& error) {
     std::cerr << "plan_grid: " << error.what() << "\n";
     return 3;

@@ -77,7 +77,7 @@ void DistancePublisher::Publish(int64_t base_revision, std::span<const BlockInde
     update.head = {position_.map_id,  position_.revision,         base_revision,
                    base_revision < 0, static_cast<int32_t>(part), static_cast<int32_t>(parts)};
     update.utime = utime_;
-    update.published_utime = WallUtime();
+    update.published_utime = published_utime_ = WallUtime();
     update.leaf_m = field_->leaf_m();
     update.limit_m = field_->limit_m();
     const size_t from = part * kBlocksPerMessage;

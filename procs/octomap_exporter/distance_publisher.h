@@ -32,6 +32,10 @@ class DistancePublisher {
 
   /// The field; nullptr when none is kept.
   const DistanceField* field() const { return field_ ? &*field_ : nullptr; }
+  /// What followers reach by what was published, the newest frame in it, and when it was sent [us].
+  const FollowerPosition& position() const { return position_; }
+  int64_t utime() const { return utime_; }
+  int64_t published_utime() const { return published_utime_; }
 
  private:
   void Publish(int64_t base_revision, std::span<const BlockIndex> blocks);
@@ -40,7 +44,7 @@ class DistancePublisher {
   Bus* bus_;
   std::optional<DistanceField> field_;
   FollowerPosition position_;  // that followers reach by what was published
-  int64_t utime_ = 0;
+  int64_t utime_ = 0, published_utime_ = 0;
   BlockTable<int64_t> revisions_;  // of the last change of each block
   Pacer heartbeat_pacer_{1.0};
 };

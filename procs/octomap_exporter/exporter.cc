@@ -390,17 +390,19 @@ void Exporter::PublishNavigation() {
   message.server_utime = server_utime_;
   message.message = Trouble();
   message.n_assumed_free = trees_ ? static_cast<int32_t>(trees_->assumed_free()) : 0;
-  for (const LatchedTrees::Sent& sent : latched_.sent()) {
-    message.channels.emplace_back(sent.channel.name);
-    message.revisions.push_back(sent.tree.revision);
-    message.utimes.push_back(sent.tree.utime);
-    message.published_utimes.push_back(sent.tree.published_utime);
-  }
-  if (grid_.sent()) {
-    message.channels.emplace_back(kGridChannel.name);
-    message.revisions.push_back(grid_.sent()->revision);
-    message.utimes.push_back(grid_.sent()->utime);
-    message.published_utimes.push_back(grid_.sent()->published_utime);
+  const auto add = [&](const Channel& channel, int64_t revision, int64_t utime, int64_t published) {
+    message.channels.emplace_back(channel.name);
+    message.revisions.push_back(revision);
+    message.utimes.push_back(utime);
+    message.published_utimes.push_back(published);
+  };
+  for (const LatchedTrees::Sent& sent : latched_.sent())
+    add(sent.channel, sent.tree.revision, sent.tree.utime, sent.tree.published_utime);
+  if (const auto& grid = grid_.sent())
+    add(kGridChannel, grid->revision, grid->utime, grid->published_utime);
+  if (distances_.field() != nullptr) {
+    add(kDistancesChannel, distances_.position().revision, distances_.utime(),
+        distances_.published_utime());
   }
   message.n_outputs = static_cast<int32_t>(message.channels.size());
   bus_->Publish(kNavigationChannel, message);

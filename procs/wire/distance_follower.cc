@@ -1,5 +1,6 @@
 #include "wire/distance_follower.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace vismap {
@@ -21,7 +22,8 @@ FollowOutcome DistanceFollower::Apply(DistanceUpdate update, double now) {
   leaf_m_ = leaf_m;
   limit_m_ = limit_m;
   utime_ = utime;
-  if (blocks_.bytes() <= sequence_.limits().max_bytes) return outcome;
+  const size_t used = blocks_.bytes() + blocks_.size() * (sizeof(BlockDistances) + 32);
+  if (used <= sequence_.limits().max_bytes) return outcome;
   blocks_.Clear();
   sequence_.RequireSnapshot();
   return FollowOutcome::kTooLarge;
@@ -30,7 +32,7 @@ FollowOutcome DistanceFollower::Apply(DistanceUpdate update, double now) {
 void DistanceFollower::ApplyPart(DistanceUpdate part) {
   for (auto& [index, distances] : part.blocks) {
     if (distances) {
-      blocks_.FindOrCreate(index) = *distances;
+      blocks_.FindOrCreate(index) = std::make_shared<const BlockDistances>(*distances);
     } else {
       blocks_.Erase(index);
     }
@@ -38,8 +40,18 @@ void DistanceFollower::ApplyPart(DistanceUpdate part) {
 }
 
 std::optional<BlockDistances> DistanceFollower::At(BlockIndex index) const {
-  const BlockDistances* found = blocks_.Find(index);
-  return found == nullptr ? std::nullopt : std::optional(*found);
+  const auto* found = blocks_.Find(index);
+  return found == nullptr ? std::nullopt : std::optional(**found);
+}
+
+SharedDistanceBlocks DistanceFollower::Share() const {
+  SharedDistanceBlocks blocks;
+  blocks.reserve(blocks_.size());
+  blocks_.ForEach(
+      [&](BlockIndex index, const auto& distances) { blocks.emplace_back(index, distances); });
+  std::sort(blocks.begin(), blocks.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  return blocks;
 }
 
 }  // namespace vismap

@@ -1,12 +1,18 @@
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "map/block_table.h"
 #include "wire/distance_update.h"
 
 namespace vismap {
+
+/// Blocks with their distances, ascending by index. What a pointer leads to never changes.
+using SharedDistanceBlocks =
+    std::vector<std::pair<BlockIndex, std::shared_ptr<const BlockDistances>>>;
 
 /// A copy of the exporter's distances, built from the messages on DISTANCES, equal to them bit for
 /// bit. It detects a missing update and then reports kNeedsSnapshot: ask for it with the verb
@@ -23,6 +29,9 @@ class DistanceFollower {
   /// everywhere, where the distance to unknown space is 0.
   std::optional<BlockDistances> At(BlockIndex index) const;
   std::vector<BlockIndex> SortedIndices() const { return blocks_.SortedIndices(); }
+  /// The present state, which later updates leave as it is. Costs time and memory for pointers
+  /// only.
+  SharedDistanceBlocks Share() const;
 
   double leaf_m() const { return leaf_m_; }    ///< 0 before the first update
   double limit_m() const { return limit_m_; }  ///< distances are exact up to here
@@ -38,7 +47,7 @@ class DistanceFollower {
   void ApplyPart(DistanceUpdate part);
 
   UpdateSequence<DistanceUpdate> sequence_;
-  BlockTable<BlockDistances> blocks_;
+  BlockTable<std::shared_ptr<const BlockDistances>> blocks_;
   double leaf_m_ = 0, limit_m_ = 0;
   int64_t utime_ = 0;
 };

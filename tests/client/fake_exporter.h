@@ -1,12 +1,21 @@
 #pragma once
 
+#include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vismap/map_reply_t.hpp>
+#include <vismap/map_request_t.hpp>
 #include <vismap/navigation_status_t.hpp>
 
 #include "freespace/octree.h"
+#include "navigation/distance_field.h"
+#include "navigation/ground_grid.h"
+#include "navigation/tree_leaves.h"
 #include "process/process_harness.h"
 #include "runtime/clock.h"
+#include "wire/distance_update.h"
+#include "wire/grid_message.h"
 #include "wire/octree_message.h"
 
 namespace vismap::testing_support {
@@ -43,6 +52,36 @@ inline octree_t TreeMessage(const OccupancyMap& map, UnknownPolicy unknown, int6
   return Encode(message);
 }
 
+/// The grid of a band of heights.
+inline occupancy_grid_t GridOf(const OccupancyMap& map, int64_t revision,
+                               const std::string& map_id = "map a") {
+  GroundGridOptions options;
+  options.resolution_m = 0.1;
+  options.band_min_m = 0.2;
+  options.band_max_m = 1.0;
+  const auto grid = MakeGroundGrid(map, options, {});
+  if (!grid) throw std::runtime_error(grid.error().message);
+  return Encode(GridMessage{5, WallUtime(), map_id, revision, options, *grid});
+}
+
+/// All distances in the leaves of a map, as an update from another revision; -1 = a complete one.
+inline DistanceUpdate DistancesIn(const OccupancyMap& map, int64_t revision, int64_t base,
+                                  const std::string& map_id = "map a") {
+  const auto leaves =
+      ReadTreeLeaves(TreeMessage(map, UnknownPolicy::kAbsent, revision).data, "the tree");
+  if (!leaves) throw std::runtime_error(leaves.error().message);
+  auto field = DistanceField::Make(leaves->cell_size(), {.limit_m = 1});
+  if (!field) throw std::runtime_error(field.error().message);
+  field->Update(*leaves, leaves->SortedIndices());
+  DistanceUpdate update;
+  update.head = {map_id, revision, base, base < 0, 0, 1};
+  update.leaf_m = leaves->cell_size();
+  update.limit_m = field->limit_m();
+  for (const BlockIndex& index : field->SortedIndices())
+    update.blocks.emplace_back(index, field->At(index));
+  return update;
+}
+
 /// Publishes what the octomap exporter does, as the test wants it.
 class FakeExporter {
  public:
@@ -65,6 +104,46 @@ class FakeExporter {
   void PublishTrees() {
     processes_->bus().Publish(kOctomapChannel, closed);
     processes_->bus().Publish(kOctomapRawChannel, raw);
+    if (grid) processes_->bus().Publish(kGridChannel, *grid);
+    if (distances) {  // a heartbeat
+      DistanceUpdate nothing = *distances;
+      nothing.head.base_revision = nothing.head.revision;
+      nothing.head.full = false;
+      nothing.blocks.clear();
+      processes_->bus().Publish(kDistancesChannel, Encode(nothing));
+    }
+  }
+  void PublishDistances() { processes_->bus().Publish(kDistancesChannel, Encode(*distances)); }
+  /// Answers distances-delta from now on: publishes all, or refuses with this sentence.
+  void AnswerDistances(const std::string& refusal) {
+    processes_->bus().Subscribe<map_request_t>(kMapRequestChannel,
+                                               [this, refusal](const map_request_t& request) {
+                                                 if (request.verb != "distances-delta") return;
+                                                 asked.push_back(request.argument);
+                                                 map_reply_t reply{};
+                                                 reply.requester = request.source;
+                                                 reply.request_id = request.request_id;
+                                                 reply.ok = refusal.empty();
+                                                 reply.message = refusal;
+                                                 if (refusal.empty()) {
+                                                   distances->head.full = true;
+                                                   PublishDistances();
+                                                 }
+                                                 processes_->bus().Publish(kMapReplyChannel, reply);
+                                               });
+  }
+  /// Adds an output to NAVIGATION, or changes its revision.
+  void SetOutput(const std::string& channel, int64_t revision) {
+    size_t i = 0;
+    while (i < status.channels.size() && status.channels[i] != channel) ++i;
+    if (i == status.channels.size()) {
+      status.channels.push_back(channel);
+      status.revisions.push_back(0);
+      status.utimes.push_back(5);
+      status.published_utimes.push_back(WallUtime());
+      status.n_outputs = static_cast<int32_t>(status.channels.size());
+    }
+    status.revisions[i] = revision;
   }
   void PublishStatus() {
     status.published_utime = WallUtime();
@@ -87,6 +166,9 @@ class FakeExporter {
 
   navigation_status_t status{};
   octree_t closed{}, raw{};
+  std::optional<occupancy_grid_t> grid;
+  std::optional<DistanceUpdate> distances;
+  std::vector<std::string> asked;  // arguments of distances-delta
   bool server_lives = true;
 
  private:

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/fake_exporter.h"
 #include "process/process_harness.h"
 #include "simulation/room.h"
 
@@ -110,6 +111,46 @@ TEST(PlanGrid, NamesFilesThatItCannotRead) {
   const auto lacking = grid.Plan("-0.95,2.05", "-0.95,2.05", "0");
   EXPECT_EQ(lacking->WaitForExit(), 3);
   EXPECT_THAT(lacking->StandardError(), HasSubstr("map.yaml has no resolution"));
+}
+
+TEST(PlanGrid, PlansOnTheGridOfARunningSystemUnderAPrefix) {
+  // A hub that delivers nothing of the time before a client came.
+  const TempFolder folder;
+  folder.Write("hub.txtpb", "hub { rejoin_s: 0 }");
+  ProcessBus hub({"--config", folder / "hub.txtpb"});
+  ProcessBus processes(hub, "robot1/");
+  testing_support::FakeExporter exporter(&processes);
+  const auto run = [&](const std::string& goal) {
+    auto program = std::make_unique<ChildProcess>(
+        VISMAP_EXAMPLES_DIR "/plan_grid",
+        std::vector<std::string>{"live", "0.55,0.55", goal, "0.2", "--lcm-url", processes.url(),
+                                 "--channel-prefix", "robot1/"},
+        processes.folder());
+    EXPECT_TRUE(exporter.LiveUntil([&] { return !program->Running(); }));
+    return program;
+  };
+  const auto set_map = [&](bool open, int64_t revision) {
+    exporter.SetMap(testing_support::TwoRooms(open), revision);
+    exporter.grid = testing_support::GridOf(testing_support::TwoRooms(open), revision);
+    exporter.SetOutput("GRID", revision);
+  };
+  set_map(true, 1);
+  const auto open = run("3.15,0.75");
+  ASSERT_EQ(open->WaitForExit(), 0) << open->StandardError();
+  std::istringstream lines(open->StandardOutput());
+  double x = 0, y = 0;
+  while (lines >> x >> y) EXPECT_GT(std::hypot(x - 1, y - 1), 0.2) << "the pillar";
+  EXPECT_NEAR(x, 3.15, 1e-9);
+  set_map(false, 2);
+  const auto shut = run("3.15,0.75");
+  EXPECT_EQ(shut->WaitForExit(), 1);
+  EXPECT_THAT(shut->StandardError(), HasSubstr("there is no path"));
+  exporter.grid.reset();
+  exporter.SetOutput("GRID", -1);
+  exporter.status.message = "GRID: z of the map does not point upward";
+  const auto none = run("3.15,0.75");
+  EXPECT_EQ(none->WaitForExit(), 1);
+  EXPECT_THAT(none->StandardError(), HasSubstr("z of the map does not point upward"));
 }
 
 /// The free cells of an image as vismap writes it, which has no comment; row 0 has the smallest y.

@@ -97,6 +97,12 @@ TEST_F(NavigationOutputs, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
            step % 5 == 0 ? CellState::kUnknown : CellState::kOccupied);
   }
   EXPECT_EQ(follower.gaps(), 1);
+  ASSERT_TRUE(SpinUntil([&] {
+    return !navigation_.channels.empty() && navigation_.channels.back() == "DISTANCES" &&
+           navigation_.revisions.back() == revision_;
+  }));
+  EXPECT_EQ(navigation_.utimes.back(), 1000 * revision_);
+  EXPECT_GT(navigation_.published_utimes.back(), navigation_.server_utime - 1000000);
 }
 
 TEST_F(NavigationOutputs, AnswersOfTheNewestMapAlsoBetweenTwoExports) {

@@ -151,12 +151,18 @@ TEST(DistanceFollower, NoticesWhatItMissedAndWhatDoesNotFit) {
   EXPECT_EQ(follower.Apply(next), FollowOutcome::kApplied);
   EXPECT_FALSE(follower.At(update.blocks[0].first));
   EXPECT_EQ(follower.utime(), 8);
+  const SharedDistanceBlocks shared = follower.Share();
+  ASSERT_EQ(shared.size(), 2U);
+  EXPECT_EQ(shared[0].first, update.blocks[2].first);
+  EXPECT_EQ(*shared[0].second, *update.blocks[2].second);
   next.head = {"m", 7, 6, false, 0, 1};
   EXPECT_EQ(follower.Apply(next), FollowOutcome::kNeedsSnapshot);
   EXPECT_EQ(follower.gaps(), 1);
   EXPECT_EQ(follower.position().revision, 4);
   update.head.revision = 9;
+  update.blocks[2].second->obstacle[3] ^= 1;
   EXPECT_EQ(follower.Apply(update), FollowOutcome::kApplied);
+  EXPECT_NE(*shared[0].second, *follower.Share()[1].second) << "what was shared has changed";
   DistanceUpdate coarser{{"m", 10, 9, false, 0, 1}, 8, 9, 0.1, 2, {}};
   EXPECT_EQ(follower.Apply(coarser), FollowOutcome::kBroken);
   DistanceFollower small({.max_bytes = 3000});
