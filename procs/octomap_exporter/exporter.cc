@@ -4,6 +4,7 @@
 #include <span>
 #include <utility>
 #include <vector>
+#include <vismap/object_list_t.hpp>
 #include <vismap/process_status_t.hpp>
 
 #include "base/file.h"
@@ -48,6 +49,9 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
   bus_->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& message) {
     if (message.process == "map-server") server_utime_ = WallUtime();
   });
+  bus_->Subscribe<object_list_t>(
+      kObjectsChannel, [this](const object_list_t& message) { return up_.Hear(message); },
+      Delivery::kLatest);
   HandleRequests();
   bus_->Every(0.2, [this] { OnTimer(); });
   bus_->Every(1.0, [this] { PublishNavigation(); });
@@ -299,6 +303,8 @@ void Exporter::BeginQuestion(const map_request_t& request, Question ask,
                              const RequestServer::Reply& reply) {
   if (!follower_.occupancy()) return reply(Fail("no map yet: nothing has come on MAP_DELTA"));
   if (const Result<void> done = BringUpToDate(); !done) return reply(tl::unexpected(done.error()));
+  const auto problem = up_.GridProblem(follower_.position().map_id);
+  if (problem && ask == AnswerGrid) return reply(Fail(*problem));
   WithSpace(request, std::nullopt, reply, [this, request, ask](const OccupancyMap& voxels) {
     NavigationSpace space = Space();
     if (request.without.empty()) return ask(space, request);
@@ -328,12 +334,23 @@ NavigationSpace Exporter::Space() const {
 
 void Exporter::PublishGrid() {
   const FollowerPosition& position = follower_.position();
-  if (!follower_.in_sync() || !follower_.occupancy() || !grid_.IsDue(position)) return;
+  if (config_.octomap_exporter.grid_period_s <= 0 || !follower_.in_sync() || !follower_.occupancy())
+    return;
+  if (const auto problem = up_.GridProblem(position.map_id)) {
+    grid_.Clear();
+    return TellOfGrid(problem);
+  }
+  if (!grid_.IsDue(position)) return;
   path_.Request(position);
   const StageTimer timer(status_, "grid");
   const Result<void> published =
       grid_.Publish(*follower_.occupancy(), position, follower_.utime(), path_.positions_W());
-  status_->SetFinding("grid", published ? std::nullopt : std::optional(published.error().message));
+  TellOfGrid(published ? std::nullopt : std::optional(published.error().message));
+}
+
+void Exporter::TellOfGrid(const std::optional<std::string>& problem) {
+  status_->SetFinding("grid", problem);
+  grid_error_ = problem.value_or("");
 }
 
 void Exporter::WithSpace(const map_request_t& request, const std::optional<BlockRegion>& region,
@@ -400,6 +417,11 @@ void Exporter::PublishNavigation() {
     add(sent.channel, sent.tree.revision, sent.tree.utime, sent.tree.published_utime);
   if (const auto& grid = grid_.sent())
     add(kGridChannel, grid->revision, grid->utime, grid->published_utime);
+  if (!grid_error_.empty()) {
+    add(kGridChannel, -1, 0, 0);
+    if (message.message.empty())
+      message.message = std::string(kGridChannel.name) + ": " + grid_error_;
+  }
   if (distances_.field() != nullptr) {
     add(kDistancesChannel, distances_.position().revision, distances_.utime(),
         distances_.published_utime());

@@ -12,6 +12,7 @@
 #include "octomap_exporter/grid_publisher.h"
 #include "octomap_exporter/latched_trees.h"
 #include "octomap_exporter/leaf_publisher.h"
+#include "octomap_exporter/map_up.h"
 #include "octomap_exporter/space_without.h"
 #include "octomap_exporter/tree_set.h"
 #include "requests/navigation_answers.h"
@@ -64,6 +65,7 @@ class Exporter {
   Result<void> UpdateTrees();
   void FollowPath(bool anew);
   void PublishGrid();
+  void TellOfGrid(const std::optional<std::string>& problem);
   NavigationSpace Space() const;
   Result<std::string> Publish();
   Result<std::string> WriteFiles();
@@ -81,6 +83,8 @@ class Exporter {
   LeafPublisher leaf_deltas_;
   DistancePublisher distances_;
   GridPublisher grid_;
+  MapUp up_;
+  std::string grid_error_;  // why no grid is published; "" = one is, or none is wanted
   CameraPath path_;
   size_t path_used_ = 0;  // positions that trees_ has got
   CatchUp catch_up_;

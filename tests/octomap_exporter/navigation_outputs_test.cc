@@ -1,12 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "freespace/octree_builder.h"
 #include "freespace/octree_cache.h"
 #include "navigation/start_clearing.h"
 #include "octomap_exporter/exporter_on_a_bus.h"
 #include "wire/distance_follower.h"
 #include "wire/grid_message.h"
+#include "wire/object_list.h"
 
 namespace vismap {
 namespace {
@@ -64,6 +67,52 @@ TEST_F(NavigationOutputs, PublishesTheGridOfEachStateAndRepeatsIt) {
   ASSERT_TRUE(SpinUntil([&] { return !grids_.empty(); }, 2)) << "a reader that comes late";
   EXPECT_EQ(grids_.back().states, before.states);
   EXPECT_GT(grids_.back().published_utime, before.published_utime);
+}
+
+/// A list with one object, whose box is turned about x.
+object_list_t ListWithBox(double degrees, const std::string& map_id = "m") {
+  ObjectList list{1000, map_id, 1, {}};
+  ObjectSummary object;
+  object.segments = {SegmentLabel{3}};
+  object.box.size = {1, 1, 1};
+  object.box.R_W_B = Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Eigen::Vector3d::UnitX());
+  list.objects.push_back(object);
+  return Encode(list, [](ClassId) { return "thing"; });
+}
+
+TEST_F(NavigationOutputs, NoGridIsGivenOfAMapWhoseZIsNotUp) {
+  Start();
+  SendMap();
+  ASSERT_TRUE(HasGrid(1));
+  EXPECT_TRUE(Ask("grid", "").ok) << "nothing is known of the upward direction yet";
+  bus_->Publish(kObjectsChannel, ListWithBox(90, "another map"));
+  bus_->Publish(kObjectsChannel, ListWithBox(90));
+  ASSERT_TRUE(SpinUntil([&] { return !status_.findings().empty(); }));
+  EXPECT_THAT(status_.findings().front(),
+              HasSubstr("(0.00, -1.00, 0.00) does, 90 degrees from z; publish poses in a world"));
+  for (const char* argument : {"", "band=0.1,0.8"}) {
+    EXPECT_FALSE(Ask("grid", argument).ok);
+    EXPECT_EQ(replies_.back().message, status_.findings().front());
+  }
+  EXPECT_TRUE(Ask("frontiers", "").ok);
+  grids_.clear();
+  ASSERT_TRUE(SpinUntil([&] { return navigation_.message.starts_with("GRID: a grid needs z"); }));
+  EXPECT_EQ(navigation_.channels.back(), "GRID");
+  EXPECT_EQ(navigation_.revisions.back(), -1);
+  Change({2, 2, 2}, CellState::kOccupied);
+  EXPECT_FALSE(SpinUntil([&] { return !grids_.empty(); }, 2));
+  bus_->Publish(kObjectsChannel, ListWithBox(10));
+  ASSERT_TRUE(HasGrid(2));
+  EXPECT_TRUE(status_.findings().empty());
+  ASSERT_TRUE(SpinUntil([&] { return navigation_.message.empty(); }));
+  EXPECT_EQ(navigation_.revisions.back(), 2);
+  // Another map, of which nothing is known, is no longer judged by the objects of this one.
+  bus_->Publish(kObjectsChannel, ListWithBox(90));
+  ASSERT_TRUE(SpinUntil([&] { return !status_.findings().empty(); }));
+  ++revision_;
+  bus_->Publish(kMapDeltaChannel, Encode(MapUpdate{9000, "m2", revision_, -1, 0, 1,
+                                                   testing_support::SnapshotOf(map_)}));
+  ASSERT_TRUE(HasGrid(3));
 }
 
 TEST_F(NavigationOutputs, AFollowerHasTheDistancesOfTheWholeMapBitForBit) {
