@@ -1,0 +1,81 @@
+/** The WebSocket to vismap-viewer: connects, and connects again whenever the connection was lost. */
+import type { LinkState, Want } from "./worker_messages";
+
+export interface LinkHandlers {
+  onText(text: string): void;
+  onBytes(bytes: ArrayBuffer): void;
+  onState(state: LinkState, text: string): void;
+}
+
+const kFirstWait = 500; // [ms]
+const kLongestWait = 5000; // [ms]
+const kAckInterval = 100; // [ms]
+
+export class LiveLink {
+  private socket: WebSocket | null = null;
+  private wait = kFirstWait;
+  private want: Want | null = null;
+  private bytes = 0;
+  private ackTimer: ReturnType<typeof setTimeout> | null = null;
+
+  constructor(
+    private readonly url: string,
+    private readonly handlers: LinkHandlers,
+  ) {}
+
+  /** Bytes of binary messages that came over this connection. */
+  get received(): number {
+    return this.bytes;
+  }
+
+  connect(): void {
+    this.handlers.onState("connecting", "");
+    const socket = new WebSocket(this.url);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => this.opened(socket);
+    socket.onclose = (event) => this.closed(event);
+    socket.onmessage = (event: MessageEvent<string | ArrayBuffer>) => this.take(event.data);
+    this.socket = socket;
+  }
+
+  setWant(want: Want): void {
+    this.want = want;
+    this.send({ kind: "want", ...want });
+  }
+
+  resync(): void {
+    this.send({ kind: "resync" });
+  }
+
+  private opened(socket: WebSocket): void {
+    this.socket = socket;
+    this.wait = kFirstWait;
+    this.bytes = 0;
+    this.handlers.onState("open", "");
+    if (this.want) this.setWant(this.want);
+  }
+
+  private closed(event: CloseEvent): void {
+    this.socket = null;
+    this.handlers.onState("closed", event.reason);
+    setTimeout(() => this.connect(), this.wait);
+    this.wait = Math.min(2 * this.wait, kLongestWait);
+  }
+
+  private take(data: string | ArrayBuffer): void {
+    if (typeof data === "string") {
+      this.handlers.onText(data);
+      return;
+    }
+    this.bytes += data.byteLength;
+    this.handlers.onBytes(data);
+    this.ackTimer ??= setTimeout(() => {
+      this.ackTimer = null;
+      this.send({ kind: "ack", bytes: this.bytes });
+    }, kAckInterval);
+  }
+
+  private send(message: object): void {
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+  }
+}

@@ -1,0 +1,88 @@
+/** What is known of the selected object, with its PLY and the frames that it was seen in. */
+import { getJson } from "./api";
+import { css } from "./colours";
+import { count, el } from "./dom";
+import { asList, asNumber, asObject, asText } from "./json";
+import { colourOfObject } from "./object_list";
+import { agoText, sizeText, type MapObject } from "./objects";
+
+const kMostFrames = 12;
+
+export class ObjectCard {
+  private shownId: string | null = null;
+  private evidence = el("div", { class: "faint" });
+
+  constructor(
+    private readonly parent: HTMLElement,
+    private readonly className: (id: number) => string,
+    private readonly onClose: () => void,
+    private readonly onFly: () => void,
+  ) {}
+
+  show(object: MapObject | null, now: number): void {
+    this.parent.hidden = object === null;
+    if (!object) {
+      this.shownId = null;
+      this.parent.replaceChildren();
+      return;
+    }
+    const other = object.id !== this.shownId;
+    this.shownId = object.id;
+    if (other) {
+      this.evidence = el("div", { class: "faint" });
+      this.parent.replaceChildren(this.head(object), el("div"), this.links(object), this.evidence);
+      if (object.group !== "removed") void this.showEvidence(object.id, this.evidence);
+    }
+    this.parent.children[1]!.replaceChildren(this.facts(object, now));
+  }
+
+  private head(object: MapObject): HTMLElement {
+    const swatch = el("span", { class: "swatch", "aria-hidden": "true" });
+    swatch.style.background = css(colourOfObject(object));
+    const close = el("button", { type: "button", "aria-label": "Close: nothing selected", title: "Close (Esc)" }, "✕");
+    close.addEventListener("click", this.onClose);
+    return el("div", { class: "head" }, el("h2", {}, swatch, `${object.name} ${object.id}`), close);
+  }
+
+  private facts(object: MapObject, now: number): HTMLElement {
+    const others = Object.entries(object.probabilities).sort((a, b) => b[1] - a[1]);
+    const classes = others.slice(0, 3).map(([id, share]) => `${this.className(Number(id))} ${Math.round(100 * share)} %`);
+    const facts: [string, string][] = [
+      ["Class", classes.join(", ") || (object.group === "structure" ? `structure: ${object.name}` : "not known")],
+      ["Probability", object.instance > 0 ? `${Math.round(100 * object.score)} %` : ""],
+      ["Size", sizeText(object.box)],
+      ["Centre", object.box ? `${object.box.centre.map((c) => c.toFixed(2)).join(", ")} m` : ""],
+      ["Surface", object.area > 0 ? `${object.area.toFixed(2)} m², ${count(object.points)} points` : ""],
+      ["Seen", `in ${count(object.frames)} frames, last ${agoText(object.lastUtime, now)}`],
+      ["Segments", object.segments.slice(0, 12).join(", ") + (object.segments.length > 12 ? ", …" : "")],
+    ];
+    const shown = facts.filter(([, text]) => text !== "");
+    return el("dl", {}, ...shown.flatMap(([name, text]) => [el("dt", {}, name), el("dd", {}, text)]));
+  }
+
+  private links(object: MapObject): HTMLElement {
+    if (object.group === "removed") return el("p", { class: "faint" }, "It is no longer in the map.");
+    const fly = el("button", { type: "button" }, "Fly there");
+    fly.addEventListener("click", this.onFly);
+    const file = `${object.name.replace(/\W+/g, "_")}_${object.id}.ply`;
+    const ply = el("a", { href: `api/object/${encodeURIComponent(object.id)}.ply`, download: file }, "Download as PLY");
+    return el("div", { class: "row" }, fly, ply);
+  }
+
+  private async showEvidence(id: string, where: HTMLElement): Promise<void> {
+    where.textContent = "Frames: asking …";
+    const answer = await getJson(`api/evidence?id=${encodeURIComponent(id)}`);
+    if (answer.error !== null) {
+      where.textContent = `Frames that it was seen in: not available. ${answer.error}`;
+      return;
+    }
+    const frames = asList(asObject(answer.value).frames).slice(0, kMostFrames).map(asObject);
+    const pictures = frames.map((frame) => {
+      const text = `camera ${asNumber(frame.camera_id)}, time ${(asNumber(frame.utime) / 1e6).toFixed(2)} s`;
+      const image = el("img", { src: asText(frame.url).replace(/^\//, ""), alt: `Frame of ${text}`, title: text, loading: "lazy" });
+      return el("li", {}, image);
+    });
+    if (pictures.length === 0) where.textContent = "Frames that it was seen in: none are kept.";
+    else where.replaceChildren("Frames that it was seen in", el("ul", { class: "thumbnails" }, ...pictures));
+  }
+}

@@ -1,0 +1,28 @@
+/** Decides when all blocks must be asked for again: the server's surface differs from ours, and nothing comes any more. */
+import { sameDigest } from "./digest";
+
+const kPatience = 3000; // [ms]
+
+export class Staleness {
+  private lastBlock = 0;
+  private differsSince: number | null = null;
+
+  /** A block came at this time [ms]. */
+  blockCame(now: number): void {
+    this.lastBlock = now;
+    this.differsSince = null;
+  }
+
+  /** Compares with what the server says that it has; true = ask for all blocks now. */
+  check(now: number, ours: { blocks: number; digest: string }, theirs: { blocks: number; digest: string; waiting: number }): boolean {
+    if (theirs.digest === "" || theirs.waiting > 0 || (ours.blocks === theirs.blocks && sameDigest(ours.digest, theirs.digest))) {
+      this.differsSince = null;
+      return false;
+    }
+    this.differsSince ??= now;
+    if (now - Math.max(this.differsSince, this.lastBlock) < kPatience) return false;
+    this.differsSince = null;
+    this.lastBlock = now;
+    return true;
+  }
+}

@@ -1,0 +1,36 @@
+/** Structure and the upward direction, which do not come over the bus: asked for now and then. */
+import { getJson } from "./api";
+import { asList, asObject, asVector, isObject } from "./json";
+import { readObject, type MapObject } from "./objects";
+
+const kInterval = 30000; // [ms]
+
+export class StructureFeed {
+  private asked = -Infinity;
+  private revision = -2;
+  private asking = false;
+
+  constructor(private readonly onAnswer: (structure: MapObject[], up: [number, number, number] | null) => void) {}
+
+  /** Asks if the map has changed, the page is looked at, and the last time was long ago. */
+  async refresh(revision: number): Promise<void> {
+    const now = performance.now();
+    if (this.asking || revision < 0 || revision === this.revision || document.hidden || now - this.asked < kInterval) return;
+    this.asking = true;
+    this.asked = now;
+    const answer = await getJson("api/objects");
+    this.asking = false;
+    if (answer.error !== null) return;
+    this.revision = revision;
+    const json = asObject(answer.value);
+    const up = asVector(asObject(json.up).direction, 3);
+    const structure = asList(json.structure).filter(isObject).map((entry) => readObject({ ...entry, structure: true }));
+    this.onAnswer(structure, up ? [up[0]!, up[1]!, up[2]!] : null);
+  }
+
+  /** Another map: what was known is no longer true. */
+  reset(): void {
+    this.asked = -Infinity;
+    this.revision = -2;
+  }
+}

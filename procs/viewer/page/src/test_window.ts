@@ -1,0 +1,40 @@
+/** What tests and curious people may read: window.vismap. */
+import type { MapStatus } from "./map_status";
+import type { Selection } from "./selection";
+import type { Surface } from "./surface";
+import type { View } from "./view";
+import type { WorkerClient } from "./worker_client";
+
+interface Parts {
+  view: View;
+  surface: Surface;
+  selection: Selection;
+  status: MapStatus;
+  worker: WorkerClient;
+}
+
+function snapshot({ view, surface, selection, status, worker }: Parts): object {
+  return {
+    blocks: surface.blocks, // drawn
+    triangles: surface.triangles,
+    chunks: surface.chunks,
+    received: worker.received,
+    digest: worker.received.digest,
+    revision: status.map?.revision ?? -1,
+    mapId: status.map?.mapId ?? "",
+    server: status.map,
+    objects: selection.objects.length,
+    selected: selection.id,
+    colouring: surface.colouring,
+    renderCount: view.renderCount,
+    drawCalls: view.drawCalls,
+    pixelRatio: view.pixelRatio,
+    camera: view.camera.position.toArray(),
+    target: view.target.toArray(),
+  };
+}
+
+/** Every read of window.vismap computes its members anew. */
+export function publishForTests(parts: Parts): void {
+  Object.defineProperty(window, "vismap", { get: () => snapshot(parts), configurable: true });
+}

@@ -1,0 +1,220 @@
+/** The 3-D view: renderer, camera and controls. It draws when something has changed, never by itself. */
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { FrameRate } from "./frame_rate";
+
+const kFlight = 350; // [ms]
+const kClickMove = 6; // [px]
+
+export type ClickHandler = (ray: THREE.Ray, event: PointerEvent) => void;
+
+export class View {
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(55, 1, 0.02, 500);
+  renderCount = 0;
+  touched = false; // a person has moved the camera
+
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly rate: FrameRate;
+  private controls: OrbitControls;
+  private scheduled = false;
+  private flight: { start: number; position: [THREE.Vector3, THREE.Vector3]; target: [THREE.Vector3, THREE.Vector3] } | null = null;
+  private readonly afterRender: (() => void)[] = [];
+  private readonly onClick: ClickHandler[] = [];
+  private readonly onMoved: (() => void)[] = [];
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    const slow = isSoftware(canvas);
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !slow, powerPreference: "high-performance" });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // our colours are as the screen shows them
+    this.rate = new FrameRate(slow, (ratio) => this.resize(ratio));
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(4, -4, 4);
+    this.controls = this.makeControls(new THREE.Vector3());
+    new ResizeObserver(() => this.resize(this.rate.ratio)).observe(canvas.parentElement ?? canvas);
+    this.listenForClicks();
+    canvas.addEventListener("webglcontextrestored", () => this.invalidate());
+  }
+
+  get target(): THREE.Vector3 {
+    return this.controls.target;
+  }
+
+  get pixelRatio(): number {
+    return this.renderer.getPixelRatio();
+  }
+
+  get drawCalls(): number {
+    return this.renderer.info.render.calls;
+  }
+
+  addAfterRender(handler: () => void): void {
+    this.afterRender.push(handler);
+  }
+
+  addClickHandler(handler: ClickHandler): void {
+    this.onClick.push(handler);
+  }
+
+  /** Calls the handler when the camera has been moved and stands still again. */
+  addMovedHandler(handler: () => void): void {
+    this.onMoved.push(handler);
+  }
+
+  /** Asks for one drawing at the next frame of the screen. */
+  invalidate(): void {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame((now) => this.draw(now));
+  }
+
+  setBackground(colour: string): void {
+    this.scene.background = new THREE.Color().setStyle(colour, THREE.LinearSRGBColorSpace);
+    this.invalidate();
+  }
+
+  setUp(up: [number, number, number]): void {
+    const wanted = new THREE.Vector3(...up).normalize();
+    if (wanted.lengthSq() === 0 || wanted.distanceTo(this.camera.up) < 1e-3) return;
+    this.camera.up.copy(wanted);
+    const target = this.controls.target.clone();
+    this.controls.dispose();
+    this.controls = this.makeControls(target);
+    this.invalidate();
+  }
+
+  /** Shows all of a box, from obliquely above. */
+  showAll(bounds: THREE.Box3, jump = false): void {
+    if (bounds.isEmpty()) return;
+    const up = this.camera.up;
+    const side = Math.abs(up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
+    side.addScaledVector(up, -side.dot(up)).normalize();
+    const forward = new THREE.Vector3().crossVectors(up, side);
+    const direction = side.multiplyScalar(0.55).addScaledVector(forward, -0.75).addScaledVector(up, 0.85).normalize();
+    this.lookAt(bounds, direction, 1.0, jump);
+  }
+
+  /** Flies to a box and keeps the direction in which the camera looks. */
+  flyTo(bounds: THREE.Box3): void {
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.touched = true;
+    this.lookAt(bounds, direction, 2.2);
+  }
+
+  /** Moves nearer (factor below 1) or away. */
+  zoom(factor: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target).multiplyScalar(factor);
+    this.touched = true;
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.invalidate();
+  }
+
+  /** Looks from a camera's place in its direction. */
+  lookFrom(position: THREE.Vector3, target: THREE.Vector3): void {
+    this.touched = true;
+    this.fly(position, target, false);
+  }
+
+  private lookAt(bounds: THREE.Box3, direction: THREE.Vector3, room: number, jump = false): void {
+    const sphere = bounds.getBoundingSphere(new THREE.Sphere());
+    const radius = Math.max(sphere.radius * room, 0.3);
+    const narrow = Math.min(1, this.camera.aspect);
+    const distance = radius / Math.sin(THREE.MathUtils.degToRad(this.camera.fov) / 2) / narrow;
+    this.fly(sphere.center.clone().addScaledVector(direction, distance), sphere.center, jump);
+  }
+
+  private fly(position: THREE.Vector3, target: THREE.Vector3, jump: boolean): void {
+    const still = jump || matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.flight = {
+      start: performance.now() - (still ? kFlight : 0),
+      position: [this.camera.position.clone(), position.clone()],
+      target: [this.controls.target.clone(), target.clone()],
+    };
+    this.invalidate();
+  }
+
+  private advanceFlight(now: number): void {
+    if (!this.flight) return;
+    const share = Math.min(1, Math.max(0, (now - this.flight.start) / kFlight));
+    const smooth = share * share * (3 - 2 * share);
+    this.camera.position.lerpVectors(...this.flight.position, smooth);
+    this.controls.target.lerpVectors(...this.flight.target, smooth);
+    if (share === 1) this.flight = null;
+    this.controls.update();
+  }
+
+  private draw(now: number): void {
+    this.scheduled = false;
+    const flying = this.flight !== null;
+    this.advanceFlight(now);
+    this.renderer.render(this.scene, this.camera);
+    ++this.renderCount;
+    for (const handler of this.afterRender) handler();
+    if (this.flight) this.invalidate();
+    else if (flying) for (const handler of this.onMoved) handler();
+    this.rate.drawn(now);
+  }
+
+  private resize(ratio: number): void {
+    const frame = this.canvas.parentElement;
+    const width = Math.max(1, frame?.clientWidth ?? 1);
+    const height = Math.max(1, frame?.clientHeight ?? 1);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  private makeControls(target: THREE.Vector3): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    controls.zoomToCursor = true;
+    controls.maxDistance = 400;
+    controls.target.copy(target);
+    controls.update();
+    controls.addEventListener("change", () => this.invalidate());
+    controls.addEventListener("start", () => {
+      this.touched = true;
+      this.flight = null;
+      this.rate.moving(true);
+    });
+    controls.addEventListener("end", () => {
+      this.rate.moving(false);
+      for (const handler of this.onMoved) handler();
+    });
+    controls.listenToKeyEvents(this.canvas);
+    return controls;
+  }
+
+  private listenForClicks(): void {
+    let down: PointerEvent | null = null;
+    this.canvas.addEventListener("pointerdown", (event) => (down = event.isPrimary && event.button === 0 ? event : null));
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (!down || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > kClickMove) return;
+      down = null;
+      const ray = this.rayAt(event.clientX, event.clientY);
+      for (const handler of this.onClick) handler(ray, event);
+    });
+  }
+
+  private rayAt(clientX: number, clientY: number): THREE.Ray {
+    const frame = this.canvas.getBoundingClientRect();
+    const x = ((clientX - frame.left) / frame.width) * 2 - 1;
+    const y = 1 - ((clientY - frame.top) / frame.height) * 2;
+    const caster = new THREE.Raycaster();
+    this.camera.updateMatrixWorld();
+    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    return caster.ray;
+  }
+}
+
+/** Whether WebGL is computed by the processor here: no antialiasing and fewer pixels then. */
+function isSoftware(canvas: HTMLCanvasElement): boolean {
+  const probe = canvas.ownerDocument.createElement("canvas").getContext("webgl2");
+  if (!probe) return true;
+  const info = probe.getExtension("WEBGL_debug_renderer_info");
+  const name = String(probe.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : probe.RENDERER));
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
+}

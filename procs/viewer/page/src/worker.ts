@@ -1,0 +1,132 @@
+/** The worker: receives, decodes and merges, so that the window only draws. */
+import { decodeBlock, kBlockKind } from "./block_codec";
+import { ChunkStore } from "./chunk_store";
+import { LiveLink } from "./live_link";
+import { decodePicture, kPictureKind } from "./picture_codec";
+import { parseMessage, type MapMessage } from "./protocol";
+import { Staleness } from "./staleness";
+import type { ToWindow, ToWorker } from "./worker_messages";
+
+const kMergeInterval = 120; // [ms] between two rounds of merging
+const kMostUntaken = 6; // chunks that the window has not taken yet
+
+const scope = self as unknown as {
+  postMessage(message: ToWindow, transfer?: Transferable[]): void;
+  onmessage: ((event: MessageEvent<ToWorker>) => void) | null;
+};
+
+const store = new ChunkStore();
+const staleness = new Staleness();
+let link: LiveLink | null = null;
+let mapId = "";
+let untaken = 0;
+let resyncs = 0;
+let mergeTimer: ReturnType<typeof setTimeout> | null = null;
+
+function tell(message: ToWindow, transfer: Transferable[] = []): void {
+  scope.postMessage(message, transfer);
+}
+
+function tellReceived(): void {
+  const received = {
+    blocks: store.blockCount,
+    triangles: store.triangles,
+    digest: store.digestText,
+    waiting: store.dirtyCount,
+    bytes: link?.received ?? 0,
+    resyncs,
+  };
+  tell({ kind: "received", received });
+}
+
+/** Sends chunks that changed, as many as the window keeps up with. */
+function mergeSome(): void {
+  mergeTimer = null;
+  while (untaken < kMostUntaken) {
+    const key = store.takeDirty();
+    if (key === null) break;
+    const chunk = store.merge(key);
+    if (!chunk) {
+      tell({ kind: "drop", key });
+      continue;
+    }
+    ++untaken;
+    const { positions, normals, colours, segments, instances, classes, indices } = chunk;
+    tell(
+      { kind: "chunk", chunk },
+      [positions, normals, colours, segments, instances, classes, indices].map((array) => array.buffer as ArrayBuffer),
+    );
+  }
+  tellReceived();
+}
+
+function mergeSoon(): void {
+  mergeTimer ??= setTimeout(mergeSome, kMergeInterval);
+}
+
+function takeMap(message: MapMessage): void {
+  if (message.reset || (mapId !== "" && message.mapId !== mapId)) {
+    store.clear();
+    mergeSoon();
+  }
+  mapId = message.mapId;
+  if (staleness.check(Date.now(), { blocks: store.blockCount, digest: store.digestText }, message)) {
+    ++resyncs;
+    link?.resync();
+  }
+}
+
+function takeText(text: string): void {
+  const message = parseMessage(text);
+  if (!message) return;
+  if (message.kind === "map") takeMap(message);
+  tell({ kind: "message", message });
+}
+
+function takeBytes(bytes: ArrayBuffer): void {
+  const kind = bytes.byteLength > 0 ? new Uint8Array(bytes)[0] : -1;
+  if (kind === kBlockKind) {
+    store.put(decodeBlock(bytes));
+    staleness.blockCame(Date.now());
+    mergeSoon();
+  } else if (kind === kPictureKind) {
+    const picture = decodePicture(bytes);
+    tell({ kind: "picture", picture }, [bytes]);
+  }
+}
+
+/** Runs a function; what it throws is told to the window, and the next message gets its chance. */
+function guarded<T>(take: (value: T) => void): (value: T) => void {
+  return (value) => {
+    try {
+      take(value);
+    } catch (error) {
+      tell({ kind: "problem", text: error instanceof Error ? error.message : String(error) });
+    }
+  };
+}
+
+function connect(url: string): void {
+  link = new LiveLink(url, {
+    onText: guarded(takeText),
+    onBytes: guarded(takeBytes),
+    onState: (state, text) => {
+      if (state === "open") {
+        store.clear(); // the server sends all blocks to a new client
+        mergeSoon();
+      }
+      tell({ kind: "link", state, text });
+    },
+  });
+  link.connect();
+}
+
+scope.onmessage = (event) => {
+  const message = event.data;
+  if (message.kind === "connect") connect(message.url);
+  if (message.kind === "want") link?.setWant(message.want);
+  if (message.kind === "taken") {
+    untaken -= message.count;
+    if (store.dirtyCount > 0) mergeSoon();
+  }
+};

@@ -1,0 +1,63 @@
+// What the mock server answers to GET /api/...
+
+const json = (status, value) => ({ status, type: "application/json", body: JSON.stringify(value) });
+
+/** A room with free space of 4 m x 4 m, walls around it and a table in it; unknown outside. */
+function stateAt(x, y, z) {
+  const edge = Math.max(Math.abs(x), Math.abs(y));
+  if (edge > 2.1 || z < -0.1 || z > 2.6) return 0;
+  if (edge > 2.0 || z < 0.2) return 2;
+  return Math.hypot(x - 0.2, y - 0.2) < 0.3 && z < 0.9 ? 2 : 1;
+}
+
+function slice(query) {
+  const axis = query.get("axis") ?? "z";
+  const at = Number(query.get("at") ?? 1);
+  const cell = Number(query.get("res") ?? 0.05);
+  if (!["x", "y", "z"].includes(axis) || !Number.isFinite(at)) return json(400, { error: "axis must be x, y or z." });
+  const axes = ["x", "y", "z"].filter((a) => a !== axis);
+  const origin = axes.map((a) => (a === "z" ? -0.5 : -2.5));
+  const size = axes.map((a) => Math.round((a === "z" ? 3.5 : 5) / cell));
+  const cells = Buffer.alloc(size[0] * size[1]);
+  const distances = Buffer.alloc(4 * cells.length);
+  for (let v = 0; v < size[1]; ++v) for (let u = 0; u < size[0]; ++u) {
+    const p = { [axis]: at, [axes[0]]: origin[0] + (u + 0.5) * cell, [axes[1]]: origin[1] + (v + 0.5) * cell };
+    const state = stateAt(p.x, p.y, p.z);
+    cells[v * size[0] + u] = state;
+    const toWall = Math.min(2 - Math.max(Math.abs(p.x), Math.abs(p.y)), Math.hypot(p.x - 0.2, p.y - 0.2) - 0.3);
+    distances.writeFloatLE(state === 1 ? toWall : Number.NaN, 4 * (v * size[0] + u));
+  }
+  const withDistances = query.get("distance") === "1";
+  let head = JSON.stringify({ map_id: "mock-1", revision: 1, axis, at_m: at, cell_m: cell, origin, width: size[0], height: size[1], axes, layer: "octree", distances: withDistances });
+  head = head.padEnd(Math.ceil(head.length / 4) * 4);
+  const length = Buffer.alloc(4);
+  length.writeUInt32LE(head.length);
+  const padding = Buffer.alloc(Math.ceil(cells.length / 4) * 4 - cells.length);
+  const parts = [length, Buffer.from(head), cells, ...(withDistances ? [padding, distances] : [])];
+  return { status: 200, type: "application/octet-stream", body: Buffer.concat(parts) };
+}
+
+function cell(query) {
+  const at = (query.get("at") ?? "").split(",").map(Number);
+  if (at.length !== 3 || !at.every(Number.isFinite)) return json(400, { error: "at must be three numbers, x,y,z in metres." });
+  const state = ["unknown", "free", "occupied"][stateAt(...at)];
+  return json(200, { at, state, distance_m: state === "free" ? 0.42 : null, weight: 12.5, observations: 31, block: "voxels", revision: 1,
+    labels: [{ label: 5, votes: 12, instance: 7, class: 62, class_name: "chair" }, { label: 1, votes: 3, instance: 0, class: 0, class_name: "" }], last_utime: 97000000 });
+}
+
+export async function answer(map, url) {
+  switch (url.pathname) {
+    case "/api/objects":
+      return json(200, { map_id: map.mapId, up: { direction: map.up, reason: "mock" }, objects: map.objects, discovered: [], structure: map.structure, removed: [] });
+    case "/api/slice":
+      return slice(url.searchParams);
+    case "/api/cell":
+      return cell(url.searchParams);
+    case "/api/leaves":
+      return json(200, { leaves: [[-1, -1, 1, 0.8, 1], [-1, 1, 1, 0.4, 1], [2.05, 0, 1, 0.1, 2]] });
+    case "/api/evidence":
+      return json(404, { error: "This server keeps no frames." });
+    default:
+      return json(404, { error: `There is no ${url.pathname}.` });
+  }
+}
