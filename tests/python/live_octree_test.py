@@ -103,6 +103,10 @@ class LiveOctreeTest(unittest.TestCase):
         self.tree()
         self.status(revision=9, message="the tree is too large")
         self.assertEqual(self.live.why_stale, "the tree is too large")
+        self.status(revision=9, message="OCTOMAP: the tree is too large")
+        self.assertEqual(self.live.why_stale, "OCTOMAP: the tree is too large")
+        self.status(revision=9, message="GRID: a grid needs z of the map to point upward")
+        self.assertEqual(self.live.why_stale, "", "this concerns grids alone")
         self.status(map_id="other")
         self.assertIn("replaced", self.live.why_stale)
         with self.assertRaisesRegex(vismap.WaitTimeout, "replaced"):

@@ -1,6 +1,7 @@
 """Free space for planners: the newest octree of the octomap exporter, how old it is, and whether it can be trusted."""
 from __future__ import annotations
 
+import re
 import threading
 import time
 from dataclasses import dataclass
@@ -13,6 +14,12 @@ from .octree import Octree
 
 _OVERDUE_S = 1.6  # after so long a message that comes once a second is missing
 _NEVER = float("-inf")
+
+
+def _message_on(channel: str, message: str) -> str:
+    """A message of NAVIGATION, unless it begins with the name of another channel and a colon."""
+    named = re.match(r"([A-Z_]+): ", message)
+    return message if named is None or named.group(1) == channel else ""
 
 
 @dataclass(frozen=True)
@@ -109,11 +116,12 @@ class LiveOctree:
         if silent or known.problem:
             return silent or known.problem
         message, status = known.message, known.status
+        said = _message_on(self.channel, str(status.message))
         if message is None:
-            return f"no tree has come on {self.channel} yet" + (f": {status.message}" if status.message else "")
+            return f"no tree has come on {self.channel} yet" + (f": {said}" if said else "")
         if status.map_id and status.map_id != message.map_id:
             return f"the map was replaced by another one, of which no tree has come on {self.channel}"
-        return str(status.message) if status.revision > message.revision else ""
+        return said if status.revision > message.revision else ""
 
     def _run(self) -> None:
         while not self._closing.is_set():
