@@ -1,6 +1,9 @@
 /** The page: makes its parts and leads messages from one to the other. */
 import { Banners } from "./banners";
+import { CameraPanel } from "./camera_panel";
+import { CameraScene, sightOf } from "./camera_scene";
 import { byId } from "./dom";
+import { FreeSpacePanel } from "./free_space_panel";
 import { fillHelp, listenForKeys, type Command } from "./help";
 import { showLegend } from "./legend";
 import { MapStatus } from "./map_status";
@@ -8,6 +11,7 @@ import { ObjectCard } from "./object_card";
 import { ObjectList } from "./object_list";
 import { readObject, type MapObject } from "./objects";
 import { kColourings, type Colouring } from "./painting";
+import { ProcessPanel } from "./process_panel";
 import type { MapMessage, ServerMessage } from "./protocol";
 import { Selection } from "./selection";
 import { SelectionBox } from "./selection_box";
@@ -27,7 +31,18 @@ const status = new MapStatus(byId("link", HTMLElement), byId("summary", HTMLElem
 const view = new View(canvas);
 const surface = new Surface();
 const box = new SelectionBox(byId("labels", HTMLElement));
-view.scene.add(surface.group, box.lines);
+const cameras = new CameraScene();
+view.scene.add(surface.group, box.lines, cameras.group);
+const space = new FreeSpacePanel(byId("space", HTMLElement), view.scene, () => view.invalidate());
+const cameraPanel = new CameraPanel(byId("cameras", HTMLElement), {
+  onLook: (camera) => {
+    const { position, target } = sightOf(camera);
+    view.lookFrom(position, target);
+  },
+  onWant: () => wantForTab(tabs.shown),
+  lengthOf: (id) => cameras.lengthOf(id),
+});
+const processPanel = new ProcessPanel(byId("processes", HTMLElement));
 
 const filter = byId("filter", HTMLInputElement);
 const list = new ObjectList(byId("object-lists", HTMLElement), filter, byId("found", HTMLElement), (id) => {
@@ -64,6 +79,7 @@ function updateLegend(): void {
 function setUp(up: [number, number, number]): void {
   view.setUp(up);
   surface.setUp(up);
+  space.setUp(up);
 }
 
 function setColouring(chosen: Colouring): void {
@@ -71,6 +87,21 @@ function setColouring(chosen: Colouring): void {
   surface.setColouring(chosen);
   updateLegend();
   view.invalidate();
+}
+
+/** Pictures are sent only while their panel is looked at. */
+function wantForTab(panel: string): void {
+  worker.setWant({ pictures: panel === "cameras" ? cameraPanel.wanted() : [] });
+}
+
+let sliceTimer: ReturnType<typeof setTimeout> | null = null;
+
+/** A slice of a growing map is asked for again at most every two seconds. */
+function refreshSlicesSoon(): void {
+  sliceTimer ??= setTimeout(() => {
+    sliceTimer = null;
+    space.refresh();
+  }, 2000);
 }
 
 let shownRadius = 0;
@@ -90,9 +121,12 @@ function takeMap(message: MapMessage): void {
     structure = [];
     listed = [];
     structureFeed.reset();
+    cameras.clear();
     showObjects();
   }
+  if (status.map && status.map.revision !== message.revision) refreshSlicesSoon();
   status.takeMap(message);
+  processPanel.setMemory(message.bytes);
   if (message.up) setUp(message.up);
   void structureFeed.refresh(message.revision);
 }
@@ -106,12 +140,20 @@ function takeMessage(message: ServerMessage): void {
     case "objects":
       listed = message.objects.map(readObject);
       return showObjects();
+    case "cameras":
+      cameraPanel.setCameras(message.cameras);
+      if (cameras.setCameras(message.cameras)) view.invalidateSoon();
+      return;
+    case "trajectory":
+      cameras.extend(message);
+      return view.invalidateSoon();
+    case "processes":
+      return processPanel.take(message.processes, message.utime);
     case "navigation":
       return status.takeNavigation(message);
     case "notice":
       if (message.id === "") return banners.flash(message.level, message.text);
       return banners.hold(`notice ${message.id}`, message.level, message.text);
-    default:
   }
 }
 
@@ -123,12 +165,15 @@ function take(message: ToWindow): void {
       return takeMessage(message.message);
     case "chunk":
       surface.put(message.chunk);
+      space.setBounds(surface.bounds);
       keepInView();
       if (surface.colouring === "height") updateLegend();
-      return view.invalidate();
+      return view.invalidateSoon();
     case "drop":
       surface.drop(message.key);
-      return view.invalidate();
+      return view.invalidateSoon();
+    case "picture":
+      return cameraPanel.takePicture(message.picture);
     case "problem":
       console.warn(message.text);
       return banners.flash("warning", `A message of the server could not be used: ${message.text}`);
@@ -136,15 +181,25 @@ function take(message: ToWindow): void {
   }
 }
 
+view.addDetailHandler((coarse) => surface.setCoarse(coarse));
 view.addAfterRender(() => box.place(view.camera, stage.clientWidth, stage.clientHeight));
 view.addClickHandler((ray) => {
   const hit = surface.pick(ray);
+  const cell = space.pick(ray);
+  if (cell && (!hit || cell.distance < hit.distance)) {
+    tabs.open("space");
+    void space.cell.ask([cell.point.x, cell.point.y, cell.point.z]);
+    return;
+  }
   if (hit) selection.selectAt(hit.instance, hit.segment);
   else selection.select(null, false);
   if (selection.id !== null) tabs.open("objects");
 });
 
-const tabs = new Tabs(document.querySelector<HTMLElement>('[role="tablist"]')!, () => {});
+const tabs = new Tabs(document.querySelector<HTMLElement>('[role="tablist"]')!, (panel) => {
+  wantForTab(panel);
+  if (panel === "processes") processPanel.refresh();
+});
 const help = byId("help", HTMLDialogElement);
 const theme = new ThemeSwitch(byId("theme", HTMLButtonElement), () => {
   view.setBackground(getComputedStyle(document.documentElement).getPropertyValue("--scene").trim());
@@ -177,6 +232,8 @@ const commands: Command[] = [
   { keys: ["N"], text: "previous object of the list", run: () => selection.step(-1) },
   { keys: ["f", "/"], text: "filter the list of objects", run: () => (tabs.open("objects"), filter.focus()) },
   { keys: ["Escape"], text: "select nothing, leave a field", run: () => ((document.activeElement as HTMLElement | null)?.blur(), selection.select(null, false)) },
+  { keys: ["h"], text: "horizontal slice of free space", run: () => space.toggleHorizontal() },
+  { keys: ["v"], text: "vertical slice of free space", run: () => space.toggleVertical() },
   { keys: ["b"], text: "back faces on or off", run: toggleBothSides },
   { keys: ["p"], text: "hide or show the lists", run: togglePanel },
   { keys: ["t"], text: "dark or light", run: () => theme.toggle() },
@@ -192,6 +249,6 @@ colouring.addEventListener("change", () => setColouring(colouring.value as Colou
 
 const worker = new WorkerClient(take);
 view.addMovedHandler(() => worker.setWant({ centre: view.target.toArray() }));
-publishForTests({ view, surface, selection, status, worker });
+publishForTests({ view, surface, selection, status, worker, space });
 updateLegend();
 worker.connect();

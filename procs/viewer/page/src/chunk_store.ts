@@ -1,5 +1,6 @@
 /** The surface as it was received, merged into chunks: cubes of blocks that are drawn with one call. */
 import { positionsInto, type Block } from "./block_codec";
+import { coarseIndices } from "./coarse";
 import { Digest } from "./digest";
 
 /** Merged surface of the blocks of one cube. */
@@ -14,9 +15,11 @@ export interface Chunk {
   instances: Uint32Array;
   classes: Uint16Array;
   indices: Uint32Array;
+  coarse: Uint32Array; // fewer triangles of the same vertices
 }
 
 const kChunkEdge = 1.0; // [m], roughly
+const kCoarseCells = 2; // cells of the coarse surface along an edge of a block
 
 /** How many blocks a chunk has along each axis: a power of two, so that chunks stay near kChunkEdge. */
 export function blocksPerChunk(blockEdge: number): number {
@@ -118,6 +121,7 @@ export function mergeBlocks(key: string, blocks: Block[]): Chunk {
     instances: new Uint32Array(n),
     classes: new Uint16Array(n),
     indices: new Uint32Array(3 * m),
+    coarse: new Uint32Array(0),
   };
   let vertex = 0;
   let index = 0;
@@ -131,5 +135,6 @@ export function mergeBlocks(key: string, blocks: Block[]): Chunk {
     for (const corner of block.indices) chunk.indices[index++] = corner + vertex;
     vertex += block.vertices;
   }
+  chunk.coarse = coarseIndices(chunk.positions, chunk.indices, blocks[0]!.edge / kCoarseCells);
   return chunk;
 }

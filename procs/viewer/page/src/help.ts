@@ -33,6 +33,7 @@ export function fillHelp(dialog: HTMLDialogElement, commands: Command[]): void {
 export function listenForKeys(commands: Command[]): void {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (document.querySelector("dialog[open]") && event.key !== "?") return; // the browser closes it at Escape
     const typing = event.target instanceof HTMLInputElement && event.target.type !== "range" && event.target.type !== "checkbox";
     if ((typing || event.target instanceof HTMLSelectElement) && event.key !== "Escape") return;
     const command = commands.find((candidate) => candidate.keys.includes(event.key));

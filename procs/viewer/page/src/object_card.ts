@@ -50,7 +50,7 @@ export class ObjectCard {
     const facts: [string, string][] = [
       ["Class", classes.join(", ") || (object.group === "structure" ? `structure: ${object.name}` : "not known")],
       ["Probability", object.instance > 0 ? `${Math.round(100 * object.score)} %` : ""],
-      ["Size", sizeText(object.box)],
+      ["Size", object.box ? `${sizeText(object.box)} m` : ""],
       ["Centre", object.box ? `${object.box.centre.map((c) => c.toFixed(2)).join(", ")} m` : ""],
       ["Surface", object.area > 0 ? `${object.area.toFixed(2)} m², ${count(object.points)} points` : ""],
       ["Seen", `in ${count(object.frames)} frames, last ${agoText(object.lastUtime, now)}`],

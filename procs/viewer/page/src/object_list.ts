@@ -19,9 +19,9 @@ interface Column {
 const kName: Column = { title: "Name", cell: (o) => o.name, order: (o) => `${o.name} ${o.id.padStart(12, "0")}` };
 const kColumns: Column[] = [
   { title: "Prob.", cell: (o) => (o.instance > 0 ? `${Math.round(100 * o.score)} %` : ""), order: (o) => -o.score },
-  { title: "Size", cell: (o) => sizeText(o.box), order: (o) => -(o.box ? Math.max(...o.box.size) : 0) },
+  { title: "Size [m]", cell: (o) => sizeText(o.box), order: (o) => -(o.box ? Math.max(...o.box.size) : 0) },
   { title: "Frames", cell: (o) => count(o.frames), order: (o) => -o.frames },
-  { title: "Seen", cell: (o, now) => agoText(o.lastUtime, now), order: (o) => -o.lastUtime },
+  { title: "Last seen", cell: (o, now) => agoText(o.lastUtime, now), order: (o) => -o.lastUtime },
 ];
 
 const kMostRows = 400;

@@ -71,11 +71,10 @@ export function matches(object: MapObject, text: string): boolean {
     .every((word) => where.includes(word));
 }
 
-/** "0.44 × 0.44 × 0.90 m", longest side first. */
+/** "0.90 × 0.44 × 0.44", longest side first [m]. */
 export function sizeText(box: Box | null): string {
-  if (!box) return "";
-  const sides = [...box.size].sort((a, b) => b - a);
-  return `${sides.map((side) => side.toFixed(2)).join(" × ")} m`;
+  const sides = [...(box?.size ?? [])].sort((a, b) => b - a);
+  return sides.map((side) => side.toFixed(2)).join(" × ");
 }
 
 /** How long before the newest frame, in the largest unit that fits. */
@@ -93,7 +92,12 @@ export class ObjectIndex {
   private readonly bySegment = new Map<number, MapObject>();
   private readonly byId = new Map<string, MapObject>();
 
+  /** The same for two lists that give all surface the same colours. */
+  readonly signature: string;
+
   constructor(readonly all: MapObject[]) {
+    const nameless = all.filter((object) => object.instance === 0);
+    this.signature = nameless.map((object) => `${object.group}:${object.segments.join()}`).join(" ");
     for (const object of all) {
       this.byId.set(object.id, object);
       if (object.group === "removed") continue;

@@ -34,7 +34,7 @@ export class Selection {
     this.surface.setObjects(this.index);
     this.list.set(objects, now);
     if (this.chosen !== null) this.show(this.index.get(this.chosen));
-    this.view.invalidate();
+    this.view.invalidateSoon();
   }
 
   /** Selects an object, or nothing, and flies to it if wanted. */

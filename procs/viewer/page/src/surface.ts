@@ -24,10 +24,13 @@ const kFragmentShader = `
 varying vec3 shade;
 void main() { gl_FragColor = vec4(shade, 1.0); }`;
 
+const kAlwaysWhole = 100000; // triangles
+
 interface Piece {
   chunk: Chunk;
   mesh: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial>;
   paint: Uint8Array;
+  indices: { fine: THREE.BufferAttribute; coarse: THREE.BufferAttribute };
   bvh: MeshBVH | null;
 }
 
@@ -43,6 +46,7 @@ export class Surface {
   readonly bounds = new THREE.Box3();
   private readonly pieces = new Map<string, Piece>();
   private selected: MapObject | null = null;
+  private coarse = false;
   private readonly paint: Paint = {
     colouring: "instance",
     objects: new ObjectIndex([]),
@@ -80,9 +84,11 @@ export class Surface {
     const paint = new Uint8Array(4 * chunk.segments.length);
     paintChunk(chunk, this.paint, paint);
     markSelected(chunk, this.selected, paint);
+    const indices = { fine: new THREE.BufferAttribute(chunk.indices, 1), coarse: new THREE.BufferAttribute(chunk.coarse, 1) };
     const mesh = new THREE.Mesh(geometryOf(chunk, paint), this.material);
+    mesh.geometry.setIndex(this.coarse ? indices.coarse : indices.fine);
     mesh.matrixAutoUpdate = false;
-    this.pieces.set(chunk.key, { chunk, mesh, paint, bvh: null });
+    this.pieces.set(chunk.key, { chunk, mesh, paint, indices, bvh: null });
     this.group.add(mesh);
     this.updateBounds();
   }
@@ -107,8 +113,9 @@ export class Surface {
   }
 
   setObjects(objects: ObjectIndex): void {
+    const other = objects.signature !== this.paint.objects.signature;
     this.paint.objects = objects;
-    if (this.paint.colouring === "instance") this.repaint();
+    if (other && this.paint.colouring === "instance") this.repaint();
   }
 
   select(object: MapObject | null): void {
@@ -117,6 +124,12 @@ export class Surface {
     for (const piece of this.pieces.values()) {
       if (markSelected(piece.chunk, object, piece.paint)) upload(piece);
     }
+  }
+
+  /** Draws fewer triangles, or all. A small surface is always drawn whole. */
+  setCoarse(coarse: boolean): void {
+    this.coarse = coarse && this.triangles > kAlwaysWhole;
+    for (const { mesh, indices } of this.pieces.values()) mesh.geometry.setIndex(this.coarse ? indices.coarse : indices.fine);
   }
 
   /** Back faces: a ceiling seen from above is not drawn unless they are. */
@@ -181,7 +194,6 @@ function geometryOf(chunk: Chunk, paint: Uint8Array): THREE.BufferGeometry {
   geometry.setAttribute("position", new THREE.BufferAttribute(chunk.positions, 3));
   geometry.setAttribute("normal", new THREE.BufferAttribute(chunk.normals, 4, true));
   geometry.setAttribute("paint", new THREE.BufferAttribute(paint, 4, true));
-  geometry.setIndex(new THREE.BufferAttribute(chunk.indices, 1));
   geometry.computeBoundingBox();
   geometry.boundingSphere = geometry.boundingBox!.getBoundingSphere(new THREE.Sphere());
   return geometry;
@@ -192,7 +204,7 @@ function upload(piece: Piece): void {
 }
 
 function pickPiece(piece: Piece, ray: THREE.Ray, side: THREE.Side): Hit | null {
-  piece.bvh ??= new MeshBVH(piece.mesh.geometry, { indirect: true });
+  piece.bvh ??= searchTreeOf(piece);
   const found = piece.bvh.raycastFirst(ray, side);
   if (!found || found.faceIndex == null) return null;
   const vertex = piece.chunk.indices[3 * found.faceIndex]!;
@@ -202,6 +214,14 @@ function pickPiece(piece: Piece, ray: THREE.Ray, side: THREE.Side): Hit | null {
     instance: piece.chunk.instances[vertex]!,
     segment: piece.chunk.segments[vertex]!,
   };
+}
+
+/** The tree is over all triangles, whichever are drawn at present. */
+function searchTreeOf(piece: Piece): MeshBVH {
+  const whole = new THREE.BufferGeometry();
+  whole.setAttribute("position", piece.mesh.geometry.getAttribute("position"));
+  whole.setIndex(piece.indices.fine);
+  return new MeshBVH(whole, { indirect: true });
 }
 
 /** Lowest and highest corner of a box along the upward direction [m]. */

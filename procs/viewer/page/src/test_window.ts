@@ -1,4 +1,5 @@
 /** What tests and curious people may read: window.vismap. */
+import type { FreeSpacePanel } from "./free_space_panel";
 import type { MapStatus } from "./map_status";
 import type { Selection } from "./selection";
 import type { Surface } from "./surface";
@@ -11,9 +12,10 @@ interface Parts {
   selection: Selection;
   status: MapStatus;
   worker: WorkerClient;
+  space: FreeSpacePanel;
 }
 
-function snapshot({ view, surface, selection, status, worker }: Parts): object {
+function snapshot({ view, surface, selection, status, worker, space }: Parts): object {
   return {
     blocks: surface.blocks, // drawn
     triangles: surface.triangles,
@@ -30,6 +32,7 @@ function snapshot({ view, surface, selection, status, worker }: Parts): object {
     drawCalls: view.drawCalls,
     pixelRatio: view.pixelRatio,
     camera: view.camera.position.toArray(),
+    slices: space.counts(), // cells of each slice: unknown, free, occupied
     target: view.target.toArray(),
   };
 }

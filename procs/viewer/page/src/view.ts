@@ -1,10 +1,14 @@
 /** The 3-D view: renderer, camera and controls. It draws when something has changed, never by itself. */
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { FrameRate } from "./frame_rate";
+import { FrameRate, type Quality } from "./frame_rate";
+import { isSoftware } from "./software_gl";
 
 const kFlight = 350; // [ms]
 const kClickMove = 6; // [px]
+const kDrawingShare = 4; // drawings for changes of the map take at most one part in so many of the time
+
+THREE.ColorManagement.enabled = false; // all our colours are as the screen shows them
 
 export type ClickHandler = (ray: THREE.Ray, event: PointerEvent) => void;
 
@@ -22,16 +26,21 @@ export class View {
   private readonly afterRender: (() => void)[] = [];
   private readonly onClick: ClickHandler[] = [];
   private readonly onMoved: (() => void)[] = [];
+  private readonly onDetail: ((coarse: boolean) => void)[] = [];
+  private readonly slow: boolean;
+  private cost = 0; // of the last drawing [ms]
+  private drawnAt = 0;
+  private later: ReturnType<typeof setTimeout> | null = null;
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    const slow = isSoftware(canvas);
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !slow, powerPreference: "high-performance" });
-    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // our colours are as the screen shows them
-    this.rate = new FrameRate(slow, (ratio) => this.resize(ratio));
+    this.slow = isSoftware(canvas);
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.slow, powerPreference: "high-performance" });
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    this.rate = new FrameRate(this.slow, (quality) => this.setQuality(quality));
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(4, -4, 4);
     this.controls = this.makeControls(new THREE.Vector3());
-    new ResizeObserver(() => this.resize(this.rate.ratio)).observe(canvas.parentElement ?? canvas);
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
     this.listenForClicks();
     canvas.addEventListener("webglcontextrestored", () => this.invalidate());
   }
@@ -68,8 +77,23 @@ export class View {
     requestAnimationFrame((now) => this.draw(now));
   }
 
+  /** As invalidate, for what the map changes: a slow computer then has time for other things between two drawings. */
+  invalidateSoon(): void {
+    if (this.scheduled || this.later) return;
+    const wait = this.drawnAt + kDrawingShare * this.cost - performance.now();
+    this.later = setTimeout(() => {
+      this.later = null;
+      this.invalidate();
+    }, Math.max(0, wait));
+  }
+
+  /** Calls the handler when fewer triangles, or all again, are to be drawn. */
+  addDetailHandler(handler: (coarse: boolean) => void): void {
+    this.onDetail.push(handler);
+  }
+
   setBackground(colour: string): void {
-    this.scene.background = new THREE.Color().setStyle(colour, THREE.LinearSRGBColorSpace);
+    this.scene.background = new THREE.Color(colour);
     this.invalidate();
   }
 
@@ -125,6 +149,7 @@ export class View {
   }
 
   private fly(position: THREE.Vector3, target: THREE.Vector3, jump: boolean): void {
+    if (!jump) this.rate.moving(true);
     const still = jump || matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.flight = {
       start: performance.now() - (still ? kFlight : 0),
@@ -132,6 +157,17 @@ export class View {
       target: [this.controls.target.clone(), target.clone()],
     };
     this.invalidate();
+  }
+
+  private stopped(): void {
+    this.rate.moving(false);
+    for (const handler of this.onMoved) handler();
+  }
+
+  /** Waits until the drawing is done, so that drawings do not queue up where the processor draws. */
+  private waitForPixels(): void {
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
   private advanceFlight(now: number): void {
@@ -147,20 +183,29 @@ export class View {
   private draw(now: number): void {
     this.scheduled = false;
     const flying = this.flight !== null;
+    const start = performance.now();
     this.advanceFlight(now);
     this.renderer.render(this.scene, this.camera);
+    if (this.slow) this.waitForPixels();
+    this.drawnAt = performance.now();
+    this.cost = this.drawnAt - start;
     ++this.renderCount;
     for (const handler of this.afterRender) handler();
     if (this.flight) this.invalidate();
-    else if (flying) for (const handler of this.onMoved) handler();
+    else if (flying) this.stopped();
     this.rate.drawn(now);
   }
 
-  private resize(ratio: number): void {
+  private setQuality(quality: Quality): void {
+    for (const handler of this.onDetail) handler(quality.coarse);
+    this.resize();
+  }
+
+  private resize(): void {
     const frame = this.canvas.parentElement;
     const width = Math.max(1, frame?.clientWidth ?? 1);
     const height = Math.max(1, frame?.clientHeight ?? 1);
-    this.renderer.setPixelRatio(ratio);
+    this.renderer.setPixelRatio(this.rate.quality.ratio);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
@@ -179,10 +224,7 @@ export class View {
       this.flight = null;
       this.rate.moving(true);
     });
-    controls.addEventListener("end", () => {
-      this.rate.moving(false);
-      for (const handler of this.onMoved) handler();
-    });
+    controls.addEventListener("end", () => this.stopped());
     controls.listenToKeyEvents(this.canvas);
     return controls;
   }
@@ -207,14 +249,4 @@ export class View {
     caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
     return caster.ray;
   }
-}
-
-/** Whether WebGL is computed by the processor here: no antialiasing and fewer pixels then. */
-function isSoftware(canvas: HTMLCanvasElement): boolean {
-  const probe = canvas.ownerDocument.createElement("canvas").getContext("webgl2");
-  if (!probe) return true;
-  const info = probe.getExtension("WEBGL_debug_renderer_info");
-  const name = String(probe.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : probe.RENDERER));
-  probe.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
 }

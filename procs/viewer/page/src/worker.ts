@@ -51,10 +51,10 @@ function mergeSome(): void {
       continue;
     }
     ++untaken;
-    const { positions, normals, colours, segments, instances, classes, indices } = chunk;
+    const { positions, normals, colours, segments, instances, classes, indices, coarse } = chunk;
     tell(
       { kind: "chunk", chunk },
-      [positions, normals, colours, segments, instances, classes, indices].map((array) => array.buffer as ArrayBuffer),
+      [positions, normals, colours, segments, instances, classes, indices, coarse].map((array) => array.buffer as ArrayBuffer),
     );
   }
   tellReceived();

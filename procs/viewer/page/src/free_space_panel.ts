@@ -1,0 +1,187 @@
+/** The panel of free space: a horizontal and a vertical slice with sliders, and why a cell is as it is. */
+import type * as THREE from "three";
+import { CellCard } from "./cell_card";
+import { css, kFree, kNotSeen, kOccupied, type Rgb } from "./colours";
+import { el } from "./dom";
+import { kAxes, type Axis } from "./slice_data";
+import { SliceFeed } from "./slice_feed";
+import { SlicePlane } from "./slice_plane";
+
+const kStep = 0.05; // [m]
+
+/** One slice: its switch, its slider, and its plane in the scene. */
+class SliceControl {
+  readonly plane = new SlicePlane();
+  readonly element: HTMLElement;
+  private readonly on = el("input", { type: "checkbox" });
+  private readonly slider = el("input", { type: "range", step: kStep, min: 0, max: 1, value: 0 });
+  private readonly value = el("output");
+  private readonly problem = el("p", { class: "bad" });
+  private readonly feed: SliceFeed;
+  private moved = false;
+
+  constructor(
+    readonly title: string,
+    private axis: Axis,
+    extra: HTMLElement[],
+    private readonly options: () => { distances: boolean; leaves: boolean },
+    private readonly onChange: () => void,
+  ) {
+    this.feed = new SliceFeed(
+      (slice, leaves) => {
+        this.problem.textContent = "";
+        this.plane.show(slice);
+        this.plane.showLeaves(leaves);
+        onChange();
+      },
+      (text) => (this.problem.textContent = text),
+    );
+    this.slider.setAttribute("aria-label", `Place of the ${title.toLowerCase()}`);
+    this.on.addEventListener("change", () => this.refresh());
+    this.slider.addEventListener("input", () => {
+      this.moved = true;
+      this.on.checked = true;
+      this.refresh();
+    });
+    const label = el("label", {}, this.on, ` ${title}`);
+    this.element = el("div", {}, el("div", { class: "row" }, label, ...extra), el("div", { class: "row" }, this.slider, this.value), this.problem);
+    this.showValue();
+  }
+
+  get isOn(): boolean {
+    return this.on.checked;
+  }
+
+  set isOn(on: boolean) {
+    this.on.checked = on;
+    this.refresh();
+  }
+
+  setAxis(axis: Axis, bounds: THREE.Box3): void {
+    if (axis === this.axis) return;
+    this.axis = axis;
+    this.moved = false;
+    this.setBounds(bounds);
+    this.refresh();
+  }
+
+  /** The slider reaches over the map. Until it has been moved it stands at two fifths of it. */
+  setBounds(bounds: THREE.Box3): void {
+    if (bounds.isEmpty()) return;
+    const which = kAxes.indexOf(this.axis);
+    const [low, high] = [bounds.min.getComponent(which), bounds.max.getComponent(which)];
+    this.slider.min = (Math.floor(low / kStep) * kStep).toFixed(2);
+    this.slider.max = (Math.ceil(high / kStep) * kStep).toFixed(2);
+    if (!this.moved) this.slider.value = (low + 0.4 * (high - low)).toFixed(2);
+    this.showValue();
+  }
+
+  /** Asks for the slice again, since the map or a choice has changed. */
+  refresh(): void {
+    this.showValue();
+    if (!this.on.checked) {
+      this.feed.want(null);
+      this.plane.hide();
+      this.problem.textContent = "";
+      this.onChange();
+      return;
+    }
+    this.feed.want({ axis: this.axis, at: Number(this.slider.value), ...this.options() });
+  }
+
+  private showValue(): void {
+    this.value.textContent = `${this.axis} = ${Number(this.slider.value).toFixed(2)} m`;
+  }
+}
+
+function swatch(colour: Rgb, text: string): HTMLElement {
+  const box = el("span", { class: "swatch", "aria-hidden": "true" });
+  box.style.background = css(colour);
+  return el("span", {}, box, text);
+}
+
+function choice(text: string, onChange: () => void): { input: HTMLInputElement; element: HTMLElement } {
+  const input = el("input", { type: "checkbox" });
+  input.addEventListener("change", onChange);
+  return { input, element: el("label", {}, input, ` ${text}`) };
+}
+
+export class FreeSpacePanel {
+  readonly cell = new CellCard();
+  private readonly horizontal: SliceControl;
+  private readonly vertical: SliceControl;
+  private readonly across = el("select", { "aria-label": "Axis across the vertical slice" });
+  private upAxis: Axis = "z";
+  private bounds: THREE.Box3 | null = null;
+
+  constructor(parent: HTMLElement, scene: THREE.Scene, onChange: () => void) {
+    const again = (): void => this.refresh();
+    const distances = choice("distances as contours", again);
+    const leaves = choice("leaves of the octree", again);
+    const options = (): { distances: boolean; leaves: boolean } => ({ distances: distances.input.checked, leaves: leaves.input.checked });
+    this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange);
+    this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange);
+    this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds!));
+    this.fillAcross();
+    scene.add(this.horizontal.plane.group, this.vertical.plane.group);
+    parent.append(
+      el("div", { class: "row" }, swatch(kFree, "free"), swatch(kOccupied, "occupied"), swatch(kNotSeen, "unknown")),
+      this.horizontal.element,
+      this.vertical.element,
+      el("div", { class: "row" }, distances.element, leaves.element),
+      el("p", { class: "faint" }, "Contours are at 0.1, 0.25, 0.5, 1 and 2 m from what is occupied. Click a cell of a slice to read why it is so."),
+      this.cell.element,
+    );
+  }
+
+  /** The horizontal slice is across the axis nearest to up. */
+  setUp(up: [number, number, number]): void {
+    const sizes = up.map(Math.abs);
+    this.upAxis = kAxes[sizes.indexOf(Math.max(...sizes))]!;
+    this.fillAcross();
+    if (!this.bounds) return;
+    this.horizontal.setAxis(this.upAxis, this.bounds);
+    this.vertical.setAxis(this.across.value as Axis, this.bounds);
+  }
+
+  setBounds(bounds: THREE.Box3): void {
+    this.bounds = bounds;
+    this.horizontal.setBounds(bounds);
+    this.vertical.setBounds(bounds);
+  }
+
+  /** The map has changed. */
+  refresh(): void {
+    for (const control of [this.horizontal, this.vertical]) if (control.isOn) control.refresh();
+  }
+
+  toggleHorizontal(): void {
+    this.horizontal.isOn = !this.horizontal.isOn;
+  }
+
+  toggleVertical(): void {
+    this.vertical.isOn = !this.vertical.isOn;
+  }
+
+  /** The nearest point of a slice on a ray. */
+  pick(ray: THREE.Ray): { distance: number; point: THREE.Vector3 } | null {
+    const hits = [this.horizontal, this.vertical].flatMap((control) => control.plane.pick(ray) ?? []);
+    return hits.sort((a, b) => a.distance - b.distance)[0] ?? null;
+  }
+
+  /** For tests: how many cells of each state are shown. */
+  counts(): Record<string, number[]> {
+    const count = (control: SliceControl): number[] => {
+      const counts = [0, 0, 0];
+      for (const state of control.plane.shown?.cells ?? []) ++counts[state]!;
+      return counts;
+    };
+    return { horizontal: count(this.horizontal), vertical: count(this.vertical) };
+  }
+
+  private fillAcross(): void {
+    const others = kAxes.filter((axis) => axis !== this.upAxis);
+    this.across.replaceChildren(...others.map((axis) => el("option", { value: axis }, `across ${axis}`)));
+    this.across.value = others[1]!;
+  }
+}

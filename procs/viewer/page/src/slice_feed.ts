@@ -1,0 +1,66 @@
+/** Asks for the slice that is wanted: one request at a time, and the newest wish always wins. */
+import { getBytes, getJson } from "./api";
+import { asList, asNumber, asObject } from "./json";
+import { decodeSlice, type Axis, type Slice } from "./slice_data";
+import type { Leaf } from "./slice_plane";
+
+export interface SliceWish {
+  axis: Axis;
+  at: number; // [m]
+  distances: boolean;
+  leaves: boolean;
+}
+
+const kPause = 80; // [ms] that the slider stands still
+
+export class SliceFeed {
+  private wish: SliceWish | null = null;
+  private timer: ReturnType<typeof setTimeout> | null = null;
+  private asking = false;
+
+  constructor(
+    private readonly onSlice: (slice: Slice, leaves: Leaf[]) => void,
+    private readonly onError: (text: string) => void,
+  ) {}
+
+  /** null = no slice is wanted any more. */
+  want(wish: SliceWish | null): void {
+    this.wish = wish;
+    if (this.timer) clearTimeout(this.timer);
+    this.timer = wish ? setTimeout(() => void this.ask(), kPause) : null;
+  }
+
+  private async ask(): Promise<void> {
+    if (this.asking || !this.wish) return;
+    this.asking = true;
+    const wish = this.wish;
+    await this.answer(wish);
+    this.asking = false;
+    if (this.wish !== wish && this.wish !== null) await this.ask();
+  }
+
+  private async answer(wish: SliceWish): Promise<void> {
+    const where = `axis=${wish.axis}&at=${wish.at.toFixed(3)}`;
+    const answer = await getBytes(`api/slice?${where}${wish.distances ? "&distance=1" : ""}`);
+    if (answer.error !== null) {
+      if (this.wish) this.onError(answer.error);
+      return;
+    }
+    const leaves = wish.leaves ? await leavesAt(where) : [];
+    if (this.wish?.axis !== wish.axis) return;
+    try {
+      this.onSlice(decodeSlice(answer.value), leaves);
+    } catch (error) {
+      this.onError(error instanceof Error ? error.message : String(error));
+    }
+  }
+}
+
+async function leavesAt(where: string): Promise<Leaf[]> {
+  const answer = await getJson(`api/leaves?${where}`);
+  if (answer.error !== null) return [];
+  return asList(asObject(answer.value).leaves).map((entry) => {
+    const [x, y, z, size, state] = asList(entry).map((value) => asNumber(value));
+    return { centre: [x ?? 0, y ?? 0, z ?? 0], size: size ?? 0, occupied: state === 2 };
+  });
+}

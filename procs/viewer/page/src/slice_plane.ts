@@ -1,0 +1,132 @@
+/** A slice in the scene: cells as a picture, distances as contours, leaves of the octree as squares. */
+import * as THREE from "three";
+import { contourLines } from "./contours";
+import { axesOf, pixelsOf, type Slice } from "./slice_data";
+
+const kLevels = [0.1, 0.25, 0.5, 1, 2]; // [m]
+
+/** A leaf of the octree: its centre and edge [m], and whether it is occupied. */
+export interface Leaf {
+  centre: number[];
+  size: number;
+  occupied: boolean;
+}
+
+export class SlicePlane {
+  readonly group = new THREE.Group();
+  private slice: Slice | null = null;
+  private readonly picture = new THREE.Mesh(
+    new THREE.BufferGeometry(),
+    new THREE.MeshBasicMaterial({ transparent: true, side: THREE.DoubleSide, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1 }),
+  );
+  private readonly contours = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0x111111 }));
+  private readonly leaves = new THREE.LineSegments(
+    new THREE.BufferGeometry(),
+    new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.8 }),
+  );
+
+  constructor() {
+    this.group.add(this.picture, this.contours, this.leaves);
+    this.group.visible = false;
+    this.picture.renderOrder = 2;
+  }
+
+  get shown(): Slice | null {
+    return this.group.visible ? this.slice : null;
+  }
+
+  hide(): void {
+    this.group.visible = false;
+    this.slice = null;
+  }
+
+  show(slice: Slice): void {
+    this.slice = slice;
+    this.group.visible = true;
+    const old = this.picture.material.map;
+    const texture = new THREE.DataTexture(pixelsOf(slice, 0.65), slice.width, slice.height);
+    texture.needsUpdate = true;
+    this.picture.material.map = texture;
+    this.picture.material.needsUpdate = old === null;
+    old?.dispose();
+    this.picture.geometry.dispose();
+    this.picture.geometry = quadOf(slice);
+    this.showContours(slice);
+    this.showLeaves([]);
+  }
+
+  /** Squares where the leaves are cut by the slice. */
+  showLeaves(leaves: Leaf[]): void {
+    this.leaves.geometry.dispose();
+    this.leaves.geometry = new THREE.BufferGeometry();
+    if (!this.slice || leaves.length === 0) return;
+    const { u, v, across } = axesOf(this.slice.axis);
+    const positions: number[] = [];
+    const colours: number[] = [];
+    for (const { centre, size, occupied } of leaves) {
+      const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => {
+        const p = [0, 0, 0];
+        p[across] = this.slice!.at;
+        p[u] = centre[u]! + (a! * size) / 2;
+        p[v] = centre[v]! + (b! * size) / 2;
+        return p;
+      });
+      for (let i = 0; i < 4; ++i) positions.push(...corners[i]!, ...corners[(i + 1) % 4]!);
+      for (let i = 0; i < 8; ++i) colours.push(...(occupied ? [0.45, 0.16, 0] : [0, 0.27, 0.5]));
+    }
+    this.leaves.geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
+    this.leaves.geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
+  }
+
+  /** Where a ray meets the slice; null when it does not. */
+  pick(ray: THREE.Ray): { distance: number; point: THREE.Vector3 } | null {
+    if (!this.group.visible || !this.slice) return null;
+    const { u, v, across } = axesOf(this.slice.axis);
+    const slope = ray.direction.getComponent(across);
+    const distance = (this.slice.at - ray.origin.getComponent(across)) / slope;
+    if (!Number.isFinite(distance) || distance <= 0) return null;
+    const point = ray.at(distance, new THREE.Vector3());
+    const column = (point.getComponent(u) - this.slice.origin[0]) / this.slice.cell;
+    const row = (point.getComponent(v) - this.slice.origin[1]) / this.slice.cell;
+    const inside = column >= 0 && row >= 0 && column < this.slice.width && row < this.slice.height;
+    return inside ? { distance, point } : null;
+  }
+
+  private showContours(slice: Slice): void {
+    this.contours.geometry.dispose();
+    this.contours.geometry = new THREE.BufferGeometry();
+    if (!slice.distances) return;
+    const { u, v, across } = axesOf(slice.axis);
+    const positions: number[] = [];
+    for (const level of kLevels) {
+      const lines = contourLines(slice.distances, slice.width, slice.height, level);
+      for (let i = 0; i < lines.length; i += 2) {
+        const p = [0, 0, 0];
+        p[across] = slice.at;
+        p[u] = slice.origin[0] + lines[i]! * slice.cell;
+        p[v] = slice.origin[1] + lines[i + 1]! * slice.cell;
+        positions.push(...p);
+      }
+    }
+    this.contours.geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
+  }
+}
+
+/** The rectangle of a slice, with the picture's first row at its origin. */
+function quadOf(slice: Slice): THREE.BufferGeometry {
+  const { u, v, across } = axesOf(slice.axis);
+  const [w, h] = [slice.width * slice.cell, slice.height * slice.cell];
+  const corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+  const positions = corners.flatMap(([a, b]) => {
+    const p = [0, 0, 0];
+    p[across] = slice.at;
+    p[u] = slice.origin[0] + a! * w;
+    p[v] = slice.origin[1] + b! * h;
+    return p;
+  });
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
+  geometry.setAttribute("uv", new THREE.Float32BufferAttribute(corners.flat(), 2));
+  geometry.setIndex([0, 1, 2, 0, 2, 3]);
+  return geometry;
+}

@@ -1,0 +1,9 @@
+/** Whether WebGL is computed by the processor here: no antialiasing and fewer pixels then. */
+export function isSoftware(canvas: HTMLCanvasElement): boolean {
+  const probe = canvas.ownerDocument.createElement("canvas").getContext("webgl2");
+  if (!probe) return true;
+  const info = probe.getExtension("WEBGL_debug_renderer_info");
+  const name = String(probe.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : probe.RENDERER));
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
+}

@@ -1,0 +1,97 @@
+// What the page works out of messages: coarse surface, overlay of pictures, table of processes.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { load } from "./load.mjs";
+
+const { coarseIndices, overlayPixels, detectionsText, colourOfId, paleColourOfId, mainRate, lostCount, waitingCount, slowestStage,
+  isStale, TimingHistory } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart");
+
+test("The coarse surface of a plane has one vertex for each cell and covers the same area", () => {
+  const side = 41; // vertices at every centimetre
+  const positions = new Float32Array(3 * side * side);
+  for (let i = 0; i < side; ++i) for (let j = 0; j < side; ++j) positions.set([0.01 * i + 0.001, 0.01 * j + 0.001, 0.5], 3 * (i * side + j));
+  const indices = [];
+  for (let i = 0; i + 1 < side; ++i) for (let j = 0; j + 1 < side; ++j) {
+    const a = i * side + j;
+    indices.push(a, a + side, a + 1, a + 1, a + side, a + side + 1);
+  }
+  const coarse = coarseIndices(positions, Uint32Array.from(indices), 0.04);
+  assert.equal(coarse.length / 3, 200);
+  assert.ok(new Set(coarse).size <= 121);
+  const at = (v, axis) => positions[3 * v + axis];
+  let area = 0;
+  for (let t = 0; t < coarse.length; t += 3) {
+    const [a, b, c] = coarse.subarray(t, t + 3);
+    const twice = (at(b, 0) - at(a, 0)) * (at(c, 1) - at(a, 1)) - (at(c, 0) - at(a, 0)) * (at(b, 1) - at(a, 1));
+    assert.ok(twice > 0, "triangles keep their front");
+    area += twice / 2;
+  }
+  assert.ok(Math.abs(area - 0.16) < 1e-6, `the area is ${area}`);
+});
+
+test("Two sides of a thin wall stay apart: triangles of opposite fronts are both kept", () => {
+  const positions = Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0]);
+  assert.deepEqual([...coarseIndices(positions, Uint32Array.from([0, 1, 2, 0, 2, 1, 1, 2, 0]), 0.1)], [0, 1, 2, 0, 2, 1]);
+});
+
+const segments = {
+  width: 4, height: 2,
+  runs: [-1, 2, 0, 2, 1, 3, 9, 1],
+  list: [{ classId: 62, className: "chair", score: 0.9, detection: 0 }, { classId: 0, className: "", score: 0, detection: -1 }],
+};
+
+test("Masks have the colour of their class, segments pale ones, the rest is clear", () => {
+  const rgba = (pixels, i) => [...pixels.subarray(4 * i, 4 * i + 4)];
+  const masks = overlayPixels(segments, { masks: true, segments: false });
+  assert.deepEqual(rgba(masks, 1), [0, 0, 0, 0]);
+  assert.deepEqual(rgba(masks, 2).slice(0, 3), colourOfId(62));
+  assert.deepEqual(rgba(masks, 4), [0, 0, 0, 0]);
+  const both = overlayPixels(segments, { masks: true, segments: true });
+  assert.deepEqual(rgba(both, 4).slice(0, 3), paleColourOfId(2));
+  assert.deepEqual(rgba(both, 7), [0, 0, 0, 0], "an index that is not in the list");
+});
+
+test("Runs that are too long or negative never write outside the picture", () => {
+  const pixels = overlayPixels({ ...segments, runs: [0, -5, 0, 1e9, 1, 3] }, { masks: true, segments: true });
+  assert.equal(pixels.length, 32);
+  assert.ok(pixels[31] > 0);
+});
+
+test("Detections are told once for each class, with the best score", () => {
+  const list = [...segments.list, { classId: 62, className: "chair", score: 0.95, detection: 1 }];
+  assert.equal(detectionsText({ ...segments, list }), "chair 95 %");
+  assert.equal(detectionsText(null), "");
+});
+
+const process = {
+  source: "map-server", age: 0.5,
+  counters: { frames_integrated: 90, frames_waiting: 2, requests_waiting: 1, waiting_bytes: 4096, "FRAMES.rejected": 3, frames_dropped: 4, dropped_on_purpose: 50 },
+  rates: { "FRAMES.received": 31, frames_integrated: 29.5 },
+  timings: { mesh: { median: 8, max: 14 }, integrate: { median: 12, max: 31 } },
+};
+
+test("The table shows frames per second, the slowest stage, what waits and what was lost", () => {
+  assert.deepEqual(mainRate(process), { name: "frames_integrated", rate: 29.5 });
+  assert.deepEqual(slowestStage(process), { name: "integrate", median: 12, max: 31 });
+  assert.equal(waitingCount(process), 3);
+  assert.equal(lostCount(process), 7);
+  assert.equal(mainRate({ ...process, rates: {} }), null);
+});
+
+test("A process that was not heard for three seconds is stale", () => {
+  assert.ok(!isStale({ ...process, age: 2.9 }));
+  assert.ok(isStale({ ...process, age: 3.1 }));
+});
+
+test("Stage times are kept for 300 s; a stage that comes later has no times before", () => {
+  const history = new TimingHistory();
+  for (let second = 0; second < 310; ++second) {
+    const timings = second < 305 ? { mesh: { median: second, max: 0 } } : { mesh: { median: second, max: 0 }, late: { median: 1, max: 1 } };
+    history.add(second, { ...process, timings });
+    history.add(second, { ...process, timings });
+  }
+  assert.equal(history.seconds.length, 300);
+  assert.equal(history.seconds[0], 10);
+  assert.deepEqual(history.stages.get("late").slice(-6), [null, 1, 1, 1, 1, 1]);
+  assert.equal(history.stages.get("mesh").at(-1), 309);
+});

@@ -1,0 +1,75 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { load } from "./load.mjs";
+import { arrayBuffer } from "./page_bytes.mjs";
+
+const { decodeSlice, stateAt, pixelsOf, axesOf, contourLines, kFree, kOccupied, kNotSeen } = await load("slice_data", "contours", "colours");
+
+function sliceBytes(about, cells, distances = null) {
+  const text = JSON.stringify(about);
+  const padded = text.padEnd(Math.ceil(text.length / 4) * 4);
+  const head = Buffer.alloc(4);
+  head.writeUInt32LE(padded.length);
+  const parts = [head, Buffer.from(padded), Buffer.from(cells)];
+  if (distances) parts.push(Buffer.alloc((4 - (cells.length % 4)) % 4), Buffer.from(new Float32Array(distances).buffer));
+  return arrayBuffer(Buffer.concat(parts));
+}
+const about = { axis: "z", at_m: 1, cell_m: 0.5, origin: [-1, 2], width: 3, height: 2, axes: ["x", "y"] };
+const cells = [0, 1, 2, 1, 1, 0];
+
+test("A slice tells the state of each cell at its place, and nothing outside", () => {
+  const slice = decodeSlice(sliceBytes(about, cells));
+  assert.equal(stateAt(slice, [-0.9, 2.1, 1]), "unknown");
+  assert.equal(stateAt(slice, [0.3, 2.4, 1]), "occupied");
+  assert.equal(stateAt(slice, [-0.9, 2.6, 1]), "free");
+  assert.equal(stateAt(slice, [0.6, 2.1, 1]), null);
+  assert.equal(stateAt(slice, [-0.9, 1.9, 1]), null);
+  assert.equal(slice.distances, null);
+});
+
+test("Across x the slice lies in y and z, across y in x and z", () => {
+  assert.deepEqual(axesOf("x"), { u: 1, v: 2, across: 0 });
+  assert.deepEqual(axesOf("y"), { u: 0, v: 2, across: 1 });
+  const slice = decodeSlice(sliceBytes({ ...about, axis: "x" }, cells));
+  assert.equal(stateAt(slice, [77, 0.3, 2.4]), "occupied");
+});
+
+test("Free, occupied and unknown cells have their colours, unknown ones the least opaque", () => {
+  const pixels = pixelsOf(decodeSlice(sliceBytes(about, cells)), 1);
+  assert.deepEqual([...pixels.subarray(0, 3)], kNotSeen);
+  assert.deepEqual([...pixels.subarray(4, 8)], [...kFree, 255]);
+  assert.deepEqual([...pixels.subarray(8, 12)], [...kOccupied, 255]);
+  assert.ok(pixels[3] < 255 && pixels[3] > 50);
+});
+
+test("Distances come after the cells, padded to four bytes", () => {
+  const slice = decodeSlice(sliceBytes({ ...about, distances: true }, cells, [1, 2, 3, 4, 5, Number.NaN]));
+  assert.deepEqual([...slice.distances], [1, 2, 3, 4, 5, Number.NaN]);
+});
+
+test("A slice that is cut off or has no size is an error with a sentence", () => {
+  assert.throws(() => decodeSlice(new ArrayBuffer(2)), /4 bytes/);
+  assert.throws(() => decodeSlice(sliceBytes(about, cells.slice(1))), /cut off/);
+  assert.throws(() => decodeSlice(sliceBytes({ ...about, cell_m: 0 }, cells)), /cells of 0 m/);
+  assert.throws(() => decodeSlice(sliceBytes({ ...about, width: 1e9, height: 1e9 }, cells)), /cells of/);
+});
+
+test("Contours of the distance to a point are circles of the level's radius", () => {
+  const [width, height] = [41, 37];
+  const values = new Float32Array(width * height);
+  for (let v = 0; v < height; ++v) for (let u = 0; u < width; ++u) values[v * width + u] = Math.hypot(u - 20, v - 18);
+  const lines = contourLines(values, width, height, 10.3);
+  assert.ok(lines.length > 4 * 40);
+  let length = 0;
+  for (let i = 0; i < lines.length; i += 4) {
+    const [a, b, c, d] = lines.slice(i, i + 4);
+    for (const [u, v] of [[a, b], [c, d]]) assert.ok(Math.abs(Math.hypot(u - 20.5, v - 18.5) - 10.3) < 0.02);
+    length += Math.hypot(a - c, b - d);
+  }
+  assert.ok(Math.abs(length - 2 * Math.PI * 10.3) < 0.5, `the pieces are ${length} long together`);
+});
+
+test("Contours end where values are not known", () => {
+  const values = Float32Array.from([0, 1, Number.NaN, 0, 1, 1]);
+  assert.deepEqual(contourLines(values, 3, 2, 0.5), [1, 0.5, 1, 1.5]);
+});
