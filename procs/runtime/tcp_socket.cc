@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <vector>
 
 #include "runtime/tcpq_records.h"
@@ -60,6 +61,14 @@ void SetOption(int fd, int level, int option, int value) {
   setsockopt(fd, level, option, &value, sizeof(value));
 }
 
+// Whether both ends are on this computer.
+bool IsLoopback(int fd) {
+  sockaddr_in peer{};
+  socklen_t size = sizeof(peer);
+  if (getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return false;
+  return peer.sin_family == AF_INET && ntohl(peer.sin_addr.s_addr) >> 24 == 127;
+}
+
 }  // namespace
 
 void Socket::Close() {
@@ -72,6 +81,11 @@ void TuneTcp(int fd) {
   SetOption(fd, IPPROTO_TCP, TCP_KEEPIDLE, 10);
   SetOption(fd, IPPROTO_TCP, TCP_KEEPINTVL, 5);
   SetOption(fd, IPPROTO_TCP, TCP_KEEPCNT, 3);
+  // BBR, the default of some computers, spaces the packets by the speed that it has measured.
+  // Within a computer, this delays an image by milliseconds.
+  constexpr std::string_view kUnspaced = "cubic";
+  if (IsLoopback(fd))
+    setsockopt(fd, IPPROTO_TCP, TCP_CONGESTION, kUnspaced.data(), kUnspaced.size());
 }
 
 Result<Socket> ConnectToHub(const TcpAddress& hub, double timeout) {

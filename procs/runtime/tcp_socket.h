@@ -31,8 +31,9 @@ class Socket {
 /// applies TuneTcp. Fails with the reason, or when it takes longer than `timeout` [s].
 Result<Socket> ConnectToHub(const TcpAddress& hub, double timeout);
 
-/// Sets the options for both ends of a connection: TCP_NODELAY, and a keep-alive that detects a
-/// vanished peer within half a minute.
+/// Sets the options for both ends of a connection: TCP_NODELAY, a keep-alive that detects a
+/// vanished peer within half a minute, and within a computer a congestion control that does not
+/// space packets.
 void TuneTcp(int fd);
 
 }  // namespace vismap

@@ -79,29 +79,38 @@ Result<void> RecordReader::ReadFrom(int fd, size_t max_bytes,
                                     const std::function<void(TcpqRecord)>& on_record,
                                     double max_seconds) {
   const double end = MonotonicSeconds() + max_seconds;
-  for (size_t taken = 0; taken < max_bytes;) {
-    if (have_ == 0 && taken > 0 && MonotonicSeconds() >= end) return {};
-    const size_t step = std::min(need_ - have_, std::clamp(have_, kLeastGrowth, kMostGrowth));
-    if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
-    const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);
-    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return {};
-    if (got < 0 && errno == ECONNRESET)
-      return Fail("");  // it closed the connection before it had read everything
-    if (got < 0) return Fail(std::strerror(errno));
-    if (got == 0) return Fail("");
-    // LCM's own client sends a message in five small writes and waits for the acknowledgement of
-    // each, so acknowledge immediately.
-    const int on = 1;
-    setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof(on));
-    have_ += static_cast<size_t>(got);
-    taken += static_cast<size_t>(got);
-    while (have_ == need_) {
-      const bool record_ends = stage_ == Stage::kData;
-      if (Result<void> advanced = Advance(on_record); !advanced) return advanced;
-      if (record_ends) break;
-    }
-  }
+  Result<size_t> got = 0;
+  size_t taken = 0;
+  do {
+    got = ReadSome(fd, on_record);
+    if (got) taken += *got;
+  } while (got && *got > 0 && taken < max_bytes && (have_ > 0 || MonotonicSeconds() < end));
+  // LCM's own client sends a message in five small writes and waits for the acknowledgement of
+  // each, so acknowledge immediately.
+  const int on = 1;
+  if (taken > 0) setsockopt(fd, IPPROTO_TCP, TCP_QUICKACK, &on, sizeof(on));
+  if (!got) return tl::unexpected(got.error());
   return {};
+}
+
+// Reads once from the socket. Returns the number of bytes; 0 = nothing has arrived.
+Result<size_t> RecordReader::ReadSome(int fd, const std::function<void(TcpqRecord)>& on_record) {
+  const size_t known = std::max(have_, largest_);
+  const size_t step = std::min(need_ - have_, std::clamp(known, kLeastGrowth, kMostGrowth));
+  if (buffer_.size() < have_ + step) buffer_.resize(have_ + step);
+  const ssize_t got = recv(fd, buffer_.data() + have_, step, MSG_DONTWAIT);
+  if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return 0;
+  // It closed the connection, perhaps before it had read everything.
+  if (got == 0 || (got < 0 && errno == ECONNRESET)) return Fail("");
+  if (got < 0) return Fail(std::strerror(errno));
+  have_ += static_cast<size_t>(got);
+  while (have_ == need_) {
+    const bool record_ends = stage_ == Stage::kData;
+    if (const Result<void> advanced = Advance(on_record); !advanced)
+      return tl::unexpected(advanced.error());
+    if (record_ends) break;
+  }
+  return static_cast<size_t>(got);
 }
 
 Result<void> RecordReader::Advance(const std::function<void(TcpqRecord)>& on_record) {

@@ -73,6 +73,7 @@ class RecordReader {
 
  private:
   enum class Stage { kHello, kHead, kName, kDataSize, kData };
+  Result<size_t> ReadSome(int fd, const std::function<void(TcpqRecord)>& on_record);
   Result<void> Advance(const std::function<void(TcpqRecord)>& on_record);
   Result<void> StartName();
   Result<void> StartData();
