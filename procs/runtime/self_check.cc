@@ -65,11 +65,17 @@ std::string HubCommand(const LcmUrl& url) {
   return "vismap-hub --listen " + url.hub.host + ":" + std::to_string(url.hub.port);
 }
 
-void WarnAboutBus(const LcmUrl& url) {
-  if (url.provider == "tcpq") return;
+std::vector<std::string> BusProblems(const LcmUrl& url) {
+  std::vector<std::string> problems;
+  if (url.provider == "tcpq") return problems;
   for (const CheckResult& check : CheckBus(url, 0)) {
-    if (!check.ok) LogWarning(check.what + ": " + check.found);
+    if (!check.ok) problems.push_back(check.what + ": " + check.found);
   }
+  return problems;
+}
+
+void WarnAboutBus(const LcmUrl& url) {
+  for (const std::string& problem : BusProblems(url)) LogWarning(problem);
 }
 
 std::vector<CheckResult> CheckBus(const LcmUrl& url, double timeout) {

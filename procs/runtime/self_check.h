@@ -19,8 +19,11 @@ struct CheckResult {
 /// [s], for udpm the multicast route and the receive buffer.
 std::vector<CheckResult> CheckBus(const LcmUrl& url, double timeout);
 
-/// Logs a warning for each of these checks that fails. Does nothing for tcpq, because Bus waits for
-/// the hub.
+/// What such a check found wrong, in sentences that end with the command that solves the problem.
+/// None for tcpq, because those who connect wait for the hub.
+std::vector<std::string> BusProblems(const LcmUrl& url);
+
+/// Logs a warning for each of them.
 void WarnAboutBus(const LcmUrl& url);
 
 /// The command that starts the hub of a tcpq URL: "vismap-hub --listen A.B.C.D:PORT".
