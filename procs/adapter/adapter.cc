@@ -20,15 +20,16 @@ constexpr double kTellDropsFor = 10;   // [s]
 }  // namespace
 
 Result<std::unique_ptr<Adapter>> Adapter::Create(const AdapterOptions& options, Bus* bus,
-                                                 Status* status, RobotBus* robot) {
-  std::unique_ptr<Adapter> adapter(new Adapter(options, bus, status, robot));
+                                                 Status* status, RobotBus* robot,
+                                                 OutputReport* outputs) {
+  std::unique_ptr<Adapter> adapter(new Adapter(options, bus, status, robot, outputs));
   Result<CameraJoiners> joiners = CameraJoiners::Create(
       adapter->cameras_, [made = adapter.get()](size_t camera, ForeignFrame&& frame) {
         made->Publish(made->cameras_[camera], std::move(frame));
       });
   if (!joiners) return tl::unexpected(joiners.error());
   adapter->joiners_ = std::make_unique<CameraJoiners>(std::move(*joiners));
-  adapter->outputs_ = std::make_unique<MapOutputs>(options, bus, status, robot);
+  status->SetFindings("robot's bus", robot->Problems());
   return adapter;
 }
 
@@ -43,11 +44,13 @@ void Adapter::Run() {
   bus_->Every(kStatusPeriod, [this] { UpdateStatus(); });
   status_->Set(ProcessState::kReady);
   while (!bus_->stop_requested()) {
-    robot_->Spin(kTurn, [&](const std::string& channel, std::span<const uint8_t> data) {
-      const Result<void> added = joiners_->Add(channel, data, Now());
-      if (!added) LogWarningRateLimited(channel, added.error().message);
-    });
-    joiners_->Advance(Now());
+    const bool is_all =
+        robot_->Spin(kTurn, [&](const std::string& channel, std::span<const uint8_t> data) {
+          const Result<void> added = joiners_->Add(channel, data, Now());
+          if (!added) LogWarningRateLimited(channel, added.error().message);
+        });
+    // A frame is not given up while what it waits for has perhaps arrived.
+    if (is_all) joiners_->Advance(Now());
     bus_->Spin(0);
   }
   joiners_->Finish();
@@ -108,6 +111,7 @@ void Adapter::UpdateStatus() {
   status_->SetCounter("frames_waiting", joiners_->waiting());
   status_->SetCounter("robot_reconnects", robot_->reconnects());
   TellLosses();
+  if (outputs_ != nullptr) outputs_->MoveTo(status_);
   std::vector<std::string> silent = SilentChannels();
   if (!robot_->connected())
     silent = {"there is no connection to the robot's bus at " + robot_->url()};

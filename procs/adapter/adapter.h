@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "adapter/map_outputs.h"
+#include "adapter/output_report.h"
 #include "adapter/robot_bus.h"
 #include "foreign/camera_joiners.h"
 #include "foreign/presets.h"
@@ -15,20 +15,26 @@
 namespace vismap {
 
 /// Reads images and poses of other programs from the robot's bus, and publishes them as RGBD_FRAME
-/// with a STATUS that says what is dropped and what to do. Gives the map back, see MapOutputs.
+/// with a STATUS that says what is dropped and what to do.
 class Adapter {
  public:
-  /// For options with their preset. `bus`, `status` and `robot` must outlive it. Fails as
-  /// CameraJoiners::Create does.
+  /// For options with their preset. `bus`, `status`, `robot` and `outputs` must outlive it. The
+  /// STATUS has what `outputs` tells; nullptr = none. Fails as CameraJoiners::Create does.
   static Result<std::unique_ptr<Adapter>> Create(const AdapterOptions& options, Bus* bus,
-                                                 Status* status, RobotBus* robot);
+                                                 Status* status, RobotBus* robot,
+                                                 OutputReport* outputs);
 
   /// Handles what arrives until stop is requested.
   void Run();
 
  private:
-  Adapter(const AdapterOptions& options, Bus* bus, Status* status, RobotBus* robot)
-      : cameras_(CamerasOf(options)), bus_(bus), status_(status), robot_(robot) {}
+  Adapter(const AdapterOptions& options, Bus* bus, Status* status, RobotBus* robot,
+          OutputReport* outputs)
+      : cameras_(CamerasOf(options)),
+        bus_(bus),
+        status_(status),
+        robot_(robot),
+        outputs_(outputs) {}
   int64_t Now() const;
   void Publish(const AdapterCameraOptions& camera, ForeignFrame&& frame);
   void UpdateStatus();
@@ -39,8 +45,8 @@ class Adapter {
   Bus* bus_;
   Status* status_;
   RobotBus* robot_;
+  OutputReport* outputs_;
   std::unique_ptr<CameraJoiners> joiners_;
-  std::unique_ptr<MapOutputs> outputs_;
   int64_t start_wall_ = 0;
   double start_ = 0;
   struct Losses {

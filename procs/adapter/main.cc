@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapter/adapter.h"
+#include "adapter/map_outputs.h"
 #include "adapter/native_module.h"
 #include "foreign/presets.h"
 #include "settings/settings.h"
@@ -108,6 +109,18 @@ Result<void> Complete(Arguments* arguments) {
   return {};
 }
 
+/// The thread that gives the map back; nullptr when no channel for it is named.
+Result<std::unique_ptr<OutputThread>> StartOutputs(const AdapterOptions& options,
+                                                   const std::string& url,
+                                                   const CommonOptions& common, StopSignal* stop) {
+  if (!MapOutputs::Wanted(options)) return nullptr;
+  Result<std::unique_ptr<Bus>> bus = OpenBus(common, common.name, stop);
+  if (!bus) return tl::unexpected(bus.error());
+  Result<std::unique_ptr<RobotBus>> robot = RobotBus::Open(url, {}, common.connect_timeout, stop);
+  if (!robot) return tl::unexpected(robot.error());
+  return std::make_unique<OutputThread>(options, std::move(*bus), std::move(*robot), stop);
+}
+
 Outcome Serve(const AdapterOptions& options, ProcessContext& context) {
   const std::vector<AdapterCameraOptions> cameras = CamerasOf(options);
   if (const auto complete = CheckComplete(cameras); !complete)
@@ -127,7 +140,11 @@ Outcome Serve(const AdapterOptions& options, ProcessContext& context) {
     if (context.stop.requested()) return {};
     return ExitWith(ExitCode::kFailed, robot.error().message);
   }
-  const auto adapter = Adapter::Create(options, context.bus, context.status, robot->get());
+  StopSignal stop_outputs;
+  const auto outputs = StartOutputs(options, url, context.options, &stop_outputs);
+  if (!outputs) return ExitWith(ExitCode::kFailed, outputs.error().message);
+  const auto adapter = Adapter::Create(options, context.bus, context.status, robot->get(),
+                                       *outputs ? &(*outputs)->report() : nullptr);
   if (!adapter) return ExitWith(ExitCode::kUsage, adapter.error().message);
   (*adapter)->Run();
   return {};

@@ -1,29 +1,41 @@
 #include "adapter/map_outputs.h"
 
+#include <utility>
 #include <vismap/map_delta_t.hpp>
 #include <vismap/mesh_delta_t.hpp>
 #include <vismap/object_list_t.hpp>
 
-#include "base/class_names.h"
-#include "foreign/map_messages.h"
-#include "foreign/presets.h"
-#include "objects/object_mesh.h"
 #include "runtime/clock.h"
 #include "wire/object_list.h"
 
 namespace vismap {
+namespace {
 
-MapOutputs::MapOutputs(const AdapterOptions& options, Bus* bus, Status* status, RobotBus* robot)
+bool WantsSurface(const AdapterOptions& options) {
+  return !options.cloud_channel.empty() || !options.detections_channel.empty() ||
+         !options.drake_cloud_channel.empty() || !options.drake_objects_channel.empty() ||
+         !options.director_channel.empty();
+}
+
+bool WantsSpace(const AdapterOptions& options) { return !options.costmap_channel.empty(); }
+
+}  // namespace
+
+bool MapOutputs::Wanted(const AdapterOptions& options) {
+  return WantsSurface(options) || WantsSpace(options);
+}
+
+MapOutputs::MapOutputs(const AdapterOptions& options, size_t most_bytes, Bus* bus,
+                       OutputReport* report, FittedOutputs::Send send)
     : options_(options),
-      root_(CamerasOf(options).front().root),
       bus_(bus),
-      status_(status),
-      robot_(robot),
+      report_(report),
+      outputs_(options, most_bytes, report, std::move(send)),
       mesh_catch_up_(bus, "mesh"),
       space_catch_up_(bus, "snapshot"),
       surface_pacer_(options.publish_period_s),
       space_pacer_(options.publish_period_s) {
-  if (WantsSurface()) {
+  if (WantsSurface(options_)) {
     bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
                                   [this](const mesh_delta_t& message) { return OnMesh(message); });
     bus_->Subscribe<object_list_t>(
@@ -39,18 +51,12 @@ MapOutputs::MapOutputs(const AdapterOptions& options, Bus* bus, Status* status, 
         Delivery::kLatest);
     mesh_catch_up_.Request(mesh_.position());
   }
-  if (!options_.costmap_channel.empty()) {
+  if (WantsSpace(options_)) {
     bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
                                  [this](const map_delta_t& message) { return OnSpace(message); });
     space_catch_up_.Request(space_.position());
   }
-  if (WantsSurface() || !options_.costmap_channel.empty()) bus_->Every(0.2, [this] { OnTimer(); });
-}
-
-bool MapOutputs::WantsSurface() const {
-  return !options_.cloud_channel.empty() || !options_.detections_channel.empty() ||
-         !options_.drake_cloud_channel.empty() || !options_.drake_objects_channel.empty() ||
-         !options_.director_channel.empty();
+  bus_->Every(0.2, [this] { OnTimer(); });
 }
 
 Result<void> MapOutputs::OnMesh(const mesh_delta_t& message) {
@@ -86,56 +92,68 @@ Result<void> MapOutputs::OnSpace(const map_delta_t& message) {
 void MapOutputs::OnTimer() {
   mesh_.GiveUpStaleParts(MonotonicSeconds());
   space_.GiveUpStaleParts(MonotonicSeconds());
-  if (WantsSurface() && !mesh_.in_sync()) mesh_catch_up_.Request(mesh_.position());
-  if (!options_.costmap_channel.empty() && !space_.in_sync())
-    space_catch_up_.Request(space_.position());
+  if (WantsSurface(options_) && !mesh_.in_sync()) mesh_catch_up_.Request(mesh_.position());
+  if (WantsSpace(options_) && !space_.in_sync()) space_catch_up_.Request(space_.position());
   if (mesh_.in_sync() && (mesh_.position() != surface_published_ || objects_changed_))
     surface_pacer_.RunIfDue([this] { PublishSurface(); });
   if (space_.in_sync() && space_.occupancy() && space_.position() != space_published_)
     space_pacer_.RunIfDue([this] { PublishSpace(); });
 }
 
-template <typename Message>
-void MapOutputs::Send(const std::string& channel, Message message) {
-  if (channel.empty()) return;
-  const RawBytes bytes = PackRaw(message);
-  status_->Count(robot_->Publish(channel, bytes) ? "map_messages_published"
-                                                 : "map_messages_unsent");
-}
-
 void MapOutputs::PublishSurface() {
-  const StageTimer timer(status_, "surface for others");
+  const double start = MonotonicSeconds();
   surface_published_ = mesh_.position();
   objects_changed_ = false;
-  const Mesh mesh = mesh_.Joined();
-  const std::vector<SurfacePoint> points = ThinOut(mesh, options_.cloud_spacing_m);
-  const int64_t utime = mesh_.utime();
-  const std::string& frame = root_;
-  if (!options_.cloud_channel.empty())
-    Send(options_.cloud_channel, ToPointCloud2(points, frame, utime));
-  if (!options_.detections_channel.empty())
-    Send(options_.detections_channel, ToDetections(objects_, ClassName, frame, objects_utime_));
-  if (!options_.drake_cloud_channel.empty())
-    Send(options_.drake_cloud_channel, ToDrakeCloud(points, frame, utime));
-  if (!options_.drake_objects_channel.empty())
-    Send(options_.drake_objects_channel,
-         ToDeformable(objects_, CutObjects(mesh, objects_), ClassName));
-  if (!options_.director_channel.empty()) {
-    Send(options_.director_channel,
-         ToTreeviewer(points, objects_, ClassName, utime, &boxes_in_director_));
-  }
+  outputs_.PublishSurface(mesh_.Joined(), mesh_.utime(), objects_, objects_utime_);
+  report_->AddTiming("surface for others", (MonotonicSeconds() - start) * 1e3);
 }
 
 void MapOutputs::PublishSpace() {
-  const StageTimer timer(status_, "space for others");
+  const double start = MonotonicSeconds();
   space_published_ = space_.position();
-  Result<foreign::nav_msgs::OccupancyGrid> costmap =
-      ToCostmap(*space_.occupancy(),
-                {options_.costmap_resolution_m, options_.costmap_min_z_m, options_.costmap_max_z_m,
-                 options_.costmap_unknown},
-                root_, space_.utime());
-  status_->SetFinding("costmap", costmap ? std::nullopt : std::optional(costmap.error().message));
-  if (costmap) Send(options_.costmap_channel, std::move(*costmap));
+  outputs_.PublishSpace(*space_.occupancy(), space_.utime());
+  report_->AddTiming("space for others", (MonotonicSeconds() - start) * 1e3);
+}
+
+OutputThread::OutputThread(const AdapterOptions& options, std::unique_ptr<Bus> bus,
+                           std::unique_ptr<RobotBus> robot, StopSignal* stop)
+    : options_(options),
+      bus_(std::move(bus)),
+      robot_(std::move(robot)),
+      stop_(stop),
+      thread_([this] {
+        try {
+          Run();
+        } catch (...) {
+          report_.Fail(std::current_exception());
+        }
+      }) {}
+
+OutputThread::~OutputThread() {
+  stop_->Request();
+  thread_.join();
+}
+
+void OutputThread::Run() {
+  constexpr double kTurn = 0.1, kReportPeriod = 0.5;  // [s]
+  const MapOutputs outputs(options_, LargestOutput(robot_->parsed_url()), bus_.get(), &report_,
+                           [this](const std::string& channel, std::span<const uint8_t> bytes) {
+                             return !stop_->requested() && robot_->Publish(channel, bytes);
+                           });
+  bus_->Every(kReportPeriod, [this] { ReportBus(); });
+  while (!stop_->requested()) {
+    robot_->KeepConnected();
+    bus_->Spin(kTurn);
+  }
+}
+
+// The STATUS has the counters of the other connection by itself.
+void OutputThread::ReportBus() {
+  for (const auto& [channel, counters] : bus_->counters()) {
+    report_.SetCounter(channel + ".received", counters.received);
+    report_.SetCounter(channel + ".rejected", counters.rejected);
+    report_.SetCounter(channel + ".lost", counters.lost);
+  }
 }
 
 }  // namespace vismap

@@ -8,6 +8,7 @@
 
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/self_check.h"
 #include "runtime/stop_signal.h"
 
 namespace vismap {
@@ -56,15 +57,27 @@ void RobotBus::KeepConnected() {
   next_attempt_ = MonotonicSeconds() + kRetryPeriod;
 }
 
-void RobotBus::Spin(double timeout, const Transport::Sink& sink) {
+bool RobotBus::Spin(double timeout, const Transport::Sink& sink) {
   KeepConnected();
-  if (!connected()) return Sleep(timeout);
-  if (!transport_->pending()) {
-    pollfd waiting{transport_->fd(), POLLIN, 0};
-    if (poll(&waiting, 1, static_cast<int>(timeout * 1000)) <= 0) return;
+  if (!connected()) {
+    Sleep(timeout);
+    return true;
   }
+  const auto has_arrived = [this](double seconds) {
+    pollfd waiting{transport_->fd(), POLLIN, 0};
+    return transport_->pending() || poll(&waiting, 1, static_cast<int>(seconds * 1000)) > 0;
+  };
+  if (!has_arrived(timeout)) return true;
   for (int i = 0; i < kMessagesPerTurn && transport_->Receive(sink); ++i) {
   }
+  return !connected() || !has_arrived(0);
+}
+
+std::vector<std::string> RobotBus::Problems() const {
+  std::vector<std::string> problems = BusProblems(url_);
+  for (std::string& problem : problems)
+    problem = "the robot's bus at " + url_.text + ": " + problem;
+  return problems;
 }
 
 bool RobotBus::Publish(const std::string& channel, std::span<const uint8_t> data) {

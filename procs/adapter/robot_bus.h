@@ -3,6 +3,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "runtime/transport.h"
@@ -20,20 +21,24 @@ class RobotBus {
                                                 double timeout, const StopSignal* stop);
 
   /// Waits up to `timeout` [s] for a message, and hands what has arrived to `sink`, at most 64
-  /// messages.
-  void Spin(double timeout, const Transport::Sink& sink);
+  /// messages. Returns false when more has arrived.
+  bool Spin(double timeout, const Transport::Sink& sink);
   /// Returns false when there is no connection.
   bool Publish(const std::string& channel, std::span<const uint8_t> data);
 
   bool connected() const { return transport_ && transport_->connected(); }
   const std::string& url() const { return url_.text; }
+  const LcmUrl& parsed_url() const { return url_; }
   int64_t reconnects() const { return reconnects_; }
+  /// Connects again when the connection has ended, at most twice a second; Spin does it, too.
+  void KeepConnected();
+  /// What this computer lacks for the bus, as BusProblems finds it.
+  std::vector<std::string> Problems() const;
 
  private:
   RobotBus(LcmUrl url, std::set<std::string> channels, const StopSignal* stop)
       : url_(std::move(url)), channels_(std::move(channels)), stop_(stop) {}
   Result<void> Connect();
-  void KeepConnected();
 
   LcmUrl url_;
   std::set<std::string> channels_;

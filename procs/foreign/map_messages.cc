@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "objects/object_mesh.h"
@@ -47,6 +48,17 @@ std::vector<uint8_t> PackPoints(std::span<const SurfacePoint> points, const Colo
     at += kPointBytes;
   }
   return bytes;
+}
+
+// The cube of an edge of `spacing` that a point lies in.
+uint64_t CubeOf(const Eigen::Vector3f& point, double spacing) {
+  const Eigen::Array3d scaled = point.cast<double>().array() / spacing;
+  uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cell = static_cast<int64_t>(std::floor(scaled[axis]));
+    key = (key << 21) | (static_cast<uint64_t>(cell) & ((uint64_t{1} << 21) - 1));
+  }
+  return key;
 }
 
 std::string NameOf(const ObjectSummary& object, const ClassNamer& class_name) {
@@ -160,15 +172,27 @@ std::vector<SurfacePoint> ThinOut(const Mesh& mesh, double spacing) {
   std::vector<SurfacePoint> points;
   std::unordered_set<uint64_t> taken;
   for (const MeshVertex& vertex : mesh.vertices) {
-    const Eigen::Array3d scaled = vertex.position_W.cast<double>().array() / spacing;
-    uint64_t key = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto cell = static_cast<int64_t>(std::floor(scaled[axis]));
-      key = (key << 21) | (static_cast<uint64_t>(cell) & ((uint64_t{1} << 21) - 1));
-    }
-    if (taken.insert(key).second) points.push_back({vertex.position_W, vertex.color});
+    if (taken.insert(CubeOf(vertex.position_W, spacing)).second)
+      points.push_back({vertex.position_W, vertex.color});
   }
   return points;
+}
+
+Mesh Coarsened(const Mesh& mesh, double spacing) {
+  Mesh coarse;
+  std::unordered_map<uint64_t, uint32_t> first;  // vertex of each cube
+  std::vector<uint32_t> joined;
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const auto next = static_cast<uint32_t>(coarse.vertices.size());
+    const auto [at, is_new] = first.emplace(CubeOf(vertex.position_W, spacing), next);
+    if (is_new) coarse.vertices.push_back(vertex);
+    joined.push_back(at->second);
+  }
+  for (const auto& [a, b, c] : mesh.triangles) {
+    if (joined[a] != joined[b] && joined[b] != joined[c] && joined[c] != joined[a])
+      coarse.triangles.push_back({joined[a], joined[b], joined[c]});
+  }
+  return coarse;
 }
 
 foreign::sensor_msgs::PointCloud2 ToPointCloud2(std::span<const SurfacePoint> points,

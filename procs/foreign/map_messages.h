@@ -30,6 +30,9 @@ struct SurfacePoint {
 
 /// One vertex of each cube of `spacing` [m] that has some: the first one.
 std::vector<SurfacePoint> ThinOut(const Mesh& mesh, double spacing);
+/// The mesh with the vertices of each cube of `spacing` [m] joined to the first one. Triangles that
+/// have no three corners any more are gone.
+Mesh Coarsened(const Mesh& mesh, double spacing);
 
 /// DimOS: x, y, z, rgb as float32 at 0, 4, 8, 12; the bits of rgb are 0x00RRGGBB.
 foreign::sensor_msgs::PointCloud2 ToPointCloud2(std::span<const SurfacePoint> points,

@@ -176,6 +176,49 @@ TEST(Adapter, SaysInItsStatusWhatIsDroppedAndWhatToDo) {
   EXPECT_THAT(findings, Contains(HasSubstr("no message came on /tf#tf2_msgs.TFMessage")));
 }
 
+TEST(Adapter, SaysWhichPoseItIgnoresAndWhy) {
+  std::vector<RobotMessage> messages = RoomOfDimos();
+  foreign::geometry_msgs::TransformStamped bad = Transform(5, "optical", "arm", Pose::Identity());
+  bad.transform.rotation.w = 0;
+  messages.insert(messages.begin() + 4,
+                  {messages[4].time, kTfChannel,
+                   Tf({bad, Transform(messages[4].time, "optical", "hand", Pose::Identity())})});
+  ProcessBus processes;
+  std::vector<std::string> findings;
+  int64_t frames = 0;
+  processes.bus().Subscribe<process_status_t>(kStatusChannel, [&](const process_status_t& status) {
+    if (status.process != "adapter") return;
+    findings = status.findings;
+    for (size_t i = 0; i < status.counter_names.size(); ++i) {
+      if (status.counter_names[i] == "frames") frames = status.counter_values[i];
+    }
+  });
+  const auto adapter = processes.Start("adapter", {"--preset", "dimos"});
+  ASSERT_TRUE(processes.WaitForReady({"adapter"}));
+  Play(messages, processes.url());
+  EXPECT_TRUE(processes.SpinUntil([&] { return frames == 10 && !findings.empty(); }));
+  EXPECT_THAT(findings,
+              Contains(HasSubstr("1 pose or time was ignored: 1 x /tf#tf2_msgs.TFMessage: "
+                                 "TFMessage, the pose of 'arm' in 'optical': a pose is")));
+}
+
+TEST(Adapter, SaysWhatTheBusOfTheRobotLacks) {
+  constexpr int kTooMuch = 1 << 30;
+  if (ProbeReceiveBuffer(kTooMuch)) GTEST_SKIP() << "this kernel grants 1 GB";
+  const std::string url = "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) +
+                          "?ttl=0&recv_buf_size=" + std::to_string(kTooMuch);
+  if (!OpenLcmTransport(*ParseLcmUrl(url))) GTEST_SKIP() << "there is no multicast route";
+  ProcessBus processes;
+  std::vector<std::string> findings;
+  processes.bus().Subscribe<process_status_t>(kStatusChannel, [&](const process_status_t& status) {
+    if (status.process == "adapter") findings = status.findings;
+  });
+  const auto adapter = processes.Start("adapter", {"--preset", "dimos", "--robot-url", url});
+  EXPECT_TRUE(processes.SpinUntil([&] { return !findings.empty(); }));
+  EXPECT_THAT(findings, Contains(::testing::AllOf(HasSubstr("the robot's bus at udpm://"),
+                                                  HasSubstr("sysctl -w net.core.rmem_max"))));
+}
+
 TEST(Adapter, PrintsEveryDefaultOfItsPreset) {
   const TempFolder folder;
   ChildProcess adapter("adapter", {"--preset", "dimos", "--print-config"}, folder.path());
