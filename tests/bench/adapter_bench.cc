@@ -1,7 +1,8 @@
 // What vismap-adapter costs: DimOS's colour and depth images at a rate through a hub, to
 // RGBD_FRAME. Starts its own hub and adapter. Prints how many frames came out, the CPU time of the
 // adapter per frame, and the time from the last message that a frame needs (the pose after it) to
-// the arrival of RGBD_FRAME, by way of the hub twice.
+// the arrival of RGBD_FRAME, by way of the hub twice. With --surface-blocks the adapter also
+// publishes a large surface that changes every second.
 
 #include <poll.h>
 #include <signal.h>
@@ -23,6 +24,7 @@
 #include "runtime/transport.h"
 #include "support/foreign_builder.h"
 #include "wire/channels.h"
+#include "wire/mesh_update.h"
 
 extern char** environ;
 
@@ -34,6 +36,7 @@ using namespace foreign_test;  // NOLINT
 struct BenchArguments {
   int width = 848, height = 480, port = 7790;
   double rate = 30, seconds = 20;
+  int surface_blocks = 0;
 };
 
 /// A started program, which is stopped with this object.
@@ -101,6 +104,36 @@ Bytes BenchInfo(const BenchArguments& arguments, int64_t utime) {
   return Pack(info);
 }
 
+/// A surface of flat blocks; `full`, or only the first block again.
+Bytes BenchSurface(int blocks, int64_t revision, bool full) {
+  constexpr int kSide = 8;  // vertices along a block
+  MeshUpdate update;
+  update.map_id = "bench";
+  update.full = full;
+  update.base_revision = full ? -1 : revision - 1;
+  update.block_size = 0.4;
+  update.mesh.revision = revision;
+  for (int i = 0; i < (full ? blocks : 1); ++i) {
+    BlockMesh block{{i / 200, i % 200, 0}, {}};
+    for (int k = 0; k < kSide * kSide; ++k) {
+      MeshVertex vertex;
+      vertex.position_W = {
+          0.4F * static_cast<float>(i / 200) + 0.05F * static_cast<float>(k / kSide),
+          0.4F * static_cast<float>(i % 200) + 0.05F * static_cast<float>(k % kSide),
+          0.001F * static_cast<float>(revision % 100)};
+      vertex.normal_W = Eigen::Vector3f::UnitZ();
+      block.mesh.vertices.push_back(vertex);
+      const auto at = static_cast<uint32_t>(k);
+      if (k >= kSide && k % kSide > 0) block.mesh.triangles.push_back({at, at - 1, at - kSide});
+    }
+    update.mesh.blocks.push_back(std::move(block));
+  }
+  mesh_delta_t message = Encode(update);
+  message.source = "bench";
+  message.seq = revision;
+  return Pack(message);
+}
+
 Result<std::unique_ptr<Transport>> Connect(int port) {
   const double end = MonotonicSeconds() + 10;
   while (true) {
@@ -148,8 +181,16 @@ int Measure(const BenchArguments& arguments) {
     return 1;
   }
   (*listener)->Subscribe(kRgbdFrameChannel.name);
-  const Program adapter("vismap-adapter", {"--preset", "dimos", "--lcm-url", url});
+  std::vector<std::string> options = {"--preset", "dimos", "--lcm-url", url};
+  if (arguments.surface_blocks > 0) {
+    options.insert(options.end(), {"--global-map", "/map#sensor_msgs.PointCloud2"});
+  }
+  const Program adapter("vismap-adapter", options);
   std::this_thread::sleep_for(std::chrono::seconds(2));
+  if (arguments.surface_blocks > 0) {
+    (*robot)->Publish(kMeshDeltaChannel.name, BenchSurface(arguments.surface_blocks, 0, true));
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+  }
 
   const auto frames = static_cast<int>(arguments.rate * arguments.seconds);
   const int64_t start_utime = WallUtime();
@@ -160,6 +201,11 @@ int Measure(const BenchArguments& arguments) {
     const double due = start + i / arguments.rate;
     latencies.Receive(listener->get(), due);
     const int64_t utime = start_utime + static_cast<int64_t>(i / arguments.rate * 1e6);
+    if (arguments.surface_blocks > 0 && i % static_cast<int>(arguments.rate) == 0) {
+      (*robot)->Publish(
+          kMeshDeltaChannel.name,
+          BenchSurface(arguments.surface_blocks, 1 + i / static_cast<int>(arguments.rate), false));
+    }
     const auto pose = [&](int64_t at) {
       return Tf({Transform(at, "world", "optical", BodyAt(at - start_utime))});
     };
@@ -192,6 +238,9 @@ int main(int argc, char** argv) {
   line.Option("--height", &arguments.height, "Height of the images").Positive();
   line.Option("--rate", &arguments.rate, "Frames per second").Positive();
   line.Option("--seconds", &arguments.seconds, "Duration").Positive();
+  line.Option("--surface-blocks", &arguments.surface_blocks,
+              "Also publish a surface of so many blocks of 64 vertices")
+      .AtLeast(0);
   line.Option("--port", &arguments.port, "Port of the hub").Positive();
   if (const auto end = line.Parse(argc, argv)) return static_cast<int>(*end);
   line.Apply();
