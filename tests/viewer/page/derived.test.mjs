@@ -6,32 +6,63 @@ import { load } from "./load.mjs";
 const { coarseIndices, overlayPixels, detectionsText, colourOfId, paleColourOfId, mainRate, lostCount, waitingCount, slowestStage,
   isStale, TimingHistory } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart");
 
-test("The coarse surface of a plane has one vertex for each cell and covers the same area", () => {
-  const side = 41; // vertices at every centimetre
+/** A square of `side` x `side` vertices at every centimetre, its middle raised by `bump` [m]. */
+function plane(side, bump = 0) {
   const positions = new Float32Array(3 * side * side);
-  for (let i = 0; i < side; ++i) for (let j = 0; j < side; ++j) positions.set([0.01 * i + 0.001, 0.01 * j + 0.001, 0.5], 3 * (i * side + j));
+  for (let i = 0; i < side; ++i) for (let j = 0; j < side; ++j) {
+    const z = 0.1 + bump * Math.sin(i * 0.7) * Math.sin(j * 0.9);
+    positions.set([0.01 * i + 0.005, 0.01 * j + 0.005, z], 3 * (i * side + j));
+  }
   const indices = [];
   for (let i = 0; i + 1 < side; ++i) for (let j = 0; j + 1 < side; ++j) {
     const a = i * side + j;
     indices.push(a, a + side, a + 1, a + 1, a + side, a + side + 1);
   }
-  const coarse = coarseIndices(positions, Uint32Array.from(indices), 0.04);
-  assert.equal(coarse.length / 3, 200);
-  assert.ok(new Set(coarse).size <= 121);
+  return { positions, indices: Uint32Array.from(indices) };
+}
+
+const kWide = { min: [-1, -1, -1], max: [2, 2, 2] };
+
+test("The coarse surface of a plane has one vertex for each cell, keeps its front and covers the same area but for its rim", () => {
+  const { positions, indices } = plane(39); // three vertices for each cell, one of them at its middle
+  const coarse = coarseIndices(positions, indices, { cell: 0.03, box: { min: [0, 0, 0], max: [1, 1, 1] }, rim: -1 });
+  assert.equal(new Set(coarse).size, 169);
+  assert.equal(coarse.length / 3, 288);
   const at = (v, axis) => positions[3 * v + axis];
   let area = 0;
   for (let t = 0; t < coarse.length; t += 3) {
     const [a, b, c] = coarse.subarray(t, t + 3);
     const twice = (at(b, 0) - at(a, 0)) * (at(c, 1) - at(a, 1)) - (at(c, 0) - at(a, 0)) * (at(b, 1) - at(a, 1));
-    assert.ok(twice > 0, "triangles keep their front");
+    assert.ok(twice > 0, "the front stays the front");
     area += twice / 2;
   }
-  assert.ok(Math.abs(area - 0.16) < 1e-6, `the area is ${area}`);
+  assert.ok(Math.abs(area - 0.36 ** 2) < 1e-6, `the area is ${area}`);
+});
+
+test("Vertices at the faces of the box stay, so that neighbours meet", () => {
+  const { positions, indices } = plane(40);
+  const coarse = coarseIndices(positions, indices, { cell: 0.04, box: { min: [0, -1, -1], max: [1, 2, 2] }, rim: 0.012 });
+  const used = new Set(coarse);
+  for (let j = 0; j < 40; ++j) assert.ok(used.has(j), `vertex ${j} of the first row`);
+  assert.ok(coarse.length < indices.length / 4);
+});
+
+test("On a rough surface no coarse triangle shows its back where the fine one shows its front", () => {
+  const { positions, indices } = plane(40, 0.002);
+  const coarse = coarseIndices(positions, indices, { cell: 0.04, box: kWide, rim: 0 });
+  const at = (v, axis) => positions[3 * v + axis];
+  let backs = 0;
+  for (let t = 0; t < coarse.length; t += 3) {
+    const [a, b, c] = coarse.subarray(t, t + 3);
+    if ((at(b, 0) - at(a, 0)) * (at(c, 1) - at(a, 1)) < (at(c, 0) - at(a, 0)) * (at(b, 1) - at(a, 1))) ++backs;
+  }
+  assert.equal(backs, 0);
 });
 
 test("Two sides of a thin wall stay apart: triangles of opposite fronts are both kept", () => {
   const positions = Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0]);
-  assert.deepEqual([...coarseIndices(positions, Uint32Array.from([0, 1, 2, 0, 2, 1, 1, 2, 0]), 0.1)], [0, 1, 2, 0, 2, 1]);
+  const both = coarseIndices(positions, Uint32Array.from([0, 1, 2, 0, 2, 1, 1, 2, 0]), { cell: 0.1, box: kWide, rim: 0 });
+  assert.deepEqual([...both], [0, 1, 2, 0, 2, 1]);
 });
 
 const segments = {

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { load } from "./load.mjs";
 
-const { parseMessage, readObject, matches, sizeText, agoText, ObjectIndex } = await load("protocol", "objects");
+const { parseMessage, readObject, matches, sizeText, ageText, ObjectIndex } = await load("protocol", "objects");
 
 test("A map message is read, and what is missing gets a default", () => {
   const message = parseMessage('{"kind":"map","map_id":"m1","revision":5,"digest":"ab","up":[0,0,1],"waiting":2,"bytes":{"tsdf":7,"x":"y"}}');
@@ -57,11 +57,11 @@ test("The filter wants all words, in name, id or group", () => {
 });
 
 test("Sizes and times are in plain units", () => {
-  assert.equal(sizeText(chair.box), "0.90 × 0.50 × 0.40");
-  assert.equal(agoText(9_500_000, 10_000_000), "now");
-  assert.equal(agoText(0, 42_000_000), "42 s ago");
-  assert.equal(agoText(0, 600_000_000), "10 min ago");
-  assert.equal(agoText(0, 36_000_000_000), "10 h ago");
+  assert.equal(sizeText(chair.box), "0.90×0.50×0.40");
+  assert.equal(ageText(9_500_000, 10_000_000), "now");
+  assert.equal(ageText(0, 42_000_000), "42 s");
+  assert.equal(ageText(0, 600_000_000), "10 min");
+  assert.equal(ageText(0, 36_000_000_000), "10 h");
 });
 
 test("Surface finds its object by instance, then by segment; removed ones own nothing", () => {

@@ -39,7 +39,7 @@ export class MockMap {
   }
   objectsMessage() { return { kind: "objects", map_id: this.mapId, revision: this.revision, utime: this.utime, objects: this.objects }; }
   camera(id) {
-    const angle = this.seconds / 8 + 2 * id;
+    const angle = (this.still ? 0 : this.seconds / 8) + 2 * id;
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     // z forward to the middle, y down, x right
     const [x, y] = [1.2 * c, 1.2 * s];

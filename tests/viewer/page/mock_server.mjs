@@ -83,7 +83,7 @@ class Client {
   }
 }
 
-/** Starts the server. Answers {port, map, clients, close(), dropClients()}. */
+/** Starts the server. Answers {port, map, clients, close(), dropClients(), setRefuse(now)}: refuse = no new connections. */
 export async function startMock({ port = 0, page = join(here, "../../../build/page"), map = computedMap(), blocksPerTick = 1e9 } = {}) {
   const clients = new Set();
   const server = createServer(async (request, response) => {
@@ -104,7 +104,9 @@ export async function startMock({ port = 0, page = join(here, "../../../build/pa
       response.writeHead(404).end();
     }
   });
+  let refuse = false;
   server.on("upgrade", (request, socket) => {
+    if (refuse) return socket.destroy();
     const accept = createHash("sha1").update(`${request.headers["sec-websocket-key"]}258EAFA5-E914-47DA-95CA-C5AB0DC85B11`).digest("base64");
     socket.write(`HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: ${accept}\r\n\r\n`);
     const client = new Client(socket, map, { blocksPerTick });
@@ -139,7 +141,7 @@ export async function startMock({ port = 0, page = join(here, "../../../build/pa
     server.closeAllConnections();
     await new Promise((done) => server.close(done));
   };
-  return { port: server.address().port, map, clients, dropClients, close };
+  return { port: server.address().port, map, clients, dropClients, close, setRefuse: (now) => (refuse = now) };
 }
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {

@@ -1,6 +1,6 @@
 /** The surface as it was received, merged into chunks: cubes of blocks that are drawn with one call. */
 import { positionsInto, type Block } from "./block_codec";
-import { coarseIndices } from "./coarse";
+import { coarseIndices, type Coarseness } from "./coarse";
 import { Digest } from "./digest";
 
 /** Merged surface of the blocks of one cube. */
@@ -20,6 +20,7 @@ export interface Chunk {
 
 const kChunkEdge = 1.0; // [m], roughly
 const kCoarseCells = 2; // cells of the coarse surface along an edge of a block
+const kRim = 3 / 16; // of a block's edge: one and a half voxels
 
 /** How many blocks a chunk has along each axis: a power of two, so that chunks stay near kChunkEdge. */
 export function blocksPerChunk(blockEdge: number): number {
@@ -101,9 +102,21 @@ export class ChunkStore {
 }
 
 function chunkOf(block: Block): string {
-  if (block.edge <= 0) return "";
+  return chunkIndexOf(block).join(",");
+}
+
+/** Chunks are half a chunk beside the origin, since floors are often at 0 and would lie in two chunks. */
+function chunkIndexOf(block: Block): number[] {
   const side = blocksPerChunk(block.edge);
-  return block.index.map((i) => Math.floor(i / side)).join(",");
+  return block.index.map((i) => Math.floor(i / side + 0.5));
+}
+
+/** How to make the surface of a block's chunk coarser. */
+function coarsenessOf(block: Block): Coarseness {
+  const side = blocksPerChunk(block.edge);
+  const min = chunkIndexOf(block).map((i) => (i - 0.5) * side * block.edge);
+  const max = min.map((corner) => corner + side * block.edge);
+  return { cell: block.edge / kCoarseCells, box: { min, max }, rim: kRim * block.edge };
 }
 
 /** All blocks as one set of arrays. */
@@ -135,6 +148,6 @@ export function mergeBlocks(key: string, blocks: Block[]): Chunk {
     for (const corner of block.indices) chunk.indices[index++] = corner + vertex;
     vertex += block.vertices;
   }
-  chunk.coarse = coarseIndices(chunk.positions, chunk.indices, blocks[0]!.edge / kCoarseCells);
+  chunk.coarse = coarseIndices(chunk.positions, chunk.indices, coarsenessOf(blocks[0]!));
   return chunk;
 }

@@ -4,9 +4,14 @@ import { css } from "./colours";
 import { count, el } from "./dom";
 import { asList, asNumber, asObject, asText } from "./json";
 import { colourOfObject } from "./object_list";
-import { agoText, sizeText, type MapObject } from "./objects";
+import { ageText, sizeText, type MapObject } from "./objects";
 
 const kMostFrames = 12;
+
+function lastSeen(utime: number, now: number): string {
+  const age = ageText(utime, now);
+  return age === "now" ? "in the newest frame" : `${age} before the newest frame`;
+}
 
 export class ObjectCard {
   private shownId: string | null = null;
@@ -53,7 +58,7 @@ export class ObjectCard {
       ["Size", object.box ? `${sizeText(object.box)} m` : ""],
       ["Centre", object.box ? `${object.box.centre.map((c) => c.toFixed(2)).join(", ")} m` : ""],
       ["Surface", object.area > 0 ? `${object.area.toFixed(2)} m², ${count(object.points)} points` : ""],
-      ["Seen", `in ${count(object.frames)} frames, last ${agoText(object.lastUtime, now)}`],
+      ["Seen", `in ${count(object.frames)} frames, last ${lastSeen(object.lastUtime, now)}`],
       ["Segments", object.segments.slice(0, 12).join(", ") + (object.segments.length > 12 ? ", …" : "")],
     ];
     const shown = facts.filter(([, text]) => text !== "");

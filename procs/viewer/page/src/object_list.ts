@@ -1,7 +1,7 @@
 /** The list of objects: one table for each group, sorted by any column, filtered by a text. */
 import { colourOfId, css, kStructure, paleColourOfId, type Rgb } from "./colours";
 import { count, el, setText } from "./dom";
-import { agoText, matches, sizeText, type Group, type MapObject } from "./objects";
+import { ageText, matches, sizeText, type Group, type MapObject } from "./objects";
 
 const kGroups: { group: Group; title: string; open: boolean }[] = [
   { group: "named", title: "Objects", open: true },
@@ -21,7 +21,7 @@ const kColumns: Column[] = [
   { title: "Prob.", cell: (o) => (o.instance > 0 ? `${Math.round(100 * o.score)} %` : ""), order: (o) => -o.score },
   { title: "Size [m]", cell: (o) => sizeText(o.box), order: (o) => -(o.box ? Math.max(...o.box.size) : 0) },
   { title: "Frames", cell: (o) => count(o.frames), order: (o) => -o.frames },
-  { title: "Last seen", cell: (o, now) => agoText(o.lastUtime, now), order: (o) => -o.lastUtime },
+  { title: "Seen", cell: (o, now) => ageText(o.lastUtime, now), order: (o) => -o.lastUtime },
 ];
 
 const kMostRows = 400;
@@ -50,7 +50,7 @@ class GroupTable {
       button.addEventListener("click", () => onSort(column));
       return el("th", { scope: "col" }, button);
     });
-    const table = el("table", { "aria-label": name }, el("thead", {}, el("tr", {}, ...this.heads)), this.body);
+    const table = el("table", { "aria-label": `${name}; seen: how long before the newest frame` }, el("thead", {}, el("tr", {}, ...this.heads)), this.body);
     this.element = el("details", { class: "group", open }, this.title, el("div", { class: "scroll" }, table), this.rest);
   }
 

@@ -71,19 +71,19 @@ export function matches(object: MapObject, text: string): boolean {
     .every((word) => where.includes(word));
 }
 
-/** "0.90 × 0.44 × 0.44", longest side first [m]. */
+/** "0.90×0.44×0.44", longest side first [m]. */
 export function sizeText(box: Box | null): string {
   const sides = [...(box?.size ?? [])].sort((a, b) => b - a);
-  return sides.map((side) => side.toFixed(2)).join(" × ");
+  return sides.map((side) => side.toFixed(2)).join("×");
 }
 
-/** How long before the newest frame, in the largest unit that fits. */
-export function agoText(utime: number, now: number): string {
+/** How long before the newest frame, in the largest unit that fits: "now", "42 s". */
+export function ageText(utime: number, now: number): string {
   const seconds = Math.max(0, (now - utime) / 1e6);
   if (seconds < 1) return "now";
-  if (seconds < 100) return `${Math.round(seconds)} s ago`;
-  if (seconds < 6000) return `${Math.round(seconds / 60)} min ago`;
-  return `${Math.round(seconds / 3600)} h ago`;
+  if (seconds < 100) return `${Math.round(seconds)} s`;
+  if (seconds < 6000) return `${Math.round(seconds / 60)} min`;
+  return `${Math.round(seconds / 3600)} h`;
 }
 
 /** Finds the object that a piece of surface belongs to. */

@@ -10,6 +10,7 @@ export class Selection {
   private index = new ObjectIndex([]);
   private now = 0;
   private chosen: string | null = null;
+  private mark = ""; // of what the scene shows as selected
 
   constructor(
     private readonly view: View,
@@ -31,10 +32,10 @@ export class Selection {
   setObjects(objects: MapObject[], now: number): void {
     this.index = new ObjectIndex(objects);
     this.now = now;
-    this.surface.setObjects(this.index);
+    const painted = this.surface.setObjects(this.index);
     this.list.set(objects, now);
-    if (this.chosen !== null) this.show(this.index.get(this.chosen));
-    this.view.invalidateSoon();
+    const marked = this.chosen !== null && this.show(this.index.get(this.chosen));
+    if (painted || marked) this.view.invalidateSoon();
   }
 
   /** Selects an object, or nothing, and flies to it if wanted. */
@@ -70,10 +71,15 @@ export class Selection {
     if (!bounds.isEmpty()) this.view.flyTo(bounds);
   }
 
-  private show(object: MapObject | null): void {
+  /** Shows an object as the selected one; answers whether the scene looks different then. */
+  private show(object: MapObject | null): boolean {
     this.chosen = object?.id ?? null;
+    this.card.show(object, this.now);
+    const mark = object ? JSON.stringify([object.id, object.group, object.segments, object.box]) : "";
+    if (mark === this.mark) return false;
+    this.mark = mark;
     this.surface.select(object);
     this.box.show(object?.box ?? null);
-    this.card.show(object, this.now);
+    return true;
   }
 }

@@ -14,7 +14,7 @@ const kMiddles = [
 ] as const;
 
 export class SelectionBox {
-  readonly lines = new THREE.LineSegments(kEdges, new THREE.LineBasicMaterial({ color: kColour, depthTest: false }));
+  readonly lines = new THREE.LineSegments(kEdges, new THREE.LineBasicMaterial({ color: kColour, depthTest: false, transparent: true }));
   private readonly labels: HTMLElement[];
   private box: Box | null = null;
 

@@ -112,10 +112,13 @@ export class Surface {
     this.updateBounds();
   }
 
-  setObjects(objects: ObjectIndex): void {
+  /** Answers whether the surface has other colours then. */
+  setObjects(objects: ObjectIndex): boolean {
     const other = objects.signature !== this.paint.objects.signature;
     this.paint.objects = objects;
-    if (other && this.paint.colouring === "instance") this.repaint();
+    const repainted = other && this.paint.colouring === "instance";
+    if (repainted) this.repaint();
+    return repainted;
   }
 
   select(object: MapObject | null): void {

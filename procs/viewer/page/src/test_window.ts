@@ -33,6 +33,7 @@ function snapshot({ view, surface, selection, status, worker, space }: Parts): o
     pixelRatio: view.pixelRatio,
     camera: view.camera.position.toArray(),
     slices: space.counts(), // cells of each slice: unknown, free, occupied
+    project: (x: number, y: number, z: number) => view.project(x, y, z),
     target: view.target.toArray(),
   };
 }

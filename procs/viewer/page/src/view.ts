@@ -140,6 +140,13 @@ export class View {
     this.fly(position, target, false);
   }
 
+  /** Where a point of W is on the page [CSS px]. */
+  project(x: number, y: number, z: number): [number, number] {
+    const p = new THREE.Vector3(x, y, z).project(this.camera);
+    const frame = this.canvas.getBoundingClientRect();
+    return [frame.left + ((p.x + 1) / 2) * frame.width, frame.top + ((1 - p.y) / 2) * frame.height];
+  }
+
   private lookAt(bounds: THREE.Box3, direction: THREE.Vector3, room: number, jump = false): void {
     const sphere = bounds.getBoundingSphere(new THREE.Sphere());
     const radius = Math.max(sphere.radius * room, 0.3);

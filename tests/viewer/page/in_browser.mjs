@@ -1,0 +1,258 @@
+// Looks at the page with Chromium while a mock server serves a computed map of known counts.
+import assert from "node:assert/strict";
+import { mkdtempSync, rmSync } from "node:fs";
+import { execFileSync } from "node:child_process";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, beforeEach, test } from "node:test";
+import { page as source } from "./load.mjs";
+import { computedMap } from "./mock_map.mjs";
+import { startMock } from "./mock_server.mjs";
+
+const { chromium } = createRequire(join(source, "package.json"))("playwright-core");
+const built = mkdtempSync(join(tmpdir(), "vismap-page-"));
+const kWait = { timeout: 20000, polling: 100 };
+let browser, mock, page, problems;
+
+before(async () => {
+  execFileSync(process.execPath, [join(source, "build.mjs"), built], { stdio: "pipe" });
+  const args = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
+});
+after(async () => {
+  await browser?.close();
+  await mock?.close();
+  rmSync(built, { recursive: true });
+});
+
+/** A fresh server with the computed room, and the page that has all of it. */
+beforeEach(async () => {
+  await page?.context().close();
+  await mock?.close();
+  const map = computedMap();
+  map.still = true;
+  mock = await startMock({ map, page: built });
+  const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, reducedMotion: "reduce", colorScheme: "light" });
+  page = await context.newPage();
+  problems = [];
+  page.on("pageerror", (error) => problems.push(error.message));
+  await page.goto(`http://127.0.0.1:${mock.port}/`);
+  await complete();
+});
+
+const state = (name) => page.evaluate((key) => window.vismap[key], name);
+
+/** Waits until the page draws exactly the blocks that the server has. */
+async function complete() {
+  const { map } = mock;
+  const digest = map.summary().digest;
+  await page.waitForFunction(([blocks, triangles, wanted]) => {
+    const now = window.vismap;
+    return now && now.blocks === blocks && now.triangles === triangles && now.digest === wanted;
+  }, [map.blocks.size, map.triangles, digest], kWait);
+}
+
+/** Clicks where a point of W is drawn. */
+async function clickAt(...point) {
+  const [x, y] = await page.evaluate((p) => window.vismap.project(...p), point);
+  await page.mouse.click(x, y);
+}
+
+/** How many pixels of the view have each colour, "r,g,b" in steps of 32. */
+async function colours() {
+  const png = (await page.locator("#scene").screenshot()).toString("base64");
+  return page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${data}`;
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d");
+    canvas.drawImage(image, 0, 0);
+    const counts = {};
+    const { data: rgba } = canvas.getImageData(0, 0, image.width, image.height);
+    for (let i = 0; i < rgba.length; i += 4) {
+      const key = [0, 1, 2].map((c) => rgba[i + c] >> 5).join();
+      counts[key] = (counts[key] ?? 0) + 1;
+    }
+    return counts;
+  }, png);
+}
+
+/** How many pixels differ, from two results of colours(). */
+function difference(a, b) {
+  return [...new Set([...Object.keys(a), ...Object.keys(b)])].reduce((sum, key) => sum + Math.abs((a[key] ?? 0) - (b[key] ?? 0)), 0) / 2;
+}
+
+test("The page has what the server has, and draws nothing while nothing changes", async () => {
+  await page.waitForTimeout(800);
+  const drawn = await state("renderCount");
+  await page.waitForTimeout(2500);
+  assert.equal(await state("renderCount"), drawn, "a second statement of the same map is no reason to draw");
+  assert.match(await page.textContent("#summary"), /102 blocks/);
+  assert.deepEqual(problems, []);
+});
+
+test("A growing and shrinking map: counts and digest follow", async () => {
+  const { map } = mock;
+  map.revision = 2;
+  map.remove([0, 0, 1]);
+  map.remove([-5, -5, 0]);
+  await complete();
+  assert.equal(map.blocks.size, 100);
+});
+
+test("An object is picked by its pixel: selected, boxed with its sizes, with a link to its PLY, and put aside by Escape", async () => {
+  await clickAt(0.2, 0.2, 0.6);
+  assert.equal(await state("selected"), "7");
+  assert.match(await page.textContent("#details"), /chair 7.*83 %/s);
+  assert.deepEqual(await page.locator(".size-label:visible").allTextContents(), ["0.40 m", "0.40 m", "0.10 m"]);
+  assert.equal(await page.getByRole("link", { name: "Download as PLY" }).getAttribute("href"), "api/object/7.ply");
+  await page.waitForFunction(() => document.querySelector("#details").textContent.includes("not available"), null, kWait);
+  await page.keyboard.press("Escape");
+  assert.equal(await state("selected"), null);
+  await clickAt(-1.4, 1.0, 0.6);
+  assert.equal(await state("selected"), "s12", "a discovered thing is picked by its segment");
+});
+
+test("A click in the list flies there", async () => {
+  await page.getByRole("button", { name: "thing s12" }).click();
+  await page.waitForTimeout(700);
+  const target = await state("target");
+  assert.ok(Math.hypot(target[0] + 1.4, target[1] - 1.0, target[2] - 0.6) < 0.05, `the view's target is ${target}`);
+});
+
+test("Every colouring shows other colours", async () => {
+  const seen = [];
+  for (const name of ["instance", "class", "rgb", "height", "seen"]) {
+    await page.selectOption("#colouring", name);
+    await page.waitForTimeout(300);
+    const now = await colours();
+    for (const before of seen) assert.ok(difference(now, before) > 500, `${name} looks like another one`);
+    seen.push(now);
+  }
+});
+
+test("The list: groups, filter, sorting, keys", async () => {
+  const groups = (await page.locator("details.group:visible > summary").allTextContents()).sort();
+  assert.deepEqual(groups, ["Discovered things (1)", "Objects (1)", "Removed (1)", "Structure (1)"]);
+  await page.keyboard.press("/");
+  await page.keyboard.type("thing");
+  assert.deepEqual(await page.locator(".name:visible").allTextContents(), ["thing s12"]);
+  assert.equal(await page.textContent("#found"), "1 of 4");
+  await page.keyboard.press("Escape");
+  await page.fill("#filter", "");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("n");
+  assert.equal(await state("selected"), "7");
+  await page.keyboard.press("n");
+  assert.equal(await state("selected"), "s12");
+});
+
+test("Slices: cells as the server says, drawn in their colours, and why a cell is so", async () => {
+  const before = await colours();
+  await page.keyboard.press("h");
+  await page.click("#tab-space");
+  await page.waitForFunction(() => window.vismap.slices.horizontal[1] > 0, null, kWait);
+  const height = Number(await page.locator("#space input[type=range]").first().inputValue());
+  const answer = await (await fetch(`http://127.0.0.1:${mock.port}/api/slice?axis=z&at=${height}`)).arrayBuffer();
+  const cells = new Uint8Array(answer).subarray(4 + new DataView(answer).getUint32(0, true));
+  const counts = [0, 0, 0];
+  for (const cell of cells) ++counts[cell];
+  assert.deepEqual((await state("slices")).horizontal, counts);
+  await page.waitForTimeout(400);
+  assert.ok(difference(await colours(), before) > 5000);
+  await page.locator("#space input[type=range]").first().fill("0.5");
+  await page.waitForTimeout(800);
+  await clickAt(1.01, -1.02, 0.5);
+  await page.waitForSelector("#cell dd", kWait);
+  const place = await page.textContent('#cell dd[data-key="at"]');
+  place.split(", ").forEach((value, axis) => assert.ok(Math.abs(Number(value) - [1.01, -1.02, 0.5][axis]) < 0.02, place));
+  assert.equal(await page.textContent('#cell dd[data-key="state"]'), "free");
+  assert.equal(await page.getByRole("row", { name: /label 5 12 chair 7/ }).count(), 1);
+});
+
+test("Processes: a silent one is red, with its last words; stage times are drawn", async () => {
+  await page.click("#tab-processes");
+  await page.waitForSelector("tr.stale", kWait);
+  assert.match(await page.textContent("tr.stale"), /detector.*silent/);
+  assert.match(await page.textContent("tr.stale + tr"), /the model could not be read/);
+  await page.waitForSelector(".chart canvas", kWait);
+});
+
+test("Cameras: pictures are asked for only while they are looked at", async () => {
+  const [client] = mock.clients;
+  await page.click("#tab-cameras");
+  await page.getByLabel("picture").first().check();
+  await page.waitForTimeout(300);
+  assert.deepEqual(client.want.pictures, [0]);
+  await page.click("#tab-objects");
+  await page.waitForTimeout(300);
+  assert.deepEqual(client.want.pictures, []);
+});
+
+test("A lost connection is said and mends itself", async () => {
+  mock.setRefuse(true);
+  mock.dropClients();
+  await page.waitForFunction(() => document.querySelector("#banners").textContent.includes("connection to the viewer is lost"), null, kWait);
+  mock.setRefuse(false);
+  await page.waitForSelector('#link[data-state="open"]', kWait);
+  await complete();
+  assert.doesNotMatch(await page.textContent("#banners"), /is lost/);
+});
+
+test("Another map takes the place of the old one, and the page says so", async () => {
+  const { map } = mock;
+  const wanted = [...map.blocks.keys()].filter((key) => key.startsWith("0,"));
+  for (const key of [...map.blocks.keys()]) if (!wanted.includes(key)) map.remove(key.split(",").map(Number));
+  map.mapId = "mock-2";
+  for (const client of mock.clients) client.sent.clear();
+  await complete();
+  assert.equal(await state("mapId"), "mock-2");
+  await page.waitForFunction(() => document.querySelector("#banners").textContent.includes("another map"), null, kWait);
+});
+
+test("Blocks that got lost are asked for again", async () => {
+  const { map } = mock;
+  const [client] = mock.clients;
+  map.revision = 2;
+  const key = "0,0,1";
+  const block = map.blocks.get(key);
+  map.digest = BigInt.asUintN(64, map.digest + 1n);
+  block.hash += 1n;
+  block.bytes.writeBigUInt64LE(block.hash, 32); // the server has another block now and believes that the page has it
+  await complete();
+  assert.ok(client.said.some((message) => message.kind === "resync"));
+  assert.equal((await state("received")).resyncs, 1);
+});
+
+test("Every control has a name, and the panels are tabs with arrow keys", async () => {
+  for (const tab of ["#tab-objects", "#tab-space", "#tab-cameras", "#tab-processes"]) {
+    await page.click(tab);
+    const nameless = await page.evaluate(() => [...document.querySelectorAll("button, input, select, canvas, a")].filter((element) => {
+      const label = element.getAttribute("aria-label") || element.textContent || (element.labels?.length ? element.labels[0].textContent : "");
+      return element.checkVisibility() && !element.closest(".chart") && !label?.trim();
+    }).map((element) => element.outerHTML));
+    assert.deepEqual(nameless, [], tab);
+  }
+  await page.focus("#tab-processes");
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.getAttribute("#tab-objects", "aria-selected"), "true");
+  assert.equal(await page.locator("#objects").isVisible(), true);
+});
+
+test("Dark and light: the button changes both page and scene", async () => {
+  const light = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  await page.click("#theme");
+  assert.notEqual(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), light);
+  await page.waitForTimeout(300);
+  const dark = Object.entries(await colours()).filter(([key]) => key === "0,0,0").map(([, n]) => n)[0] ?? 0;
+  assert.ok(dark > 50000, `${dark} dark pixels`);
+});
+
+test("On a phone nothing is wider than the screen", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  for (const tab of ["#tab-objects", "#tab-space", "#tab-cameras", "#tab-processes"]) {
+    await page.click(tab);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390, tab);
+  }
+});
