@@ -153,7 +153,8 @@ class PipelineTest(unittest.TestCase):
         told = [finding for finding in report["findings"] if "camera-driver" in json.dumps(finding) or "RGBD_FRAME" in json.dumps(finding)]
         self.assertEqual(told, [], doctor.stdout)
         self.assertIn("camera-driver", doctor.stdout)
-        status = next(s for s in iter(lambda: self.states.get(DEADLINE).decode(), None) if s.process == "camera-driver" and s.state == "running")
+        states = self.bus.subscribe("STATUS")  # self.states still has those of the beginning
+        status = next(s for s in iter(lambda: states.get(DEADLINE).decode(), None) if s.process == "camera-driver" and s.state == "running")
         counters = dict(zip(status.counter_names, status.counter_values.tolist()))
         self.assertGreater(counters["newest_utime.camera0"], vismap.now_utime() - 60_000_000)
         self.assertEqual(status.version, vismap.version())
