@@ -19,22 +19,15 @@ function slice(query) {
   const origin = axes.map((a) => (a === "z" ? -0.5 : -2.5));
   const size = axes.map((a) => Math.round((a === "z" ? 3.5 : 5) / cell));
   const cells = Buffer.alloc(size[0] * size[1]);
-  const distances = Buffer.alloc(4 * cells.length);
   for (let v = 0; v < size[1]; ++v) for (let u = 0; u < size[0]; ++u) {
     const p = { [axis]: at, [axes[0]]: origin[0] + (u + 0.5) * cell, [axes[1]]: origin[1] + (v + 0.5) * cell };
-    const state = stateAt(p.x, p.y, p.z);
-    cells[v * size[0] + u] = state;
-    const toWall = Math.min(2 - Math.max(Math.abs(p.x), Math.abs(p.y)), Math.hypot(p.x - 0.2, p.y - 0.2) - 0.3);
-    distances.writeFloatLE(state === 1 ? toWall : Number.NaN, 4 * (v * size[0] + u));
+    cells[v * size[0] + u] = stateAt(p.x, p.y, p.z);
   }
-  const withDistances = query.get("distance") === "1";
-  let head = JSON.stringify({ map_id: "mock-1", revision: 1, axis, at_m: at, cell_m: cell, origin, width: size[0], height: size[1], axes, layer: "octree", distances: withDistances });
+  let head = JSON.stringify({ map_id: "mock-1", revision: 1, axis, at_m: at, cell_m: cell, origin, width: size[0], height: size[1], axes, layer: "octree" });
   head = head.padEnd(Math.ceil(head.length / 4) * 4);
   const length = Buffer.alloc(4);
   length.writeUInt32LE(head.length);
-  const padding = Buffer.alloc(Math.ceil(cells.length / 4) * 4 - cells.length);
-  const parts = [length, Buffer.from(head), cells, ...(withDistances ? [padding, distances] : [])];
-  return { status: 200, type: "application/octet-stream", body: Buffer.concat(parts) };
+  return { status: 200, type: "application/octet-stream", body: Buffer.concat([length, Buffer.from(head), cells]) };
 }
 
 function cell(query) {

@@ -98,7 +98,7 @@ export async function startMock({ port = 0, page = join(here, "../../../build/pa
       if (name.includes("/")) throw new Error("no folders");
       response.writeHead(200, {
         "content-type": kTypes[extname(name)] ?? "application/octet-stream",
-        "content-security-policy": "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws:; style-src 'self' 'unsafe-inline'",
+        "content-security-policy": "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
       }).end(readFileSync(join(page, name)));
     } catch {
       response.writeHead(404).end();

@@ -3,16 +3,15 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 import { arrayBuffer } from "./page_bytes.mjs";
 
-const { decodeSlice, stateAt, pixelsOf, axesOf, contourLines, kFree, kOccupied, kNotSeen } = await load("slice_data", "contours", "colours");
+const { decodeSlice, stateAt, pixelsOf, axesOf, contourLines, distancesTo, kFree, kOccupied, kNotSeen } = await load(
+  "slice_data", "contours", "distance", "colours");
 
-function sliceBytes(about, cells, distances = null) {
+function sliceBytes(about, cells) {
   const text = JSON.stringify(about);
   const padded = text.padEnd(Math.ceil(text.length / 4) * 4);
   const head = Buffer.alloc(4);
   head.writeUInt32LE(padded.length);
-  const parts = [head, Buffer.from(padded), Buffer.from(cells)];
-  if (distances) parts.push(Buffer.alloc((4 - (cells.length % 4)) % 4), Buffer.from(new Float32Array(distances).buffer));
-  return arrayBuffer(Buffer.concat(parts));
+  return arrayBuffer(Buffer.concat([head, Buffer.from(padded), Buffer.from(cells)]));
 }
 const about = { axis: "z", at_m: 1, cell_m: 0.5, origin: [-1, 2], width: 3, height: 2, axes: ["x", "y"] };
 const cells = [0, 1, 2, 1, 1, 0];
@@ -24,7 +23,6 @@ test("A slice tells the state of each cell at its place, and nothing outside", (
   assert.equal(stateAt(slice, [-0.9, 2.6, 1]), "free");
   assert.equal(stateAt(slice, [0.6, 2.1, 1]), null);
   assert.equal(stateAt(slice, [-0.9, 1.9, 1]), null);
-  assert.equal(slice.distances, null);
 });
 
 test("Across x the slice lies in y and z, across y in x and z", () => {
@@ -42,9 +40,23 @@ test("Free, occupied and unknown cells have their colours, unknown ones the leas
   assert.ok(pixels[3] < 255 && pixels[3] > 50);
 });
 
-test("Distances come after the cells, padded to four bytes", () => {
-  const slice = decodeSlice(sliceBytes({ ...about, distances: true }, cells, [1, 2, 3, 4, 5, Number.NaN]));
-  assert.deepEqual([...slice.distances], [1, 2, 3, 4, 5, Number.NaN]);
+test("Distances to occupied cells are those of trying all cells", () => {
+  const [width, height] = [23, 17];
+  let state = 7;
+  const random = (n) => (state = (state * 1103515245 + 12345) % 2147483648) % n;
+  const grid = Uint8Array.from({ length: width * height }, () => (random(20) === 0 ? 2 : random(4) === 0 ? 0 : 1));
+  const distances = distancesTo(grid, width, height, (cell) => cell === 2, (cell) => cell === 1);
+  const occupied = [...grid.keys()].filter((i) => grid[i] === 2).map((i) => [i % width, Math.floor(i / width)]);
+  assert.ok(occupied.length > 5);
+  grid.forEach((cell, i) => {
+    const nearest = Math.min(...occupied.map(([u, v]) => Math.hypot(u - (i % width), v - Math.floor(i / width))));
+    if (cell !== 1) assert.ok(Number.isNaN(distances[i]));
+    else assert.ok(Math.abs(distances[i] - nearest) < 1e-5, `cell ${i}: ${distances[i]}, not ${nearest}`);
+  });
+});
+
+test("Without anything occupied there are no distances", () => {
+  assert.ok(distancesTo(new Uint8Array(6).fill(1), 3, 2, (cell) => cell === 2, (cell) => cell === 1).every(Number.isNaN));
 });
 
 test("A slice that is cut off or has no size is an error with a sentence", () => {

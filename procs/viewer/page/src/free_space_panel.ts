@@ -24,13 +24,13 @@ class SliceControl {
     readonly title: string,
     private axis: Axis,
     extra: HTMLElement[],
-    private readonly options: () => { distances: boolean; leaves: boolean },
+    private readonly options: () => { contours: boolean; leaves: boolean },
     private readonly onChange: () => void,
   ) {
     this.feed = new SliceFeed(
-      (slice, leaves) => {
+      (slice, wish, leaves) => {
         this.problem.textContent = "";
-        this.plane.show(slice);
+        this.plane.show(slice, wish.contours);
         this.plane.showLeaves(leaves);
         onChange();
       },
@@ -116,9 +116,9 @@ export class FreeSpacePanel {
 
   constructor(parent: HTMLElement, scene: THREE.Scene, onChange: () => void) {
     const again = (): void => this.refresh();
-    const distances = choice("distances as contours", again);
+    const contours = choice("distances as contours", again);
     const leaves = choice("leaves of the octree", again);
-    const options = (): { distances: boolean; leaves: boolean } => ({ distances: distances.input.checked, leaves: leaves.input.checked });
+    const options = (): { contours: boolean; leaves: boolean } => ({ contours: contours.input.checked, leaves: leaves.input.checked });
     this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange);
     this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange);
     this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds!));
@@ -128,8 +128,8 @@ export class FreeSpacePanel {
       el("div", { class: "row" }, swatch(kFree, "free"), swatch(kOccupied, "occupied"), swatch(kNotSeen, "unknown")),
       this.horizontal.element,
       this.vertical.element,
-      el("div", { class: "row" }, distances.element, leaves.element),
-      el("p", { class: "faint" }, "Contours are at 0.1, 0.25, 0.5, 1 and 2 m from what is occupied. Click a cell of a slice to read why it is so."),
+      el("div", { class: "row" }, contours.element, leaves.element),
+      el("p", { class: "faint" }, "Contours are at 0.1, 0.25, 0.5, 1 and 2 m from what is occupied in the slice. Click a cell of a slice to read why it is so."),
       this.cell.element,
     );
   }

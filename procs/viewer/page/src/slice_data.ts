@@ -13,7 +13,6 @@ export interface Slice {
   width: number;
   height: number;
   cells: Uint8Array; // kStates, row by row
-  distances: Float32Array | null; // [m] to the nearest occupied cell, NaN = not known
 }
 
 export const kStates = ["unknown", "free", "occupied"] as const;
@@ -35,8 +34,6 @@ export function decodeSlice(bytes: ArrayBuffer): Slice {
     throw new Error(`A slice has ${width} x ${height} cells of ${asNumber(about.cell_m)} m.`);
   }
   if (start + count > bytes.byteLength) throw new Error(`A slice of ${width} x ${height} cells is cut off.`);
-  const after = start + Math.ceil(count / 4) * 4;
-  const hasDistances = about.distances === true && after + 4 * count <= bytes.byteLength;
   return {
     axis,
     at: asNumber(about.at_m),
@@ -45,7 +42,6 @@ export function decodeSlice(bytes: ArrayBuffer): Slice {
     width,
     height,
     cells: new Uint8Array(bytes, start, count),
-    distances: hasDistances ? new Float32Array(bytes, after, count) : null,
   };
 }
 

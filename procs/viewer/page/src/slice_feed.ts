@@ -7,7 +7,7 @@ import type { Leaf } from "./slice_plane";
 export interface SliceWish {
   axis: Axis;
   at: number; // [m]
-  distances: boolean;
+  contours: boolean;
   leaves: boolean;
 }
 
@@ -19,7 +19,7 @@ export class SliceFeed {
   private asking = false;
 
   constructor(
-    private readonly onSlice: (slice: Slice, leaves: Leaf[]) => void,
+    private readonly onSlice: (slice: Slice, wish: SliceWish, leaves: Leaf[]) => void,
     private readonly onError: (text: string) => void,
   ) {}
 
@@ -41,26 +41,28 @@ export class SliceFeed {
 
   private async answer(wish: SliceWish): Promise<void> {
     const where = `axis=${wish.axis}&at=${wish.at.toFixed(3)}`;
-    const answer = await getBytes(`api/slice?${where}${wish.distances ? "&distance=1" : ""}`);
+    const answer = await getBytes(`api/slice?${where}`);
     if (answer.error !== null) {
       if (this.wish) this.onError(answer.error);
       return;
     }
-    const leaves = wish.leaves ? await leavesAt(where) : [];
+    const leaves = wish.leaves ? await leavesAt(where) : { leaves: [], problem: null };
     if (this.wish?.axis !== wish.axis) return;
     try {
-      this.onSlice(decodeSlice(answer.value), leaves);
+      this.onSlice(decodeSlice(answer.value), wish, leaves.leaves);
+      if (leaves.problem !== null) this.onError(`The leaves are not available. ${leaves.problem}`);
     } catch (error) {
       this.onError(error instanceof Error ? error.message : String(error));
     }
   }
 }
 
-async function leavesAt(where: string): Promise<Leaf[]> {
+async function leavesAt(where: string): Promise<{ leaves: Leaf[]; problem: string | null }> {
   const answer = await getJson(`api/leaves?${where}`);
-  if (answer.error !== null) return [];
-  return asList(asObject(answer.value).leaves).map((entry) => {
+  if (answer.error !== null) return { leaves: [], problem: answer.error };
+  const leaves = asList(asObject(answer.value).leaves).map((entry) => {
     const [x, y, z, size, state] = asList(entry).map((value) => asNumber(value));
     return { centre: [x ?? 0, y ?? 0, z ?? 0], size: size ?? 0, occupied: state === 2 };
   });
+  return { leaves, problem: null };
 }

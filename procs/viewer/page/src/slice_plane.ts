@@ -1,6 +1,7 @@
 /** A slice in the scene: cells as a picture, distances as contours, leaves of the octree as squares. */
 import * as THREE from "three";
 import { contourLines } from "./contours";
+import { distancesTo } from "./distance";
 import { axesOf, pixelsOf, type Slice } from "./slice_data";
 
 const kLevels = [0.1, 0.25, 0.5, 1, 2]; // [m]
@@ -40,7 +41,7 @@ export class SlicePlane {
     this.slice = null;
   }
 
-  show(slice: Slice): void {
+  show(slice: Slice, contours: boolean): void {
     this.slice = slice;
     this.group.visible = true;
     const old = this.picture.material.map;
@@ -51,7 +52,7 @@ export class SlicePlane {
     old?.dispose();
     this.picture.geometry.dispose();
     this.picture.geometry = quadOf(slice);
-    this.showContours(slice);
+    this.showContours(slice, contours);
     this.showLeaves([]);
   }
 
@@ -92,14 +93,16 @@ export class SlicePlane {
     return inside ? { distance, point } : null;
   }
 
-  private showContours(slice: Slice): void {
+  /** Lines at equal distances from what is occupied in the slice, through what is free. */
+  private showContours(slice: Slice, shown: boolean): void {
     this.contours.geometry.dispose();
     this.contours.geometry = new THREE.BufferGeometry();
-    if (!slice.distances) return;
+    if (!shown) return;
+    const distances = distancesTo(slice.cells, slice.width, slice.height, (cell) => cell === 2, (cell) => cell === 1);
     const { u, v, across } = axesOf(slice.axis);
     const positions: number[] = [];
     for (const level of kLevels) {
-      const lines = contourLines(slice.distances, slice.width, slice.height, level);
+      const lines = contourLines(distances, slice.width, slice.height, level / slice.cell);
       for (let i = 0; i < lines.length; i += 2) {
         const p = [0, 0, 0];
         p[across] = slice.at;
