@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 
 const { coarseIndices, overlayPixels, detectionsText, colourOfId, paleColourOfId, mainRate, lostCount, waitingCount, slowestStage,
-  isStale, TimingHistory } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart");
+  isStale, stateText, TimingHistory } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart");
 
 /** A square of `side` x `side` vertices at every centimetre, its middle raised by `bump` [m]. */
 function plane(side, bump = 0) {
@@ -112,6 +112,9 @@ test("The table shows frames per second, the slowest stage, what waits and what 
 test("A process that was not heard for three seconds is stale", () => {
   assert.ok(!isStale({ ...process, age: 2.9 }));
   assert.ok(isStale({ ...process, age: 3.1 }));
+  assert.equal(stateText({ ...process, state: "running", age: 3.1 }), "silent");
+  assert.ok(!isStale({ ...process, state: "stopping", age: 3.1 }), "it said that it would stop");
+  assert.equal(stateText({ ...process, state: "stopping", age: 3.1 }), "ended");
 });
 
 test("Stage times are kept for 300 s; a stage that comes later has no times before", () => {

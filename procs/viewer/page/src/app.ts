@@ -127,6 +127,7 @@ function takeMap(message: MapMessage): void {
   if (status.map && status.map.revision !== message.revision) refreshSlicesSoon();
   status.takeMap(message);
   processPanel.setMemory(message.bytes);
+  space.setVoxel(message.voxelSize);
   if (message.up) setUp(message.up);
   void structureFeed.refresh(message.revision);
 }

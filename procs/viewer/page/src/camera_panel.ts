@@ -25,7 +25,9 @@ class CameraCard {
     const look = el("button", { type: "button" }, "Look from here");
     look.addEventListener("click", () => actions.onLook(this.state));
     this.open.addEventListener("change", () => {
-      this.canvas.hidden = !this.open.checked;
+      this.canvas.hidden = !this.open.checked || this.picture === null;
+      if (this.open.checked && this.picture === null) setText(this.words, "The picture comes with the camera's next frame.");
+      this.words.hidden = !this.open.checked;
       onToggle();
     });
     this.canvas.hidden = true;
@@ -43,6 +45,7 @@ class CameraCard {
 
   async show(picture: Picture, choice: OverlayChoice): Promise<void> {
     this.picture = picture;
+    this.canvas.hidden = !this.open.checked;
     const words = picture.problem || detectionsText(picture.segments) || "nothing detected";
     setText(this.words, words);
     this.canvas.setAttribute("aria-label", `Picture of camera ${picture.cameraId}: ${words}`);

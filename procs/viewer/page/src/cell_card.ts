@@ -5,17 +5,22 @@ import { asList, asNumber, asObject, asText, type Json } from "./json";
 
 // Names of what the server tells, with units. Other keys are shown as they are.
 const kNames: Record<string, string> = {
-  at: "Place [m]",
   state: "State",
+  at: "Place [m]",
+  center: "Centre of the voxel [m]",
   distance_m: "Signed distance to the surface [m]",
   weight: "Weight",
   observations: "Observations",
   block: "Block",
-  last_utime: "Last frame that changed it",
+  thin_hits: "Hits of something thin",
+  color: "Colour",
+  shown: "Shown as",
+  last_frame: "Last frame that changed it",
+  last_utime: "Time of that frame",
   voxel: "Voxel",
   revision: "Revision of the map",
 };
-const kHidden = new Set(["labels", "map_id", "kind"]);
+const kHidden = new Set(["labels", "map_id", "kind", "why"]);
 
 function valueText(key: string, value: unknown): string {
   if (value === null || value === undefined) return "not known";
@@ -56,7 +61,7 @@ export class CellCard {
   /** Asks for the cell at a point of W [m] and shows the answer. */
   async ask(point: [number, number, number]): Promise<void> {
     const number = ++this.asked;
-    const place = point.map((value) => value.toFixed(3)).join(",");
+    const place = point.map((value) => value.toFixed(4)).join(",");
     this.element.hidden = false;
     this.element.replaceChildren(el("p", { class: "faint" }, `Asking for the cell at ${place} …`));
     const answer = await getJson(`api/cell?at=${place}`);
@@ -65,7 +70,8 @@ export class CellCard {
     close.addEventListener("click", () => (this.element.hidden = true));
     const head = el("div", { class: "head" }, el("h2", {}, "Why is this cell so?"), close);
     const cell = asObject(answer.value);
-    const body = answer.error !== null ? [el("p", { class: "bad" }, answer.error)] : [facts(cell), votes(cell)];
+    const why = el("p", { "data-key": "why" }, asText(cell.why));
+    const body = answer.error !== null ? [el("p", { class: "bad" }, answer.error)] : [why, facts(cell), votes(cell)];
     this.element.replaceChildren(head, ...body);
   }
 }

@@ -24,12 +24,12 @@ class SliceControl {
     readonly title: string,
     private axis: Axis,
     extra: HTMLElement[],
-    private readonly options: () => { contours: boolean; leaves: boolean },
+    private readonly options: () => { contours: boolean; leaves: boolean; voxel: number },
     private readonly onChange: () => void,
   ) {
     this.feed = new SliceFeed(
       (slice, wish, leaves) => {
-        this.problem.textContent = "";
+        this.problem.textContent = slice.cells.length > 0 ? "" : "Nothing is known of space in this slice yet.";
         this.plane.show(slice, wish.contours);
         this.plane.showLeaves(leaves);
         onChange();
@@ -86,12 +86,18 @@ class SliceControl {
       this.onChange();
       return;
     }
-    this.feed.want({ axis: this.axis, at: Number(this.slider.value), ...this.options() });
+    const { voxel, ...rest } = this.options();
+    this.feed.want({ axis: this.axis, at: middleOfVoxel(Number(this.slider.value), voxel), ...rest });
   }
 
   private showValue(): void {
     this.value.textContent = `${this.axis} = ${Number(this.slider.value).toFixed(2)} m`;
   }
+}
+
+/** A place within the voxel that begins at or before `at` [m], so that slice and cell never fall on two sides of a face. */
+function middleOfVoxel(at: number, voxel: number): number {
+  return voxel > 0 ? (Math.floor(at / voxel + 1e-6) + 0.5) * voxel : at;
 }
 
 function swatch(colour: Rgb, text: string): HTMLElement {
@@ -113,12 +119,17 @@ export class FreeSpacePanel {
   private readonly across = el("select", { "aria-label": "Axis across the vertical slice" });
   private upAxis: Axis = "z";
   private bounds: THREE.Box3 | null = null;
+  private voxel = 0; // [m], 0 = not known
 
   constructor(parent: HTMLElement, scene: THREE.Scene, onChange: () => void) {
     const again = (): void => this.refresh();
     const contours = choice("distances as contours", again);
     const leaves = choice("leaves of the octree", again);
-    const options = (): { contours: boolean; leaves: boolean } => ({ contours: contours.input.checked, leaves: leaves.input.checked });
+    const options = (): { contours: boolean; leaves: boolean; voxel: number } => ({
+      contours: contours.input.checked,
+      leaves: leaves.input.checked,
+      voxel: this.voxel,
+    });
     this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange);
     this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange);
     this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds!));
@@ -142,6 +153,10 @@ export class FreeSpacePanel {
     if (!this.bounds) return;
     this.horizontal.setAxis(this.upAxis, this.bounds);
     this.vertical.setAxis(this.across.value as Axis, this.bounds);
+  }
+
+  setVoxel(voxel: number): void {
+    this.voxel = voxel;
   }
 
   setBounds(bounds: THREE.Box3): void {

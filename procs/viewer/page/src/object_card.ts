@@ -58,7 +58,7 @@ export class ObjectCard {
       ["Size", object.box ? `${sizeText(object.box)} m` : ""],
       ["Centre", object.box ? `${object.box.centre.map((c) => c.toFixed(2)).join(", ")} m` : ""],
       ["Surface", object.area > 0 ? `${object.area.toFixed(2)} m², ${count(object.points)} points` : ""],
-      ["Seen", `in ${count(object.frames)} frames, last ${lastSeen(object.lastUtime, now)}`],
+      ["Seen", `in ${count(object.frames)} ${object.frames === 1 ? "frame" : "frames"}, last ${lastSeen(object.lastUtime, now)}`],
       ["Segments", object.segments.slice(0, 12).join(", ") + (object.segments.length > 12 ? ", …" : "")],
     ];
     const shown = facts.filter(([, text]) => text !== "");
@@ -78,7 +78,8 @@ export class ObjectCard {
     where.textContent = "Frames: asking …";
     const answer = await getJson(`api/evidence?id=${encodeURIComponent(id)}`);
     if (answer.error !== null) {
-      where.textContent = `Frames that it was seen in: not available. ${answer.error}`;
+      where.textContent = "Frames that it was seen in: not available from this server.";
+      where.title = answer.error;
       return;
     }
     const frames = asList(asObject(answer.value).frames).slice(0, kMostFrames).map(asObject);

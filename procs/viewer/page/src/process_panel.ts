@@ -1,6 +1,6 @@
 /** The panel of processes: a table, all that the chosen one says, and its stage times over time. */
 import { bytesText, count, el, setText } from "./dom";
-import { isStale, lostCount, mainRate, slowestStage, waitingCount } from "./process_summary";
+import { isStale, lostCount, mainRate, slowestStage, stateText, waitingCount } from "./process_summary";
 import type { Process } from "./protocol";
 import { TimingHistory, TimingsChart } from "./timings_chart";
 
@@ -10,7 +10,7 @@ function cells(process: Process): string[] {
   const rate = mainRate(process);
   const stage = slowestStage(process);
   return [
-    isStale(process) ? "silent" : process.state,
+    stateText(process),
     rate ? rate.rate.toFixed(1) : "",
     stage ? `${stage.median.toFixed(0)}/${stage.max.toFixed(0)}` : "",
     count(waitingCount(process)),

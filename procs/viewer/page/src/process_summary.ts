@@ -3,8 +3,14 @@ import type { Process } from "./protocol";
 
 const kStale = 3; // [s] without a status: three times the interval at which processes send it
 
+/** Silent though it did not say that it would stop. */
 export function isStale(process: Process): boolean {
-  return process.age > kStale;
+  return process.age > kStale && process.state !== "stopping";
+}
+
+export function stateText(process: Process): string {
+  if (isStale(process)) return "silent";
+  return process.age > kStale ? "ended" : process.state;
 }
 
 const kLost = /dropped|lost|rejected|refused|unusable|missed|late$|not_integrated/;

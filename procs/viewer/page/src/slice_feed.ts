@@ -40,7 +40,7 @@ export class SliceFeed {
   }
 
   private async answer(wish: SliceWish): Promise<void> {
-    const where = `axis=${wish.axis}&at=${wish.at.toFixed(3)}`;
+    const where = `axis=${wish.axis}&at=${wish.at.toFixed(4)}`;
     const answer = await getBytes(`api/slice?${where}`);
     if (answer.error !== null) {
       if (this.wish) this.onError(answer.error);

@@ -42,6 +42,8 @@ export class SlicePlane {
   }
 
   show(slice: Slice, contours: boolean): void {
+    this.hide();
+    if (slice.cells.length === 0) return;
     this.slice = slice;
     this.group.visible = true;
     const old = this.picture.material.map;
