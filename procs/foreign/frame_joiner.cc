@@ -103,7 +103,7 @@ Result<void> FrameJoiner::Add(const std::string& channel, std::span<const uint8_
     if (const std::string why = tree_.Add(edge, now_); !why.empty()) ignored_.Add(why);
   }
   const Result<void> added = AddImages(channel, std::move(*message), received, number);
-  Settle();
+  Settle(advanced_.value_or(now_));
   return added ? Result<void>() : fail(added.error());
 }
 
@@ -254,13 +254,14 @@ void FrameJoiner::BoundBytes() {
 void FrameJoiner::Advance(int64_t now) {
   now_ = std::max(now_, now);
   arrivals_.Restart(now_, 0);
-  Settle();
+  advanced_ = now_;
+  Settle(now_);
 }
 
-void FrameJoiner::Settle() {
-  while (PairFirstDepth(now_) || JoinFirstPair(now_)) {
+void FrameJoiner::Settle(int64_t now) {
+  while (PairFirstDepth(now) || JoinFirstPair(now)) {
   }
-  DropOldColors();
+  DropOldColors(now);
 }
 
 void FrameJoiner::Finish() {
@@ -268,12 +269,12 @@ void FrameJoiner::Finish() {
   depth_times_.Finish([this](auto&& depth) { AddDepth(std::move(depth.item), depth.received); });
   pair_times_.Finish([this](auto&& pair) { AddPair(std::move(pair.item)); });
   finished_ = true;
-  Settle();
+  Settle(now_);
 }
 
-void FrameJoiner::DropOldColors() {
+void FrameJoiner::DropOldColors(int64_t now) {
   const int64_t wait = Microseconds(options_.wait_ms + options_.pair_within_ms);
-  while (!colors_.empty() && (finished_ || now_ - colors_.front().received > wait)) {
+  while (!colors_.empty() && (finished_ || now - colors_.front().received > wait)) {
     waiting_bytes_ -= BytesOf(colors_.front().image);
     colors_.pop_front();
     Drop("no depth image within " + Milliseconds(options_.pair_within_ms) +

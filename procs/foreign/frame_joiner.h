@@ -58,7 +58,8 @@ class FrameJoiner {
                    int64_t number = -1);
 
   /// Gives up what has waited for too long at `now` [us], on the clock of `received`. This time is
-  /// relied on.
+  /// relied on. Once it was called, Add gives nothing up by itself: call it when no more messages
+  /// have arrived, so that a receiver that was stopped for a while does not give up what has come.
   void Advance(int64_t now);
   /// The end: nothing more will come.
   void Finish();
@@ -104,7 +105,7 @@ class FrameJoiner {
   void AddColor(ForeignImage image, int64_t received);
   void AddDepth(ForeignImage image, int64_t received);
   void AddPair(Pair pair);
-  void Settle();
+  void Settle(int64_t now);
   bool PairFirstDepth(int64_t now);
   bool JoinFirstPair(int64_t now);
   Missing Complete(const Pair& pair, int64_t now, ForeignFrame* frame) const;
@@ -112,7 +113,7 @@ class FrameJoiner {
   Missing FindPoses(const Pair& pair, int64_t now, ForeignFrame* frame) const;
   std::optional<ForeignCamera> ColorCamera(const ForeignImage& image) const;
   bool IsRegistered(const Pair& pair) const;
-  void DropOldColors();
+  void DropOldColors(int64_t now);
   void BoundBytes();
   void Drop(const std::string& why) { dropped_.Add(why); }
   void DropForItsTime(bool wrong);
@@ -125,7 +126,8 @@ class FrameJoiner {
   std::deque<Waiting> colors_, depths_;  // in order of arrival
   std::deque<Pair> pairs_;
   size_t waiting_bytes_ = 0;
-  int64_t now_ = 0;  // the latest time at which a message came
+  int64_t now_ = 0;                  // the latest time at which a message came
+  std::optional<int64_t> advanced_;  // of the last Advance
   static constexpr int64_t kArrivalSlack = 50'000, kImageSlack = 1'000'000;  // [us]
   TimeGate<std::monostate> arrivals_{kArrivalSlack};
   TimeGate<ForeignImage> color_times_{kImageSlack}, depth_times_{kImageSlack};

@@ -123,6 +123,24 @@ TEST(FrameJoiner, GivesAFrameUpWhenNoLaterPoseComes) {
   EXPECT_THAT(joined.joiner.dropped().Text(), HasSubstr("from 'world' to 'base_link'"));
 }
 
+TEST(FrameJoiner, AReceiverThatWasStoppedGivesNothingUpThatHasCome) {
+  Joined joined(DimosOptions());
+  AddSecond(&joined);
+  const size_t before = joined.frames.size();
+  const int64_t utime = kStart + 1'040'000, later = utime + 900'000;
+  joined.joiner.Advance(utime);
+  joined.Add(kColorChannel, ColorImage(utime), utime);
+  joined.Add(kDepthChannel, DepthImage(utime), utime);
+  for (int i = 0; i < 3; ++i) joined.Add(kInfoChannel, CameraInfo(utime), later + i * 60'000);
+  joined.Add(kTfChannel, Body(utime + 5000), later + 200'000);
+  EXPECT_EQ(joined.frames.size(), before + 1) << joined.joiner.dropped().Text();
+  joined.Add(kColorChannel, ColorImage(utime + 500'000), later + 200'000);
+  joined.Add(kDepthChannel, DepthImage(utime + 500'000), later + 200'000);
+  EXPECT_EQ(joined.joiner.dropped().total(), 0);
+  joined.joiner.Advance(later + 401'000);
+  EXPECT_EQ(joined.joiner.dropped().total(), 1);
+}
+
 TEST(FrameJoiner, CountsDepthWithoutColorAndColorWithoutDepth) {
   Joined joined(DimosOptions());
   AddSecond(&joined);
