@@ -4,10 +4,12 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "base/ids.h"
 #include "geometry/image.h"
+#include "map/shared.h"
 
 namespace vismap {
 
@@ -60,7 +62,7 @@ struct SurfaceVoxels {
   // These come from slabs of their own: on the common heap they would leave gaps when they are
   // packed, into which nothing fits.
   static void* operator new(size_t size);
-  static void operator delete(void* voxels) noexcept;
+  static void operator delete(void* voxels) noexcept;  // NOLINT: slots have one size
 
   /// Truncated signed distance in steps of truncation / kTruncationSteps; positive in front of the
   /// surface.
@@ -111,26 +113,53 @@ struct ThinVoxels {
   friend bool operator==(const ThinVoxels&, const ThinVoxels&) = default;
 };
 
+/// Bytes that do not change and that copies share.
+class SharedBytes {
+ public:
+  SharedBytes() = default;
+  explicit SharedBytes(std::span<const uint8_t> content);
+  SharedBytes(const SharedBytes& other) noexcept;
+  SharedBytes(SharedBytes&& other) noexcept : head_(std::exchange(other.head_, nullptr)) {}
+  SharedBytes& operator=(SharedBytes other) noexcept {
+    std::swap(head_, other.head_);
+    return *this;
+  }
+  ~SharedBytes();
+
+  explicit operator bool() const { return head_ != nullptr; }
+  /// There must be some.
+  std::span<const uint8_t> content() const;
+  /// The memory that they take [bytes].
+  size_t bytes() const;
+
+ private:
+  struct Head;
+  Head* head_ = nullptr;  // before the content; nullptr = there is none
+};
+
 /// Owns the voxels of a block near a surface: as they are or, while no camera sees them, packed to
 /// about a fifth of their size without loss. To read them use a SurfaceReader
-/// (map/surface_reader.h); to change them call Unpack first.
+/// (map/surface_reader.h); to change them call Unpack first. Copies share the voxels until one of
+/// them changes them, see Shared.
 class SurfaceHolder {
  public:
   SurfaceHolder() = default;
-  SurfaceHolder& operator=(std::unique_ptr<SurfaceVoxels> voxels) {
+  SurfaceHolder& operator=(Shared<SurfaceVoxels> voxels) {
     voxels_ = std::move(voxels);
-    packed_.reset();
+    packed_ = {};
     return *this;
   }
 
   /// Whether there are voxels, packed or not.
-  explicit operator bool() const { return voxels_ != nullptr || packed_ != nullptr; }
-  bool packed() const { return packed_ != nullptr; }
+  explicit operator bool() const { return voxels_ || packed_; }
+  bool packed() const { return static_cast<bool>(packed_); }
   /// The voxels; nullptr when they are packed or there are none.
   const SurfaceVoxels* get() const { return voxels_.get(); }
   /// Only for voxels that are not packed.
-  SurfaceVoxels& operator*() const { return *voxels_; }
-  SurfaceVoxels* operator->() const { return voxels_.get(); }
+  const SurfaceVoxels& operator*() const { return *voxels_; }
+  const SurfaceVoxels* operator->() const { return voxels_.get(); }
+  SurfaceVoxels& operator*() { return voxels_.Own(); }
+  SurfaceVoxels* operator->() { return &voxels_.Own(); }
 
   /// Does nothing when the voxels are packed or there are none.
   void Pack();
@@ -142,17 +171,17 @@ class SurfaceHolder {
   size_t packed_bytes() const;
 
  private:
-  std::unique_ptr<SurfaceVoxels> voxels_;
-  std::unique_ptr<uint8_t[]> packed_;  // the first two bytes hold its size, see surface_holder.cc
+  Shared<SurfaceVoxels> voxels_;
+  SharedBytes packed_;
 };
 
 /// One block of the map, of one of three kinds: near a surface (`surface`), partly seen empty
 /// (`free`), or seen empty everywhere at least twice (`all_free`). Blocks that the map does not
-/// hold are unseen.
+/// hold are unseen. Copies share their voxels until one of them changes them, see Shared.
 struct Block {
   SurfaceHolder surface;
-  std::unique_ptr<FreeVoxels> free;
-  std::unique_ptr<ThinVoxels> thin;  ///< of a block of any kind; mostly there is none
+  Shared<FreeVoxels> free;
+  Shared<ThinVoxels> thin;  ///< of a block of any kind; mostly there is none
   uint32_t last_used = 0;  ///< revision that last changed the surface; 0 = none since it was packed
   bool all_free = false;
 };

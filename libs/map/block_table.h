@@ -5,18 +5,23 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <concepts>
 #include <cstdint>
-#include <memory>
+#include <utility>
 #include <vector>
 
 #include "map/block.h"
+#include "map/shared.h"
 
 namespace vismap {
 
 /// Holds a value per block. Blocks are stored in cubes of 4x4x4, and only the cubes are hashed:
 /// frames use blocks in neighbourhoods, so that neighbours share the cache misses of one look-up.
-/// References stay valid until their block is erased. Several threads may read at the same time;
-/// nothing may use the table while one changes it.
+/// References stay valid until their block is erased or the table is copied. Several threads may
+/// read at the same time; nothing may use the table while one changes it.
+///
+/// A copy takes little time: both tables share the cubes until one of them looks for something to
+/// change there, see Shared. One thread may use the copy while another one changes the original.
 template <typename Value>
 class BlockTable {
   static constexpr int32_t kSide = 4;  // blocks along the edge of a cube: one bit each in a word
@@ -52,6 +57,20 @@ class BlockTable {
     bool started_ = false;
   };
 
+  BlockTable() = default;
+  BlockTable(const BlockTable&) requires std::copy_constructible<Value>
+  = default;
+  BlockTable& operator=(const BlockTable&) requires std::copy_constructible<Value>
+  = default;
+  BlockTable(BlockTable&& other) noexcept
+      : cubes_(std::move(other.cubes_)), size_(std::exchange(other.size_, 0)) {}
+  BlockTable& operator=(BlockTable&& other) noexcept {
+    cubes_ = std::move(other.cubes_);
+    size_ = std::exchange(other.size_, 0);
+    return *this;
+  }
+  ~BlockTable() = default;
+
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   void Clear() {
@@ -62,15 +81,18 @@ class BlockTable {
   /// The value of a block, or nullptr when it has none.
   const Value* Find(BlockIndex index) const { return Reader(*this).Find(index); }
   Value* Find(BlockIndex index) {
-    return const_cast<Value*>(static_cast<const BlockTable*>(this)->Find(index));
+    const auto found = cubes_.find(CubeOf(index));
+    const int slot = SlotOf(index);
+    if (found == cubes_.end() || ((std::as_const(found.value())->present >> slot) & 1) == 0)
+      return nullptr;
+    return &found.value().Own().values[At(slot)];
   }
 
   /// The value of a block; Value() is added when it has none.
   Value& FindOrCreate(BlockIndex index) {
     auto found = cubes_.find(CubeOf(index));
-    if (found == cubes_.end())
-      found = cubes_.emplace(CubeOf(index), std::make_unique<Cube>()).first;
-    Cube& cube = *found.value();
+    if (found == cubes_.end()) found = cubes_.emplace(CubeOf(index), Shared<Cube>::Make()).first;
+    Cube& cube = found.value().Own();
     const int slot = SlotOf(index);
     const uint64_t bit = uint64_t{1} << slot;
     size_ += (cube.present & bit) == 0;
@@ -82,7 +104,7 @@ class BlockTable {
   bool Erase(BlockIndex index) {
     const auto found = cubes_.find(CubeOf(index));
     if (found == cubes_.end()) return false;
-    Cube& cube = *found.value();
+    Cube& cube = found.value().Own();
     const int slot = SlotOf(index);
     const uint64_t bit = uint64_t{1} << slot;
     if ((cube.present & bit) == 0) return false;
@@ -129,7 +151,7 @@ class BlockTable {
   }
   static size_t At(int slot) { return static_cast<size_t>(slot); }
 
-  tsl::robin_map<BlockIndex, std::unique_ptr<Cube>, BlockIndexHash> cubes_;
+  tsl::robin_map<BlockIndex, Shared<Cube>, BlockIndexHash> cubes_;
   size_t size_ = 0;
 };
 

@@ -1,7 +1,9 @@
 #include <zstd.h>
 
+#include <atomic>
 #include <bit>
 #include <cstring>
+#include <new>
 #include <vector>
 
 #include "base/require.h"
@@ -10,14 +12,13 @@
 namespace vismap {
 namespace {
 
-// Packed voxels: two bytes with the size of the zstd frame, then the frame. Its content: one bit
+// Packed voxels: a zstd frame. Its content: one bit
 // per voxel that is not all zero; the size of the palette, one byte, and its labels; then for the
 // voxels with a bit 14 planes of bytes, one after the other.
 constexpr size_t kMaskBytes = kBlockVoxels / 8;
 constexpr size_t kPlanes = 14;
 constexpr size_t kMaxContent = kMaskBytes + 1 + 255 * sizeof(SegmentLabel) + kPlanes * kBlockVoxels;
 constexpr int kLevel = 1;
-constexpr size_t kSizeBytes = 2;
 
 using Content = std::array<uint8_t, kMaxContent>;
 
@@ -106,38 +107,61 @@ ZSTD_DCtx* Decompressor() {
 
 }  // namespace
 
-size_t SurfaceHolder::packed_bytes() const {
-  return packed_ == nullptr ? 0 : kSizeBytes + packed_[0] + (size_t{packed_[1]} << 8);
+struct SharedBytes::Head {
+  std::atomic<uint32_t> users = 1;
+  uint32_t size = 0;
+};
+
+SharedBytes::SharedBytes(std::span<const uint8_t> content) {
+  auto* memory = static_cast<uint8_t*>(::operator new(sizeof(Head) + content.size()));
+  head_ = new (memory) Head{.size = static_cast<uint32_t>(content.size())};
+  std::memcpy(memory + sizeof(Head), content.data(), content.size());
 }
 
+SharedBytes::SharedBytes(const SharedBytes& other) noexcept : head_(other.head_) {
+  if (head_ != nullptr) head_->users.fetch_add(1, std::memory_order_relaxed);
+}
+
+SharedBytes::~SharedBytes() {
+  if (head_ == nullptr || head_->users.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+  head_->~Head();
+  ::operator delete(head_);
+}
+
+std::span<const uint8_t> SharedBytes::content() const {
+  return {reinterpret_cast<const uint8_t*>(head_ + 1), head_->size};
+}
+
+size_t SharedBytes::bytes() const { return sizeof(Head) + head_->size; }
+
+size_t SurfaceHolder::packed_bytes() const { return packed_ ? packed_.bytes() : 0; }
+
 void SurfaceHolder::Pack() {
-  if (voxels_ == nullptr) return;
+  if (!voxels_) return;
   Content content;
-  const size_t size = Write(*voxels_, content);
+  const size_t size = Write(*voxels_.get(), content);
   std::array<uint8_t, ZSTD_COMPRESSBOUND(kMaxContent)> packed;
   const size_t length =
       ZSTD_compressCCtx(Compressor(), packed.data(), packed.size(), content.data(), size, kLevel);
-  Require(!ZSTD_isError(length) && length < 65536, "zstd fits into its own bound");
-  packed_.reset(new uint8_t[kSizeBytes + length]);
-  packed_[0] = static_cast<uint8_t>(length & 255);
-  packed_[1] = static_cast<uint8_t>(length >> 8);
-  std::memcpy(packed_.get() + kSizeBytes, packed.data(), length);
+  Require(!ZSTD_isError(length), "zstd fits into its own bound");
+  packed_ = SharedBytes({packed.data(), length});
   voxels_.reset();
 }
 
 void SurfaceHolder::CopyTo(SurfaceVoxels* voxels) const {
-  Require(packed_ != nullptr, "CopyTo is for packed voxels");
+  Require(packed(), "CopyTo is for packed voxels");
   Content content;
+  const std::span<const uint8_t> packed = packed_.content();
   const size_t size = ZSTD_decompressDCtx(Decompressor(), content.data(), content.size(),
-                                          packed_.get() + kSizeBytes, packed_bytes() - kSizeBytes);
+                                          packed.data(), packed.size());
   Require(!ZSTD_isError(size), "zstd unpacks its own frame");
   ReadContent(content, voxels);
 }
 
 void SurfaceHolder::Unpack() {
-  if (packed_ == nullptr) return;
-  auto voxels = std::make_unique<SurfaceVoxels>();
-  CopyTo(voxels.get());
+  if (!packed()) return;
+  auto voxels = Shared<SurfaceVoxels>::Make();
+  CopyTo(&voxels.Own());
   *this = std::move(voxels);
 }
 

@@ -15,6 +15,9 @@ constexpr bool kSlabs = true;
 
 constexpr size_t kPerSlab = 64;
 
+// A slot has room for voxels alone or with the count of their users.
+constexpr size_t kSlot = Shared<SurfaceVoxels>::kBytes;
+
 class Slabs {
  public:
   void* Allocate() {
@@ -34,8 +37,8 @@ class Slabs {
     ++slabs_;
     // Room for all voxels of all slabs, so that Release cannot throw.
     free_.reserve(slabs_ * kPerSlab);
-    auto* slab = static_cast<std::byte*>(::operator new(kPerSlab * sizeof(SurfaceVoxels)));
-    for (size_t i = kPerSlab; i > 0; --i) free_.push_back(slab + (i - 1) * sizeof(SurfaceVoxels));
+    auto* slab = static_cast<std::byte*>(::operator new(kPerSlab* kSlot));
+    for (size_t i = kPerSlab; i > 0; --i) free_.push_back(slab + (i - 1) * kSlot);
   }
 
   std::mutex mutex_;
@@ -52,7 +55,7 @@ Slabs& TheSlabs() {
 }  // namespace
 
 void* SurfaceVoxels::operator new(size_t size) {
-  return kSlabs && size == sizeof(SurfaceVoxels) ? TheSlabs().Allocate() : ::operator new(size);
+  return kSlabs && size <= kSlot ? TheSlabs().Allocate() : ::operator new(size);
 }
 
 void SurfaceVoxels::operator delete(void* voxels) noexcept {

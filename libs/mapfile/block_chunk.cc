@@ -148,12 +148,11 @@ Result<void> ReadKinds(Reader* reader, std::vector<IndexedBlock>* blocks,
     if (kind > BlockKind::kAllFree) return Fail("a block is of unknown kind");
     block.all_free = kind == BlockKind::kAllFree;
     if (kind == BlockKind::kSurface) {
-      auto voxels = std::make_unique<SurfaceVoxels>();
-      surfaces->push_back(voxels.get());
-      block.surface = std::move(voxels);
+      block.surface = Shared<SurfaceVoxels>::Make();
+      surfaces->push_back(&*block.surface);
     } else if (kind == BlockKind::kFree) {
-      block.free = std::make_unique<FreeVoxels>();
-      frees->push_back(block.free.get());
+      block.free = Shared<FreeVoxels>::Make();
+      frees->push_back(&block.free.Own());
     }
     // Checked per block, so that voxels are never allocated without bytes to fill them.
     if (reader->left() < surfaces->size() * kSurfaceBytes + frees->size() * sizeof(FreeVoxels)) {
@@ -266,7 +265,7 @@ Result<void> DecodeThin(std::span<const uint8_t> bytes, std::vector<IndexedBlock
         count == 0)
       return Fail("hits of thin things belong to no block of the chunk");
     last_block = number;
-    auto thin = std::make_unique<ThinVoxels>();
+    auto thin = Shared<ThinVoxels>::Make();
     for (int i = 0, last_voxel = -1; i < count; ++i) {
       uint16_t voxel = 0;
       uint8_t hits = 0;

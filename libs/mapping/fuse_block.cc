@@ -15,11 +15,12 @@ namespace {
 VoxelBits MarkFree(const VoxelBits& seen, Block& block) {
   VoxelBits changed{};
   if (block.all_free) return changed;
-  if (!block.free) block.free = std::make_unique<FreeVoxels>();
+  if (!block.free) block.free = Shared<FreeVoxels>::Make();
+  FreeVoxels& free = block.free.Own();
   bool full = true;
   for (size_t word = 0; word < seen.size(); ++word) {
-    uint64_t& once = block.free->once[word];
-    uint64_t& twice = block.free->twice[word];
+    uint64_t& once = free.once[word];
+    uint64_t& twice = free.twice[word];
     const uint64_t new_once = once | seen[word], new_twice = twice | (once & seen[word]);
     changed[word] = (new_once ^ once) | (new_twice ^ twice);
     once = new_once;
@@ -35,20 +36,21 @@ VoxelBits MarkFree(const VoxelBits& seen, Block& block) {
 
 // The voxels of a block of free space that a surface comes near to: they keep how often they were
 // seen empty.
-std::unique_ptr<SurfaceVoxels> Densify(const Block& block) {
-  auto voxels = std::make_unique<SurfaceVoxels>();
+Shared<SurfaceVoxels> Densify(const Block& block) {
+  auto shared = Shared<SurfaceVoxels>::Make();
+  SurfaceVoxels& voxels = shared.Own();
   for (int i = 0; i < kBlockVoxels; ++i) {
     int observations = 0;
     if (block.all_free) observations = 2;
     if (block.free) observations = block.free->SeenTwice(i) ? 2 : block.free->SeenOnce(i) ? 1 : 0;
     if (observations == 0) continue;
     const auto at = static_cast<size_t>(i);
-    voxels->distance[at] = kTruncationSteps;
-    voxels->observations[at] = static_cast<uint8_t>(observations);
-    voxels->weight[at] =
+    voxels.distance[at] = kTruncationSteps;
+    voxels.observations[at] = static_cast<uint8_t>(observations);
+    voxels.weight[at] =
         static_cast<uint16_t>(static_cast<float>(observations) * kWeightScale * 0.25F);
   }
-  return voxels;
+  return shared;
 }
 
 uint8_t Blend(uint8_t old_value, uint8_t new_value, float share) {
@@ -245,8 +247,8 @@ VoxelBits FrameProjection::CountThin(BlockIndex index, Block& block) const {
   const std::span<const ThinHit> hits = ThinHitsIn(index);
   VoxelBits changed{};
   if (!block.thin && hits.empty()) return changed;
-  if (!block.thin) block.thin = std::make_unique<ThinVoxels>();
-  std::array<uint8_t, kBlockVoxels>& counts = block.thin->hits;
+  if (!block.thin) block.thin = Shared<ThinVoxels>::Make();
+  std::array<uint8_t, kBlockVoxels>& counts = block.thin.Own().hits;
   const auto set = [&](size_t voxel, uint8_t count) {
     if (counts[voxel] != count) changed[voxel / 64] |= uint64_t{1} << (voxel % 64);
     counts[voxel] = count;
@@ -265,7 +267,7 @@ VoxelBits FrameProjection::CountThin(BlockIndex index, Block& block) const {
     const auto voxel = static_cast<size_t>(hit.voxel);
     set(voxel, static_cast<uint8_t>(std::min(counts[voxel] + 1, int{ThinVoxels::kMost})));
   }
-  if (*block.thin == ThinVoxels{}) block.thin.reset();
+  if (*block.thin.get() == ThinVoxels{}) block.thin.reset();
   return changed;
 }
 

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -99,6 +100,28 @@ TEST(MapFrame, RefusesAFrameThatTheMapContains) {
   EXPECT_THROW(MapFrame(input.frame, input.Detections(), SmallSegments(), &session),
                std::logic_error);
   EXPECT_EQ(HashMap(session.map()), before);
+}
+
+TEST(MapSession, ACopyOfTheMapStaysAsItWasWhileAnotherThreadReadsItAndTheMapGrows) {
+  MapSessionOptions options = CoarseGrid();
+  options.integration.max_unpacked_blocks = 50;  // so that blocks are packed and unpacked
+  MapSession alone(options, {}), copied(options, {});
+  const std::vector<InputFrame> frames = RandomFrames(16);
+  std::string before, from_thread;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    MapFrame(frames[i].frame, frames[i].Detections(), SmallSegments(), &alone);
+    const SemanticMap copy = copied.map();
+    before = HashMap(copy);
+    std::thread reader([&] { from_thread = HashMap(copy); });
+    MapFrame(frames[i].frame, frames[i].Detections(), SmallSegments(), &copied);
+    reader.join();
+    EXPECT_EQ(from_thread, before);
+    EXPECT_EQ(HashMap(copy), before) << "the frame changed the copy";
+    ASSERT_EQ(HashMap(copied.map()), HashMap(alone.map())) << "the copy changed the map";
+    ASSERT_NE(HashMap(copied.map()), before);
+  }
+  EXPECT_GT(MeasureMemory(copied.map().voxels).packed_blocks, 0u);
+  EXPECT_EQ(BytesOf(copied.map()), BytesOf(alone.map()));
 }
 
 }  // namespace
