@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <cstddef>
 
@@ -59,6 +60,13 @@ void ParallelForGroups(size_t count, size_t size, const Body& body) {
     const size_t from = group * size, left = count - from;
     body(from, from + (left < size ? left : size));
   });
+}
+
+/// Calls `body()` so that its parallel loops use only the calling thread. For long work beside
+/// something that must not wait for threads.
+template <typename Body>
+void InOneThread(const Body& body) {
+  tbb::task_arena(1).execute(body);
 }
 
 }  // namespace vismap

@@ -103,12 +103,31 @@ void MeshTracker::MeshAll(const SemanticMap& map, const Receiver& receive) {
 }
 
 void MeshTracker::MeshSince(const SemanticMap& map, int64_t revision, const Receiver& receive) {
-  if (revision < 0 || revision > revision_) return MeshAll(map, receive);
-  MeshChanges(map, receive);
-  const auto changed = log_.Since(revision);
-  if (!changed) return MeshAll(map, receive);
-  Mesh(
-      map, revision, *changed, [](const BlockMesh&) { return true; }, receive);
+  MeshBlocksOf(GapSince(map, revision, receive), map, options_, receive);
+}
+
+MeshGap MeshTracker::GapSince(const SemanticMap& map, int64_t revision, const Receiver& receive) {
+  const bool known = revision >= 0 && revision <= revision_, first = revision_ < 0;
+  if (known || has_changes() || revision_ != map.revision) MeshChanges(map, receive);
+  if (first) return {revision_, revision_, {}, {}};  // that was the whole surface
+  MeshGap gap{revision, revision_, {}, shown_};
+  if (auto changed = known ? log_.Since(revision) : std::nullopt) {
+    gap.blocks = std::move(*changed);
+  } else {
+    gap.base_revision = -1;
+    gap.blocks = surfaces_.Blocks();
+  }
+  return gap;
+}
+
+void MeshBlocksOf(const MeshGap& gap, const SemanticMap& map, const MeshingOptions& options,
+                  const MeshTracker::Receiver& receive) {
+  std::vector<BlockIndex> blocks = gap.blocks;
+  std::sort(blocks.begin(), blocks.end());
+  MeshInParts(map, blocks, gap.shown, options,
+              [&](size_t part, size_t parts, std::vector<BlockMesh> meshes) {
+                receive({gap.base_revision, gap.revision, part, parts, std::move(meshes)});
+              });
 }
 
 void MeshWholeMap(const SemanticMap& map, const MeshingOptions& options,

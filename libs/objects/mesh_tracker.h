@@ -24,6 +24,14 @@ struct MeshPart {
   std::vector<BlockMesh> blocks;  ///< ascending; without triangles = the block has no surface now
 };
 
+/// What a follower lacks: blocks to be meshed, see MeshBlocksOf.
+struct MeshGap {
+  int64_t base_revision = -1;      ///< as in MeshPart
+  int64_t revision = 0;            ///< of the map whose blocks must be meshed
+  std::vector<BlockIndex> blocks;  ///< in any order
+  std::vector<ShownLabel> shown;   ///< by label
+};
+
 /// Keeps the surface of a growing map up to date for followers: which blocks must be meshed again,
 /// because their shape or what their labels show has changed, and which blocks a follower lacks.
 /// Keeps what objects are read from as well (see ObjectTracker).
@@ -52,6 +60,9 @@ class MeshTracker {
   /// Updates as MeshChanges does, then hands over what a follower with `revision` of this map
   /// lacks: the blocks that changed since, or the whole surface when that is not known.
   void MeshSince(const SemanticMap& map, int64_t revision, const Receiver& receive);
+  /// Updates as MeshChanges does, and tells what the follower lacks then. The map as it is now, or
+  /// a copy of it, has the surface.
+  MeshGap GapSince(const SemanticMap& map, int64_t revision, const Receiver& receive);
 
   /// The surface of each label, at the last update.
   const BlockSurfaces& surfaces() const { return surfaces_; }
@@ -72,6 +83,10 @@ class MeshTracker {
   LabelPlaces places_;
   ChangeLog log_;
 };
+
+/// Meshes what a follower lacks; hands it over part by part.
+void MeshBlocksOf(const MeshGap& gap, const SemanticMap& map, const MeshingOptions& options,
+                  const MeshTracker::Receiver& receive);
 
 /// Meshes the whole map block by block, as followers get it. Hands the blocks over in ascending
 /// order, some hundreds at a time.

@@ -1,8 +1,8 @@
 #include "map_server/answers.h"
 
+#include <algorithm>
 #include <charconv>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string_view>
 #include <utility>
 
@@ -28,7 +28,7 @@ Eigen::AlignedBox3d BoxOf(const map_request_t& request) {
 
 constexpr std::string_view kPositions = "positions=";
 
-Result<Answer> AnswerPositions(const MapSession& session, const std::string& argument) {
+Result<Answer> AnswerPositions(const MapSnapshot& map, const std::string& argument) {
   size_t first = 0;
   const char* end = argument.data() + argument.size();
   const auto [stop, error] = std::from_chars(argument.data() + kPositions.size(), end, first);
@@ -36,7 +36,7 @@ Result<Answer> AnswerPositions(const MapSession& session, const std::string& arg
     return Fail("argument of frames: expected positions=N with the number of a frame, found '" +
                 PrintableText(argument, 60) + "'");
   auto positions = nlohmann::json::array();
-  const std::vector<CameraPose>& trajectory = session.metadata().trajectory;
+  const std::vector<CameraPose>& trajectory = map.metadata.trajectory;
   for (size_t i = first; i < trajectory.size(); ++i) {
     const Eigen::Vector3d p_W = trajectory[i].T_W_C.translation();
     positions.push_back({p_W.x(), p_W.y(), p_W.z()});
@@ -44,23 +44,20 @@ Result<Answer> AnswerPositions(const MapSession& session, const std::string& arg
   return Answer{std::to_string(positions.size()) + " positions", "json", Bytes(positions.dump())};
 }
 
-/// The blocks near a surface in which the cells of the objects' meshes begin, ascending.
-std::vector<BlockIndex> BlocksOf(const SemanticMap& map, std::span<const ObjectSummary> objects,
-                                 const LabelPlaces& places) {
-  std::set<BlockIndex> blocks;
-  for (const ObjectSummary& object : objects) {
-    for (const SegmentLabel segment : object.segments) {
-      for (const BlockIndex& at : places.BlocksOf(map.labels.Canonical(segment))) {
-        for (int i = 0; i < 8; ++i)
-          blocks.insert({at.x - (i & 1), at.y - (i >> 1 & 1), at.z - (i >> 2)});
-      }
-    }
+/// The blocks near a surface in which the cells of the meshes of `places` begin, ascending.
+std::vector<BlockIndex> CellsAround(std::span<const BlockIndex> places, const SemanticMap& map) {
+  std::vector<BlockIndex> blocks;
+  for (const BlockIndex& at : places) {
+    for (int i = 0; i < 8; ++i)
+      blocks.push_back({at.x - (i & 1), at.y - (i >> 1 & 1), at.z - (i >> 2)});
   }
+  std::sort(blocks.begin(), blocks.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
   std::erase_if(blocks, [&](const BlockIndex& at) {
     const Block* block = map.voxels.Find(at);
     return block == nullptr || !block->surface;
   });
-  return {blocks.begin(), blocks.end()};
+  return blocks;
 }
 
 void Append(const Mesh& part, Mesh* mesh) {
@@ -78,28 +75,27 @@ Result<ObjectQuery> QueryOf(const map_request_t& request) {
   return query;
 }
 
-Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query,
+Result<Answer> AnswerObjects(const MapSnapshot& map, const ObjectQuery& query,
                              const UpDirection& up, const std::vector<ObjectSummary>& objects) {
   const Result<std::vector<ObjectSummary>> selected = SelectObjects(objects, query);
   if (!selected) return tl::unexpected(selected.error());
   return Answer{std::to_string(selected->size()) + " objects and segments", "json",
-                Bytes(ObjectsJson(session.metadata().map_id, up, *selected, ClassName))};
+                Bytes(ObjectsJson(map.metadata.map_id, up, *selected, ClassName))};
 }
 
-Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options) {
-  const MapProducts products = MakeProducts(session.map(), session.metadata(), options);
+Answer AnswerMeshFile(const MapSnapshot& map, const OutputOptions& options) {
+  const MapProducts products = MakeProducts(map.map, map.metadata, options);
   return {std::to_string(products.mesh.triangles.size()) + " triangles", "ply",
-          EncodePly(products.mesh, {session.metadata().map_id, {}})};
+          EncodePly(products.mesh, {map.metadata.map_id, {}})};
 }
 
-Result<Answer> AnswerSurface(const MapSession& session, std::span<const ObjectSummary> objects,
-                             const LabelPlaces& places, const MeshingOptions& options,
+Result<Answer> AnswerSurface(const MapSnapshot& map, std::span<const ObjectSummary> objects,
+                             std::span<const BlockIndex> places, const MeshingOptions& options,
                              bool points_only) {
-  const SemanticMap& map = session.map();
-  const std::vector<BlockIndex> blocks = BlocksOf(map, objects, places);
-  const std::vector<ShownLabel> shown = ShowLabels(map.labels);
+  const std::vector<BlockIndex> blocks = CellsAround(places, map.map);
+  const std::vector<ShownLabel> shown = ShowLabels(map.map.labels);
   Mesh around;
-  for (const BlockMesh& block : MeshEachBlock(map, blocks, shown, options))
+  for (const BlockMesh& block : MeshEachBlock(map.map, blocks, shown, options))
     Append(block.mesh, &around);
   Mesh surface;
   for (const Mesh& object : CutObjects(around, objects)) Append(object, &surface);
@@ -108,25 +104,25 @@ Result<Answer> AnswerSurface(const MapSession& session, std::span<const ObjectSu
                              std::to_string(surface.vertices.size()) + " vertices, " +
                              std::to_string(surface.triangles.size()) + " triangles";
   if (points_only) surface.triangles.clear();
-  return Answer{counts, "ply", EncodePly(surface, {session.metadata().map_id, {}})};
+  return Answer{counts, "ply", EncodePly(surface, {map.metadata.map_id, {}})};
 }
 
-Answer AnswerMapFile(const MapSession& session) {
-  return {HashMap(session.map()), "vismap", EncodeMap(session.map(), session.metadata())};
+Answer AnswerMapFile(const MapSnapshot& map) {
+  return {HashMap(map.map), "vismap", EncodeMap(map.map, map.metadata)};
 }
 
-Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest) {
-  auto json = nlohmann::ordered_json::parse(StatisticsJson(session.map(), session.metadata()));
+Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest) {
+  auto json = nlohmann::ordered_json::parse(StatisticsJson(map.map, map.metadata));
   json["occupancy_digest"] = occupancy_digest;
   return {json["hash"].get<std::string>(), "json", Bytes(json.dump())};
 }
 
-Result<Answer> AnswerFrames(const MapSession& session, const std::string& argument) {
-  if (argument.starts_with(kPositions)) return AnswerPositions(session, argument);
+Result<Answer> AnswerFrames(const MapSnapshot& map, const std::string& argument) {
+  if (argument.starts_with(kPositions)) return AnswerPositions(map, argument);
   if (!argument.empty() && argument != "poses")
     return Fail("argument of frames: expected nothing, poses, or positions=N");
   auto frames = nlohmann::json::array();
-  for (const CameraPose& pose : session.metadata().trajectory) {
+  for (const CameraPose& pose : map.metadata.trajectory) {
     frames.push_back({Raw(pose.camera_id), pose.utime});
     if (argument == "poses") frames.back().push_back(PoseDigest(pose.T_W_C));
   }

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "exports/outputs.h"
-#include "objects/label_places.h"
+#include "map_server/map_snapshot.h"
 #include "objects/object_query.h"
 #include "requests/request_server.h"
-#include "session/map_session.h"
 
 namespace vismap {
 
@@ -18,23 +17,23 @@ namespace vismap {
 /// "objects": which objects the request asks for.
 Result<ObjectQuery> QueryOf(const map_request_t& request);
 /// "objects": those of `objects` that the query selects, as objects.json.
-Result<Answer> AnswerObjects(const MapSession& session, const ObjectQuery& query,
+Result<Answer> AnswerObjects(const MapSnapshot& map, const ObjectQuery& query,
                              const UpDirection& up, const std::vector<ObjectSummary>& objects);
 /// "mesh" with the argument "ply": the mesh of the whole map as a PLY file.
-Answer AnswerMeshFile(const MapSession& session, const OutputOptions& options);
+Answer AnswerMeshFile(const MapSnapshot& map, const OutputOptions& options);
 /// "mesh" for some objects, and "points": their surface as a PLY file, only its vertices for
-/// points. Only blocks with votes for the objects are meshed. `places`: of the map. Fails when none
-/// of them has a surface.
-Result<Answer> AnswerSurface(const MapSession& session, std::span<const ObjectSummary> objects,
-                             const LabelPlaces& places, const MeshingOptions& options,
+/// points. Only `places`, the blocks with votes for the objects, are meshed. Fails when none of
+/// them has a surface.
+Result<Answer> AnswerSurface(const MapSnapshot& map, std::span<const ObjectSummary> objects,
+                             std::span<const BlockIndex> places, const MeshingOptions& options,
                              bool points_only);
 /// "map": the whole map as a saved one. Its message is the hash of the map.
-Answer AnswerMapFile(const MapSession& session);
+Answer AnswerMapFile(const MapSnapshot& map);
 /// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.
-Answer AnswerStatistics(const MapSession& session, const std::string& occupancy_digest);
+Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest);
 /// "frames": [camera, utime] of every frame in the map as JSON; with the argument "poses", [camera,
 /// utime, digest of the pose] (PoseDigest); with "positions=N", [x, y, z] in W [m] of the camera at
 /// frame N and those after it, in the order of integration.
-Result<Answer> AnswerFrames(const MapSession& session, const std::string& argument);
+Result<Answer> AnswerFrames(const MapSnapshot& map, const std::string& argument);
 
 }  // namespace vismap

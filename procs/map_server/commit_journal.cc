@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <sstream>
@@ -37,11 +38,14 @@ CommitJournal::~CommitJournal() {
 }
 
 CommitJournal::CommitJournal(CommitJournal&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), unsaved_(std::move(other.unsaved_)) {}
+    : fd_(std::exchange(other.fd_, -1)),
+      unsaved_(std::move(other.unsaved_)),
+      dropped_(other.dropped_) {}
 
 CommitJournal& CommitJournal::operator=(CommitJournal&& other) noexcept {
   std::swap(fd_, other.fd_);
   std::swap(unsaved_, other.unsaved_);
+  std::swap(dropped_, other.dropped_);
   return *this;
 }
 
@@ -57,8 +61,15 @@ bool CommitJournal::Write(const std::string& lines) const {
   return write(fd_, lines.data(), lines.size()) == static_cast<ssize_t>(lines.size());
 }
 
-bool CommitJournal::MapWasSaved() {
-  const std::string lines = std::exchange(unsaved_, {});
+void CommitJournal::DropUntil(size_t mark) {
+  const size_t length = std::min(mark - std::min(mark, dropped_), unsaved_.size());
+  unsaved_.erase(0, length);
+  dropped_ += length;
+}
+
+bool CommitJournal::MapWasSaved(size_t mark) {
+  const std::string lines = unsaved_;
+  DropUntil(mark);
   return fd_ < 0 || (ftruncate(fd_, 0) == 0 && Write(lines));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -26,10 +27,13 @@ class CommitJournal {
 
   /// False when the line could not be written (disk full).
   bool Add(const FrameKey& frame);
-  /// All frames so far are in a saved map: the file keeps only those since the save before.
-  bool MapWasSaved();
+  /// How much was added so far, for MapWasSaved.
+  size_t Mark() const { return dropped_ + unsaved_.size(); }
+  /// The frames added up to `mark` are in a saved map: the file keeps only those since the save
+  /// before.
+  bool MapWasSaved(size_t mark);
   /// Frames are of another map from now on. The file keeps the others until the map is saved.
-  void BeginMap() { unsaved_.clear(); }
+  void BeginMap() { DropUntil(Mark()); }
 
   /// The frames of a journal, oldest first. A last line that was cut short is left out; no file is
   /// no frames. Fails naming the file and the line that is not a frame.
@@ -38,9 +42,11 @@ class CommitJournal {
  private:
   explicit CommitJournal(int fd) : fd_(fd) {}
   bool Write(const std::string& lines) const;
+  void DropUntil(size_t mark);
 
   int fd_ = -1;
   std::string unsaved_;  // the lines of the frames since the last save
+  size_t dropped_ = 0;   // the length of all lines before these
 };
 
 }  // namespace vismap

@@ -79,6 +79,10 @@ MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
   return mapped;
 }
 
+std::shared_ptr<const MapSnapshot> LiveMap::Snapshot() const {
+  return std::make_shared<const MapSnapshot>(MapSnapshot{session_->map(), session_->metadata()});
+}
+
 void LiveMap::PublishAndSaveIfDue(double share) {
   publisher_.PublishIfDue(*session_, share);
   store_.SaveIfDue(*session_, share);

@@ -6,6 +6,7 @@
 
 #include "config/config.h"
 #include "map_server/map_publisher.h"
+#include "map_server/map_snapshot.h"
 #include "map_server/map_store.h"
 #include "runtime/bus.h"
 #include "runtime/status.h"
@@ -40,10 +41,8 @@ class LiveMap {
   Result<std::string> Recover();
   /// Saves the map as configured. Returns a sentence with the absolute path.
   Result<std::string> Save() { return store_.Save(*session_); }
-  /// Saves the map for a client under a name, see MapFolder.
-  Result<std::string> SaveNamed(const std::string& name) {
-    return store_.SaveNamed(*session_, name);
-  }
+  /// The map as it is now, to be read by another thread. Takes little time.
+  std::shared_ptr<const MapSnapshot> Snapshot() const;
   /// Saves the map as configured when the server ends. Returns a sentence.
   Result<std::string> SaveAtEnd() { return store_.SaveAtEnd(*session_); }
   /// Replaces the map by an empty one. Publishes nothing.
@@ -51,6 +50,7 @@ class LiveMap {
 
   const MapSession& session() const { return *session_; }
   MapPublisher& publisher() { return publisher_; }
+  MapStore& store() { return store_; }
   /// What people should know about the map; empty = all is well.
   std::string StatusMessage() const { return store_.StatusMessage(); }
 

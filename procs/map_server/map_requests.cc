@@ -1,11 +1,41 @@
 #include "map_server/map_requests.h"
 
 #include <string>
+#include <utility>
 
 #include "map_server/answers.h"
 #include "requests/octree_request.h"
+#include "runtime/clock.h"
 
 namespace vismap {
+namespace {
+
+/// The blocks with votes for some objects; some may be listed twice.
+std::vector<BlockIndex> PlacesOf(std::span<const ObjectSummary> objects, const LabelTable& labels,
+                                 const LabelPlaces& places) {
+  std::vector<BlockIndex> blocks;
+  for (const ObjectSummary& object : objects) {
+    for (const SegmentLabel segment : object.segments) {
+      const std::span<const BlockIndex> more = places.BlocksOf(labels.Canonical(segment));
+      blocks.insert(blocks.end(), more.begin(), more.end());
+    }
+  }
+  return blocks;
+}
+
+/// The surface of objects of a map of which none were published yet.
+Result<Answer> AnswerUnknownSurface(const MapSnapshot& map, const ObjectQuery& query,
+                                    const OutputOptions& options, bool points_only) {
+  const auto selected = SelectObjects(MakeProducts(map.map, map.metadata, options).objects, query);
+  if (!selected) return tl::unexpected(selected.error());
+  LabelPlaces places;
+  places.AddBlocks(map.map.voxels, map.map.voxels.SortedIndices());
+  places.MergeAll(map.map.labels);
+  return AnswerSurface(map, *selected, PlacesOf(*selected, map.map.labels, places), options.meshing,
+                       points_only);
+}
+
+}  // namespace
 
 MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, Status* status)
     : options_(options),
@@ -16,36 +46,45 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
             return FollowerPosition{map->session().metadata().map_id,
                                     map->session().map().revision};
           },
-          bus, status) {
-  using Request = map_request_t;
-  server_.Handle("save", [this](const Request& request) { return Save(request); });
-  server_.Handle("load", [this](const Request& request) { return Load(request); });
-  server_.Handle("reset", [this](const Request&) { return Reset(); });
-  server_.Handle("objects",
-                 [this](const Request& request) { return PublishAndSelectObjects(request); });
-  server_.Handle("mesh", [this](const Request& request) { return ReturnOrPublishMesh(request); });
-  server_.Handle("snapshot", [this](const Request& request) { return PublishSpace(request); });
-  server_.Handle("points", [this](const Request& request) { return ReturnObjects(request, true); });
-  server_.Handle("octree", [this](const Request& request) { return ReturnOctree(request); });
-  server_.Handle("occupancy", [this](const Request& request) -> Result<Answer> {
-    const Result<EditedSpace> space = SpaceWithout(request);
-    if (!space) return tl::unexpected(space.error());
-    return AnswerOccupancy(*space);
-  });
-  server_.Handle("statistics", [this](const Request&) {
-    return AnswerStatistics(map_.session(), map_.publisher().occupancy().Digest());
-  });
-  server_.Handle("map", [this](const Request&) { return AnswerMapFile(map_.session()); });
-  server_.Handle("frames", [this](const Request& request) {
-    return AnswerFrames(map_.session(), request.argument);
-  });
+          bus, status),
+      worker_(bus) {
+  server_.Handle("load", [this](const map_request_t& request) { return Load(request); });
+  server_.Handle("reset", [this](const map_request_t&) { return Reset(); });
+  HandleReading("save", &MapRequests::Save);
+  HandleReading("objects", &MapRequests::ReadObjects);
+  HandleReading("mesh", &MapRequests::ReadMesh);
+  HandleReading("snapshot", &MapRequests::ReadSpaceGap);
+  HandleReading("points", &MapRequests::ReadPoints);
+  HandleReading("octree", &MapRequests::ReadOctree);
+  HandleReading("occupancy", &MapRequests::ReadOccupancy);
+  HandleReading("statistics", &MapRequests::ReadStatistics);
+  HandleReading("map", &MapRequests::ReadMap);
+  HandleReading("frames", &MapRequests::ReadFrames);
 }
 
-Result<Answer> MapRequests::Save(const map_request_t& request) {
-  const Result<std::string> saved =
-      request.path.empty() ? map_.Save() : map_.SaveNamed(request.path);
-  if (!saved) return tl::unexpected(saved.error());
-  return Answer{*saved};
+void MapRequests::HandleReading(const std::string& verb,
+                                Result<Reading> (MapRequests::*prepare)(const map_request_t&)) {
+  server_.HandleLate(
+      verb, [this, prepare](const map_request_t& request, const RequestServer::Reply& reply) {
+        Result<Reading> reading = (this->*prepare)(request);
+        if (!reading) return reply(tl::unexpected(reading.error()));
+        Read(std::move(*reading), reply);
+      });
+}
+
+void MapRequests::Read(Reading reading, const RequestServer::Reply& reply) {
+  const std::shared_ptr<const MapSnapshot> map = map_.Snapshot();
+  const auto work = [answer = std::move(reading.answer), map] {
+    const double start = MonotonicSeconds();
+    Result<Answer> made = answer(*map);
+    if (made) made->position = map->position();
+    if (made) made->worked_s = MonotonicSeconds() - start;
+    return made;
+  };
+  worker_.Start(work, [then = std::move(reading.then), map, reply](Result<Answer> answer) {
+    if (then) then(*map);
+    reply(std::move(answer));
+  });
 }
 
 Result<Answer> MapRequests::Load(const map_request_t& request) {
@@ -61,67 +100,160 @@ Result<Answer> MapRequests::Reset() {
   return Answer{"the map is empty now; it is map " + map_.session().metadata().map_id};
 }
 
-Result<Answer> MapRequests::PublishAndSelectObjects(const map_request_t& request) {
-  const Result<ObjectQuery> query = QueryOf(request);
-  if (!query) return tl::unexpected(query.error());
-  ObjectsPublisher& publisher = map_.publisher().objects();
-  const std::vector<ObjectSummary> objects = publisher.PublishAll(map_.session());
-  return AnswerObjects(map_.session(), *query, publisher.up(), objects);
+Result<MapRequests::Reading> MapRequests::Save(const map_request_t& request) {
+  const auto save = map_.store().BeginSave(request.path);
+  if (!save) return tl::unexpected(save.error());
+  const auto was_saved = std::make_shared<bool>(false);
+  return Reading{[this, save = *save, was_saved](const MapSnapshot& map) -> Result<Answer> {
+                   const Result<std::string> saved = map_.store().SaveCopy(save, map);
+                   *was_saved = saved.has_value();
+                   if (!saved) return tl::unexpected(saved.error());
+                   return Answer{*saved};
+                 },
+                 [this, save = *save, was_saved](const MapSnapshot& map) {
+                   map_.store().EndSave(save, map, *was_saved, map_.session());
+                 }};
 }
 
-Result<Answer> MapRequests::ReturnOrPublishMesh(const map_request_t& request) {
-  if (request.argument.find('=') != std::string::npos) return ReturnObjects(request, false);
-  if (request.argument == "ply") return AnswerMeshFile(map_.session(), options_);
-  if (request.argument == "digest") {
-    map_.publisher().PublishMesh(map_.session());
-    return Answer{MeshPublisher::DigestOf(map_.session().map(), options_.meshing)};
-  }
+Result<MapRequests::Reading> MapRequests::ReadObjects(const map_request_t& request) {
+  const Result<ObjectQuery> query = QueryOf(request);
+  if (!query) return tl::unexpected(query.error());
+  const auto products = std::make_shared<MapProducts>();
+  return Reading{[options = options_, query = *query, products](const MapSnapshot& map) {
+                   *products = MakeProducts(map.map, map.metadata, options);
+                   products->mesh = {};
+                   return AnswerObjects(map, query, products->up, products->objects);
+                 },
+                 [this, products](const MapSnapshot& map) {
+                   map_.publisher().objects().PublishLate(map_.session(), map,
+                                                          std::move(products->objects));
+                 }};
+}
+
+Result<MapRequests::Reading> MapRequests::ReadMesh(const map_request_t& request) {
+  if (request.argument.find('=') != std::string::npos) return ReadSurface(request, false);
+  if (request.argument == "ply")
+    return Reading{[options = options_](const MapSnapshot& map) -> Result<Answer> {
+      return AnswerMeshFile(map, options);
+    }};
+  if (request.argument != "digest") return ReadMeshGap(request);
+  map_.publisher().PublishMesh(map_.session());
+  return Reading{[meshing = options_.meshing](const MapSnapshot& map) -> Result<Answer> {
+    return Answer{MeshPublisher::DigestOf(map.map, meshing)};
+  }};
+}
+
+// What a follower of MESH_DELTA lacks.
+Result<MapRequests::Reading> MapRequests::ReadMeshGap(const map_request_t& request) {
   const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
   if (!position)
     return Fail("argument of mesh: ply, digest, id=7 or class=NAME for objects, or a " +
                 position.error().message);
-  map_.publisher().mesh().PublishSince(map_.session().map(), *position);
-  return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
+  MeshPublisher& publisher = map_.publisher().mesh();
+  MeshGap gap = publisher.GapSince(map_.session().map(), *position);
+  return Reading{[this, &publisher, gap = std::move(gap),
+                  meshing = options_.meshing](const MapSnapshot& map) -> Result<Answer> {
+    MeshPublisher::MakeMessages(
+        gap, map.map, map.metadata.map_id, meshing, [&](mesh_delta_t message) {
+          worker_.Post([&publisher, message = std::move(message)] { publisher.Send(message); });
+        });
+    return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
+  }};
 }
 
-// The objects as they were published last, from which clients know their ids.
-const std::vector<ObjectSummary>& MapRequests::Objects() {
-  ObjectsPublisher& publisher = map_.publisher().objects();
-  if (publisher.objects().empty()) publisher.PublishAll(map_.session());
-  return publisher.objects();
+Result<MapRequests::Reading> MapRequests::ReadPoints(const map_request_t& request) {
+  return ReadSurface(request, true);
 }
 
-Result<Answer> MapRequests::ReturnObjects(const map_request_t& request, bool points_only) {
+// Objects are those that were published last, from which clients know their ids.
+Result<MapRequests::Reading> MapRequests::ReadSurface(const map_request_t& request,
+                                                      bool points_only) {
   const Result<ObjectQuery> query = QueryOf(request);
   if (!query) return tl::unexpected(query.error());
-  const auto selected = SelectObjects(Objects(), *query);
+  if (Objects().empty()) {
+    return Reading{[query = *query, options = options_, points_only](const MapSnapshot& map) {
+      return AnswerUnknownSurface(map, query, options, points_only);
+    }};
+  }
+  auto selected = SelectObjects(Objects(), *query);
   if (!selected) return tl::unexpected(selected.error());
-  const LabelPlaces& places = map_.publisher().mesh().tracker().places();
-  return AnswerSurface(map_.session(), *selected, places, options_.meshing, points_only);
+  std::vector<BlockIndex> places = PlacesOf(*selected, map_.session().map().labels, Places());
+  return Reading{[objects = std::move(*selected), places = std::move(places),
+                  meshing = options_.meshing, points_only](const MapSnapshot& map) {
+    return AnswerSurface(map, objects, places, meshing, points_only);
+  }};
 }
 
-Result<EditedSpace> MapRequests::SpaceWithout(const map_request_t& request) {
-  const LabelPlaces& places = map_.publisher().mesh().tracker().places();
-  return EditSpace(
-      map_.session().map(), Objects(), [&](SegmentLabel label) { return places.BlocksOf(label); },
-      request.without, options_.free_space);
+Result<MapRequests::EditedCopy> MapRequests::SpaceWithout(const std::string& without) {
+  if (Objects().empty()) {
+    return EditedCopy([without, options = options_](const MapSnapshot& map) {
+      return EditSpace(map.map, map.metadata, without, options);
+    });
+  }
+  auto edits = ReadEdits(
+      map_.session().map(), Objects(), [&](SegmentLabel label) { return Places().BlocksOf(label); },
+      without);
+  if (!edits) return tl::unexpected(edits.error());
+  return EditedCopy([edits = std::move(*edits), free_space = options_.free_space](
+                        const MapSnapshot& map) { return EditSpace(map.map, edits, free_space); });
 }
 
-Result<Answer> MapRequests::ReturnOctree(const map_request_t& request) {
-  const MapSession& session = map_.session();
-  if (request.without.empty())
-    return AnswerMapOctree(session.map(), session.metadata(), request, options_);
-  const Result<EditedSpace> space = SpaceWithout(request);
-  if (!space) return tl::unexpected(space.error());
-  return AnswerMapOctree(session.map(), session.metadata(), request, options_, &space->delta);
+Result<MapRequests::Reading> MapRequests::ReadOctree(const map_request_t& request) {
+  if (request.without.empty()) {
+    return Reading{[request, options = options_](const MapSnapshot& map) {
+      return AnswerMapOctree(map.map, map.metadata, request, options);
+    }};
+  }
+  const Result<EditedCopy> edited = SpaceWithout(request.without);
+  if (!edited) return tl::unexpected(edited.error());
+  return Reading{
+      [request, options = options_, edited = *edited](const MapSnapshot& map) -> Result<Answer> {
+        const Result<EditedSpace> space = edited(map);
+        if (!space) return tl::unexpected(space.error());
+        return AnswerMapOctree(map.map, map.metadata, request, options, &space->delta);
+      }};
 }
 
-Result<Answer> MapRequests::PublishSpace(const map_request_t& request) {
+Result<MapRequests::Reading> MapRequests::ReadOccupancy(const map_request_t& request) {
+  const Result<EditedCopy> edited = SpaceWithout(request.without);
+  if (!edited) return tl::unexpected(edited.error());
+  return Reading{[edited = *edited](const MapSnapshot& map) -> Result<Answer> {
+    const Result<EditedSpace> space = edited(map);
+    if (!space) return tl::unexpected(space.error());
+    return AnswerOccupancy(*space);
+  }};
+}
+
+// What a follower of MAP_DELTA lacks.
+Result<MapRequests::Reading> MapRequests::ReadSpaceGap(const map_request_t& request) {
   const Result<FollowerPosition> position = ParseFollowerPosition(request.argument);
   if (!position) return Fail("argument of snapshot: " + position.error().message);
-  OccupancyPublisher& occupancy = map_.publisher().occupancy();
-  occupancy.PublishSince(map_.session().map(), *position);
-  return Answer{occupancy.Digest()};
+  OccupancyPublisher& publisher = map_.publisher().occupancy();
+  const auto messages = std::make_shared<std::vector<map_delta_t>>();
+  return Reading{
+      [gap = publisher.GapSince(*position), digest = publisher.Digest(),
+       free_space = options_.free_space, messages](const MapSnapshot& map) -> Result<Answer> {
+        *messages = OccupancyPublisher::MessagesFor(gap, map.map, free_space);
+        return Answer{digest};
+      },
+      [&publisher, messages](const MapSnapshot&) { publisher.Send(*messages); }};
+}
+
+Result<MapRequests::Reading> MapRequests::ReadStatistics(const map_request_t&) {
+  return Reading{
+      [digest = map_.publisher().occupancy().Digest()](const MapSnapshot& map) -> Result<Answer> {
+        return AnswerStatistics(map, digest);
+      }};
+}
+
+Result<MapRequests::Reading> MapRequests::ReadMap(const map_request_t&) {
+  return Reading{[](const MapSnapshot& map) -> Result<Answer> { return AnswerMapFile(map); }};
+}
+
+Result<MapRequests::Reading> MapRequests::ReadFrames(const map_request_t& request) {
+  return Reading{[argument = request.argument](const MapSnapshot& map) {
+    return AnswerFrames(map, argument);
+  }};
 }
 
 }  // namespace vismap

@@ -19,7 +19,7 @@ class MapServer {
   MapServer(const VismapConfig& config, Bus* bus, Status* status);
 
   LiveMap& map() { return map_; }
-  /// Serves until stop is requested.
+  /// Serves until stop is requested, and finishes the requests that have begun.
   void Run();
   /// What became of the frames, see FrameMapper.
   std::string Summary() const { return frames_.Summary(); }

@@ -35,14 +35,21 @@ Result<RecoveredMap> MapStore::Recover(const MapSessionOptions& options,
   return recovered;
 }
 
-Result<std::string> MapStore::Save(const MapSession& session) {
-  if (path_.empty())
-    return Fail(
-        "no name given to save the map as, and no file configured (map_server.save_on_exit)");
-  return SaveTo(path_, session);
+namespace {
+
+std::string Sentence(const SaveInfo& saved) {
+  return "saved " + std::to_string(saved.bytes) + " bytes to " + saved.path.string() +
+         ", map hash " + saved.map_hash;
 }
 
-Result<std::string> MapStore::SaveNamed(const MapSession& session, const std::string& name) {
+}  // namespace
+
+/// Where the map is saved under a name, or as configured when that is empty.
+Result<std::filesystem::path> MapStore::PathFor(const std::string& name) const {
+  if (name.empty() && path_.empty())
+    return Fail(
+        "no name given to save the map as, and no file configured (map_server.save_on_exit)");
+  if (name.empty()) return path_;
   // A name that cannot be used must not make the folder.
   if (const Result<void> checked = CheckMapName(name); !checked)
     return tl::unexpected(checked.error());
@@ -50,23 +57,56 @@ Result<std::string> MapStore::SaveNamed(const MapSession& session, const std::st
     if (const Result<void> made = CreateFolder(folder_.path()); !made)
       return tl::unexpected(made.error());
   }
-  const Result<std::filesystem::path> path = folder_.ForSaving(name);
+  return folder_.ForSaving(name);
+}
+
+Result<std::string> MapStore::Save(const MapSession& session) {
+  const auto path = PathFor("");
+  if (!path) return tl::unexpected(path.error());
+  return SaveTo(*path, session);
+}
+
+Result<std::string> MapStore::SaveNamed(const MapSession& session, const std::string& name) {
+  if (const Result<void> checked = CheckMapName(name); !checked)
+    return tl::unexpected(checked.error());
+  const auto path = PathFor(name);
   if (!path) return tl::unexpected(path.error());
   return SaveTo(*path, session);
 }
 
 Result<std::string> MapStore::SaveTo(const std::filesystem::path& path, const MapSession& session) {
-  const Result<SaveInfo> saved = saved_.Save(session, path);
+  const Result<SaveInfo> saved = saved_.Save(session.map(), session.metadata(), path);
   if (!saved) return tl::unexpected(saved.error());
-  if (path == path_ && !journal_.MapWasSaved())
+  if (path == path_ && !journal_.MapWasSaved(journal_.Mark()))
     LogWarningRateLimited("journal", "cannot write the journal");
-  return "saved " + std::to_string(saved->bytes) + " bytes to " + saved->path.string() +
-         ", map hash " + saved->map_hash;
+  return Sentence(*saved);
+}
+
+Result<MapStore::LateSave> MapStore::BeginSave(const std::string& name) {
+  const auto path = PathFor(name);
+  if (!path) return tl::unexpected(path.error());
+  ++late_saves_;
+  return LateSave{*path, journal_.Mark()};
+}
+
+Result<std::string> MapStore::SaveCopy(const LateSave& save, const MapSnapshot& copy) {
+  const Result<SaveInfo> saved = saved_.Save(copy.map, copy.metadata, save.path);
+  if (!saved) return tl::unexpected(saved.error());
+  return Sentence(*saved);
+}
+
+void MapStore::EndSave(const LateSave& save, const MapSnapshot& copy, bool was_saved,
+                       const MapSession& session) {
+  --late_saves_;
+  const bool of_this_map = copy.metadata.map_id == session.metadata().map_id;
+  if (was_saved && of_this_map && save.path == path_ && !journal_.MapWasSaved(save.journal_mark))
+    LogWarningRateLimited("journal", "cannot write the journal");
 }
 
 void MapStore::SaveIfDue(const MapSession& session, double share) {
-  if (!saves_periodically_ || session.map().revision == 0 ||
-      saved_.HasRevision(path_, session.map().revision) || SavedMaps::WouldLose(session, path_)) {
+  if (!saves_periodically_ || late_saves_ > 0 || session.map().revision == 0 ||
+      saved_.HasRevision(path_, session.map().revision) ||
+      SavedMaps::WouldLose(session.map(), path_)) {
     return;
   }
   const auto save = [&] {
@@ -79,7 +119,7 @@ void MapStore::SaveIfDue(const MapSession& session, double share) {
 }
 
 Result<std::string> MapStore::SaveAtEnd(const MapSession& session) {
-  if (SavedMaps::WouldLose(session, path_))
+  if (SavedMaps::WouldLose(session.map(), path_))
     return "the map is empty, so the saved map " + path_.string() + " stays as it is";
   return Save(session);
 }

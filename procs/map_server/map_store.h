@@ -9,6 +9,7 @@
 #include "base/result.h"
 #include "config/process_options.h"
 #include "map_server/commit_journal.h"
+#include "map_server/map_snapshot.h"
 #include "map_server/saved_maps.h"
 #include "mapfile/map_folder.h"
 #include "runtime/pacer.h"
@@ -41,6 +42,19 @@ class MapStore {
   Result<std::string> Save(const MapSession& session);
   /// Saves the map for a client under this name, see MapFolder.
   Result<std::string> SaveNamed(const MapSession& session, const std::string& name);
+
+  /// A save that another thread does with a copy of the map.
+  struct LateSave {
+    std::filesystem::path path;
+    size_t journal_mark = 0;
+  };
+  /// Begins to save the map under a name, or as configured when that is empty. EndSave must follow.
+  Result<LateSave> BeginSave(const std::string& name);
+  /// Saves the copy; another thread may do it. Returns a sentence.
+  Result<std::string> SaveCopy(const LateSave& save, const MapSnapshot& copy);
+  /// `session`: of the map as it is now.
+  void EndSave(const LateSave& save, const MapSnapshot& copy, bool was_saved,
+               const MapSession& session);
   /// Saves the map as configured if it has changed and the period is over. It takes at most `share`
   /// of the time. A failure is a finding in STATUS.
   void SaveIfDue(const MapSession& session, double share = kUsualShare);
@@ -58,6 +72,7 @@ class MapStore {
   std::string StatusMessage() const;
 
  private:
+  Result<std::filesystem::path> PathFor(const std::string& name) const;
   Result<std::string> SaveTo(const std::filesystem::path& path, const MapSession& session);
   void ReadJournal(const std::filesystem::path& journal, const MapSession& session);
   void Report(const std::string& unusable);
@@ -71,6 +86,7 @@ class MapStore {
   SavedMaps saved_;
   CommitJournal journal_;
   std::set<FrameKey> lacking_;
+  int late_saves_ = 0;                 // that have begun and not ended
   std::vector<std::string> unusable_;  // what was set aside at the start, for people
 };
 

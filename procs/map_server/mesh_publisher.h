@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vismap/mesh_delta_t.hpp>
 
 #include "mapping/integrate.h"
 #include "objects/mesh_tracker.h"
@@ -13,7 +15,8 @@ namespace vismap {
 /// Publishes the surface of a map on MESH_DELTA, as a MeshTracker updates it.
 class MeshPublisher {
  public:
-  MeshPublisher(const MeshingOptions& options, Bus* bus) : tracker_(options), bus_(bus) {}
+  MeshPublisher(const MeshingOptions& options, Bus* bus)
+      : options_(options), tracker_(options), bus_(bus) {}
 
   /// Follows this map from now on; all of it counts as changed. Publishes nothing.
   void Start(const SemanticMap& map, const std::string& map_id);
@@ -28,6 +31,14 @@ class MeshPublisher {
   /// Publishes what a follower at this position lacks: the blocks that changed since, or the whole
   /// surface.
   void PublishSince(const SemanticMap& map, const FollowerPosition& position);
+  /// The same in two steps, so that the second one can be done by another thread with a copy of the
+  /// map. The messages are for Send.
+  MeshGap GapSince(const SemanticMap& map, const FollowerPosition& position);
+  static void MakeMessages(const MeshGap& gap, const SemanticMap& map, const std::string& map_id,
+                           const MeshingOptions& options,
+                           const std::function<void(mesh_delta_t)>& receive);
+  /// Publishes a message unless the map has been replaced since.
+  void Send(const mesh_delta_t& message);
   /// Publishes the present revision without a change, when nothing was published for a second: from
   /// it a follower learns that it missed the last update.
   void Heartbeat(const SemanticMap& map);
@@ -38,7 +49,9 @@ class MeshPublisher {
   static std::string DigestOf(const SemanticMap& map, const MeshingOptions& options);
 
  private:
-  void Send(const SemanticMap& map, MeshPart part);
+  void SendPart(const SemanticMap& map, MeshPart part);
+
+  MeshingOptions options_;
 
   MeshTracker tracker_;
   Bus* bus_;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 #include <vismap/object_list_t.hpp>
 
 #include "exports/outputs.h"
+#include "map_server/map_snapshot.h"
 #include "objects/mesh_tracker.h"
 #include "objects/object_tracker.h"
 #include "runtime/bus.h"
@@ -30,9 +32,11 @@ class ObjectsPublisher {
   /// of the map as it is.
   void PublishChanges(const MapSession& session, const MeshTracker& mesh);
   /// Measures all objects anew, publishes and returns them.
-  std::vector<ObjectSummary> PublishAll(const MapSession& session);
-  /// The upward direction of the objects that PublishAll returned last.
-  const UpDirection& up() const { return up_; }
+  void PublishAll(const MapSession& session);
+  /// Publishes objects that another thread has measured in a copy of the map, unless newer ones
+  /// were published. `session`: of the map as it is now.
+  void PublishLate(const MapSession& session, const MapSnapshot& copy,
+                   std::vector<ObjectSummary> objects);
   /// The objects that were published last; empty = none of this map yet.
   const std::vector<ObjectSummary>& objects() const { return objects_; }
   /// Publishes the last list again when nothing was published for some seconds, for those who
@@ -40,12 +44,12 @@ class ObjectsPublisher {
   void Repeat();
 
  private:
-  std::vector<ObjectSummary> Publish(const MapSession& session, std::vector<ObjectSummary> objects);
+  void Publish(const SemanticMap& map, const std::string& map_id,
+               std::vector<ObjectSummary> objects);
 
   OutputOptions options_;
   Bus* bus_;
   ObjectTracker tracker_;
-  UpDirection up_;
   std::vector<ObjectSummary> objects_;
   object_list_t last_{};  // the last message; without map_id = none yet
   int64_t revision_ = 0;  // of the last message

@@ -8,6 +8,14 @@ namespace vismap {
 
 namespace {
 constexpr size_t kBlocksPerDelta = 8192;  // at most a few hundred kilobytes compressed
+
+std::vector<map_delta_t> Encoded(MapUpdate update) {
+  std::vector<map_delta_t> messages;
+  for (const MapUpdate& part : SplitUpdate(std::move(update), kBlocksPerDelta))
+    messages.push_back(Encode(part));
+  return messages;
+}
+
 }  // namespace
 
 void OccupancyPublisher::Start(const SemanticMap& map, const std::string& map_id) {
@@ -26,20 +34,40 @@ void OccupancyPublisher::PublishChanges(const SemanticMap& map,
   Publish(base, std::move(delta));
 }
 
-void OccupancyPublisher::PublishSnapshot(const SemanticMap& map) {
-  OccupancyDelta delta = ClassifyBlocks(map, map.voxels.SortedIndices(), options_);
-  delta.complete = true;
-  std::erase_if(delta.blocks,
-                [](const auto& block) { return block.second.is(CellState::kUnknown); });
-  Publish(-1, std::move(delta));
+void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosition& position) {
+  Send(MessagesFor(GapSince(position), map, options_));
 }
 
-void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosition& position) {
-  if (position.map_id != position_.map_id || position.revision < 0 ||
-      position.revision > position_.revision) {
-    return PublishSnapshot(map);
+OccupancyGap OccupancyPublisher::GapSince(const FollowerPosition& position) const {
+  OccupancyGap gap{position_, utime_, -1, {}};
+  const bool known = position.map_id == position_.map_id && position.revision >= 0 &&
+                     position.revision <= position_.revision;
+  if (!known) return gap;
+  gap.base_revision = position.revision;
+  gap.blocks = watch_.ChangedAfter(position.revision);
+  return gap;
+}
+
+std::vector<map_delta_t> OccupancyPublisher::MessagesFor(const OccupancyGap& gap,
+                                                         const SemanticMap& map,
+                                                         const OccupancyOptions& options) {
+  const bool everything = gap.base_revision < 0;
+  OccupancyDelta delta =
+      ClassifyBlocks(map, everything ? map.voxels.SortedIndices() : gap.blocks, options);
+  delta.complete = everything;
+  if (everything) {
+    std::erase_if(delta.blocks,
+                  [](const auto& block) { return block.second.is(CellState::kUnknown); });
   }
-  Publish(position.revision, ClassifyBlocks(map, watch_.ChangedAfter(position.revision), options_));
+  return Encoded({gap.utime, gap.position.map_id, gap.position.revision, gap.base_revision, 0, 1,
+                  std::move(delta)});
+}
+
+void OccupancyPublisher::Send(const std::vector<map_delta_t>& messages) {
+  for (const map_delta_t& message : messages) {
+    if (message.map_id == position_.map_id) bus_->Publish(kMapDeltaChannel, message);
+  }
+  heartbeat_pacer_.Restart();
 }
 
 void OccupancyPublisher::Heartbeat() {
@@ -48,11 +76,8 @@ void OccupancyPublisher::Heartbeat() {
 }
 
 void OccupancyPublisher::Publish(int64_t base_revision, OccupancyDelta delta) {
-  MapUpdate update{utime_, position_.map_id, position_.revision, base_revision, 0,
-                   1,      std::move(delta)};
-  for (const MapUpdate& part : SplitUpdate(std::move(update), kBlocksPerDelta))
-    bus_->Publish(kMapDeltaChannel, Encode(part));
-  heartbeat_pacer_.Restart();
+  Send(Encoded(
+      {utime_, position_.map_id, position_.revision, base_revision, 0, 1, std::move(delta)}));
 }
 
 }  // namespace vismap

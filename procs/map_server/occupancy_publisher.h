@@ -2,6 +2,8 @@
 
 #include <span>
 #include <string>
+#include <vector>
+#include <vismap/map_delta_t.hpp>
 
 #include "freespace/occupancy_watch.h"
 #include "runtime/bus.h"
@@ -9,6 +11,14 @@
 #include "wire/update_sequence.h"
 
 namespace vismap {
+
+/// The blocks that a follower lacks.
+struct OccupancyGap {
+  FollowerPosition position;  ///< that it has after the update
+  int64_t utime = 0;          ///< of the newest frame in it [us]
+  int64_t base_revision = -1;
+  std::vector<BlockIndex> blocks;  ///< not used when base_revision is -1: all of the map
+};
 
 /// Publishes a map's free and occupied space on MAP_DELTA, so that followers which may miss
 /// messages can always end with exactly its state.
@@ -22,9 +32,16 @@ class OccupancyPublisher {
   /// One frame changed these blocks.
   void PublishChanges(const SemanticMap& map, std::span<const BlockIndex> changed);
   /// Everything.
-  void PublishSnapshot(const SemanticMap& map);
+  void PublishSnapshot(const SemanticMap& map) { PublishSince(map, {}); }
   /// What a follower at this position lacks: the blocks that changed since, or everything.
   void PublishSince(const SemanticMap& map, const FollowerPosition& position);
+  /// The same in two steps, so that the second one can be done by another thread with a copy of the
+  /// map. The messages are for Send.
+  OccupancyGap GapSince(const FollowerPosition& position) const;
+  static std::vector<map_delta_t> MessagesFor(const OccupancyGap& gap, const SemanticMap& map,
+                                              const OccupancyOptions& options);
+  /// Publishes messages unless the map has been replaced since.
+  void Send(const std::vector<map_delta_t>& messages);
   /// The present revision without a change, when nothing else was said for a second: from it a
   /// follower learns that it missed the last update.
   void Heartbeat();

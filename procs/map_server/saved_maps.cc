@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/file.h"
-#include "base/require.h"
 #include "mapfile/map_folder.h"
 
 namespace vismap {
@@ -39,45 +38,54 @@ Result<void> MakeWay(const fs::path& path) {
 }  // namespace
 
 void SavedMaps::BeginMap(const std::string& map_id) {
+  const std::lock_guard lock(*known_);
   map_id_ = map_id;
   revisions_.clear();
 }
 
 void SavedMaps::WasLoadedFrom(const fs::path& path, int64_t revision) {
+  const std::lock_guard lock(*known_);
   revisions_[Absolute(path)] = revision;
 }
 
 bool SavedMaps::HasRevision(const fs::path& path, int64_t revision) const {
+  const std::lock_guard lock(*known_);
   const auto known = revisions_.find(Absolute(path));
   return known != revisions_.end() && known->second == revision;
 }
 
-bool SavedMaps::WouldLose(const MapSession& session, const fs::path& path) {
-  return session.map().voxels.size() == 0 && Exists(path);
+bool SavedMaps::WouldLose(const SemanticMap& map, const fs::path& path) {
+  return map.voxels.size() == 0 && Exists(path);
 }
 
-std::vector<fs::path> SavedMaps::NamesForOld(const fs::path& path, int64_t revision) const {
-  if (!Exists(path) || HasRevision(path, revision)) return {};  // the same again
+std::vector<fs::path> SavedMaps::NamesForOld(const fs::path& path, int64_t revision,
+                                             const Revisions& known) {
+  const auto saved = known.find(Absolute(path));
+  const bool of_this_map = saved != known.end();
+  if (!Exists(path) || (of_this_map && saved->second == revision)) return {};  // the same again
   std::vector<fs::path> names = {PreviousOf(path)};
-  const bool of_this_map = revisions_.contains(Absolute(path));
   if (!of_this_map && FramesOf(path) >= FramesOf(ReplacedOf(path)))
     names.push_back(ReplacedOf(path));
   return names;
 }
 
-Result<SaveInfo> SavedMaps::Save(const MapSession& session, const fs::path& path) {
-  Require(session.metadata().map_id == map_id_, "the map of the server is saved");
-  if (WouldLose(session, path)) {
+Result<SaveInfo> SavedMaps::Save(const SemanticMap& map, const MapMetadata& metadata,
+                                 const fs::path& path) {
+  const std::lock_guard lock(*saving_);
+  if (WouldLose(map, path)) {
     return Fail(path.string() +
                 ": not saved, since the map is empty and would replace a saved one");
   }
-  const int64_t revision = session.map().revision;
   for (const fs::path& name : {path, PreviousOf(path), ReplacedOf(path)}) {
     if (const Result<void> done = MakeWay(name); !done) return tl::unexpected(done.error());
   }
-  Result<SaveInfo> saved =
-      SaveMap(session.map(), session.metadata(), path, NamesForOld(path, revision));
-  if (saved) revisions_[Absolute(path)] = revision;
+  const auto known = [&] {
+    const std::lock_guard known_lock(*known_);
+    return metadata.map_id == map_id_ ? revisions_ : Revisions();  // else it was replaced meanwhile
+  }();
+  Result<SaveInfo> saved = SaveMap(map, metadata, path, NamesForOld(path, map.revision, known));
+  const std::lock_guard known_lock(*known_);
+  if (saved && metadata.map_id == map_id_) revisions_[Absolute(path)] = map.revision;
   return saved;
 }
 

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,20 +25,27 @@ class SavedMaps {
   void BeginMap(const std::string& map_id);
   /// The map of the server was read from this file, at this revision.
   void WasLoadedFrom(const std::filesystem::path& path, int64_t revision);
-  /// Saves the map of the server. Fails when the map is empty and the file exists, see WouldLose.
-  Result<SaveInfo> Save(const MapSession& session, const std::filesystem::path& path);
+  /// Saves the map of the server, or a copy of it, which another thread may do while this one goes
+  /// on. Fails when the map is empty and the file exists, see WouldLose.
+  Result<SaveInfo> Save(const SemanticMap& map, const MapMetadata& metadata,
+                        const std::filesystem::path& path);
 
   /// Whether the file has this revision of the map, as far as this process knows.
   bool HasRevision(const std::filesystem::path& path, int64_t revision) const;
   /// Whether saving would replace a file by an empty map.
-  static bool WouldLose(const MapSession& session, const std::filesystem::path& path);
+  static bool WouldLose(const SemanticMap& map, const std::filesystem::path& path);
 
  private:
-  std::vector<std::filesystem::path> NamesForOld(const std::filesystem::path& path,
-                                                 int64_t revision) const;
+  using Revisions = std::map<std::filesystem::path, int64_t>;  // of the map, by absolute path
 
+  static std::vector<std::filesystem::path> NamesForOld(const std::filesystem::path& path,
+                                                        int64_t revision, const Revisions& known);
+
+  // Behind pointers, so that this can be moved.
+  std::unique_ptr<std::mutex> saving_ = std::make_unique<std::mutex>();  // one save at a time
+  std::unique_ptr<std::mutex> known_ = std::make_unique<std::mutex>();   // protects what follows
   std::string map_id_;
-  std::map<std::filesystem::path, int64_t> revisions_;  // of the map in files, by absolute path
+  Revisions revisions_;
 };
 
 /// What was found at the start of a server.

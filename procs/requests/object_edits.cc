@@ -85,9 +85,9 @@ Result<std::vector<ObjectEditTerm>> ParseObjectEdits(const std::string& without)
   return terms;
 }
 
-Result<EditedSpace> EditSpace(const SemanticMap& map, std::span<const ObjectSummary> objects,
-                              const LabelBlocks& blocks, const std::string& without,
-                              const OccupancyOptions& options) {
+Result<std::vector<ObjectEdit>> ReadEdits(const SemanticMap& map,
+                                          std::span<const ObjectSummary> objects,
+                                          const LabelBlocks& blocks, const std::string& without) {
   const auto terms = ParseObjectEdits(without);
   if (!terms) return tl::unexpected(terms.error());
   // Objects with the same action are one edit: nothing of one stays where it touches another.
@@ -109,7 +109,12 @@ Result<EditedSpace> EditSpace(const SemanticMap& map, std::span<const ObjectSumm
   }
   std::vector<ObjectEdit> list;
   for (auto& entry : edits) list.push_back(std::move(entry.second));
-  auto space = EditObjects(map, list, options);
+  return list;
+}
+
+Result<EditedSpace> EditSpace(const SemanticMap& map, std::span<const ObjectEdit> edits,
+                              const OccupancyOptions& options) {
+  auto space = EditObjects(map, edits, options);
   if (!space) return Fail("without: " + space.error().message);
   return space;
 }
@@ -120,9 +125,11 @@ Result<EditedSpace> EditSpace(const SemanticMap& map, const MapMetadata& metadat
   LabelPlaces places;
   places.AddBlocks(map.voxels, map.voxels.SortedIndices());
   places.MergeAll(map.labels);
-  return EditSpace(
+  const auto edits = ReadEdits(
       map, MakeProducts(map, metadata, options).objects,
-      [&](SegmentLabel label) { return places.BlocksOf(label); }, without, options.free_space);
+      [&](SegmentLabel label) { return places.BlocksOf(label); }, without);
+  if (!edits) return tl::unexpected(edits.error());
+  return EditSpace(map, *edits, options.free_space);
 }
 
 Answer AnswerOccupancy(const EditedSpace& space) {

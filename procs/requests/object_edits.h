@@ -29,14 +29,16 @@ Result<std::vector<ObjectEditTerm>> ParseObjectEdits(const std::string& without)
 /// The blocks in which a label has votes.
 using LabelBlocks = std::function<std::span<const BlockIndex>(SegmentLabel)>;
 
-/// The space of a map that differs when `objects`, those of its objects that `without` names, are
-/// left out, unknown or inflated. Fails when a term has no object, and as ParseObjectEdits and
-/// EditObjects do.
-Result<EditedSpace> EditSpace(const SemanticMap& map, std::span<const ObjectSummary> objects,
-                              const LabelBlocks& blocks, const std::string& without,
+/// The edits that `without` asks for, for EditObjects. `objects`: those of the map. Fails when a
+/// term has no object, and as ParseObjectEdits.
+Result<std::vector<ObjectEdit>> ReadEdits(const SemanticMap& map,
+                                          std::span<const ObjectSummary> objects,
+                                          const LabelBlocks& blocks, const std::string& without);
+/// The space of a map that differs after these edits. Fails as EditObjects does.
+Result<EditedSpace> EditSpace(const SemanticMap& map, std::span<const ObjectEdit> edits,
                               const OccupancyOptions& options);
 
-/// The same for a map that nothing follows: finds objects and blocks itself, which takes longer.
+/// Both for a map that nothing follows: finds objects and blocks itself, which takes longer.
 Result<EditedSpace> EditSpace(const SemanticMap& map, const MapMetadata& metadata,
                               const std::string& without, const OutputOptions& options);
 

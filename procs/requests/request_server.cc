@@ -137,6 +137,8 @@ void RequestServer::Begin(const map_request_t& request, const LateHandler& handl
 }
 
 void RequestServer::Finish(const map_request_t& request, Result<Answer> answer) {
+  if (answer && answer->worked_s > 0)
+    next_due_ = std::max(next_due_, MonotonicSeconds() + PauseAfter(answer->worked_s, share_));
   if (answer && answer->payload.size() > kLargestPayload) {
     answer = Fail("the answer has " + FormatBytes(answer->payload.size()) + ", and at most " +
                   FormatBytes(kLargestPayload) + " can be sent; save the map instead");
@@ -146,6 +148,10 @@ void RequestServer::Finish(const map_request_t& request, Result<Answer> answer) 
   if (!reply.ok) {
     LogWarningRateLimited("refused", "request '" + PrintableText(request.verb, kMaxVerb) + "' of " +
                                          request.source + ": " + reply.message);
+  }
+  if (SizeOf(reply) > kLargestRemembered) {
+    bus_->Publish(kMapReplyChannel, std::move(reply));
+    return;
   }
   bus_->Publish(kMapReplyChannel, reply);
   Remember(std::move(reply));
@@ -183,9 +189,10 @@ std::string RequestServer::KnownVerbs() const {
   return verbs;
 }
 
-// The position is that after the request, which may have changed the map.
+// Unless the answer says it, the position is that after the request, which may have changed the
+// map.
 map_reply_t RequestServer::MakeReply(const map_request_t& request, Result<Answer> answer) const {
-  const FollowerPosition position = position_();
+  const FollowerPosition position = answer && answer->position ? *answer->position : position_();
   map_reply_t reply{};
   reply.utime = WallUtime();
   reply.requester = request.source;
@@ -206,7 +213,6 @@ map_reply_t RequestServer::MakeReply(const map_request_t& request, Result<Answer
 }
 
 void RequestServer::Remember(map_reply_t reply) {
-  if (SizeOf(reply) > kLargestRemembered) return;
   remembered_bytes_ += SizeOf(reply);
   remembered_.push_back(std::move(reply));
   while (remembered_.size() > kRememberedReplies || remembered_bytes_ > kRememberedBytes) {

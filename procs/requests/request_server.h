@@ -37,6 +37,9 @@ struct Answer {
   std::string encoding{};  ///< of the payload: "json", "ply", "bt"; empty = no payload
   std::vector<uint8_t> payload{};
   std::optional<OctreeFacts> octree{};  ///< when the payload is an octree
+  /// Of which map it is; nullopt = the present one.
+  std::optional<FollowerPosition> position{};
+  double worked_s = 0;  ///< time of another thread that it took [s]
 };
 
 /// The programs that answer on MAP_REQUEST. The octomap exporter answers verbs that begin with
@@ -71,7 +74,7 @@ class WaitingRequests {
 ///
 /// Requests do not wait for the messages of other channels. While those come, requests take at most
 /// a share of the time: with a fifth, after one that took a second, the next is carried out four
-/// seconds later.
+/// seconds later. Time of other threads counts, too (Answer::worked_s).
 /// One for which there is no room (see WaitingRequests) is counted and not answered; its sender
 /// repeats it.
 class RequestServer {

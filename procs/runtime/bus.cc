@@ -1,6 +1,5 @@
 #include "runtime/bus.h"
 
-#include <poll.h>
 #include <signal.h>
 
 #include <algorithm>
@@ -228,6 +227,12 @@ double Bus::RunTimers() {
   return std::max(wait, 0.0);
 }
 
+void Bus::RunWatched(std::span<const pollfd> files) {
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (files[i].revents != 0) watched_[i].second();
+  }
+}
+
 // Handles a message that has arrived. Returns false when there is none.
 bool Bus::HandleOne(Transport* transport) {
   const Transport::Sink sink = [this](const std::string& on_bus, std::span<const uint8_t> bytes) {
@@ -299,10 +304,12 @@ bool Bus::Spin(double timeout) {
   const auto fd_of = [](const auto& transport) {
     return transport != nullptr && transport->connected() ? transport->fd() : -1;
   };
-  pollfd waiting[3] = {{options_.stop != nullptr ? options_.stop->fd() : -1, POLLIN, 0},
-                       {fd_of(transport_), POLLIN, 0},
-                       {fd_of(urgent_), POLLIN, 0}};
-  poll(waiting, 3, pending ? 0 : static_cast<int>(std::ceil(wait * 1000)));
+  std::vector<pollfd> waiting = {{options_.stop != nullptr ? options_.stop->fd() : -1, POLLIN, 0},
+                                 {fd_of(transport_), POLLIN, 0},
+                                 {fd_of(urgent_), POLLIN, 0}};
+  for (const auto& entry : watched_) waiting.push_back({entry.first, POLLIN, 0});
+  poll(waiting.data(), waiting.size(), pending ? 0 : static_cast<int>(std::ceil(wait * 1000)));
+  RunWatched(std::span<const pollfd>(waiting).subspan(3));
   return (pending || waiting[1].revents != 0 || waiting[2].revents != 0) && HandleWaiting();
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <poll.h>
+
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -85,8 +87,12 @@ class Bus {
   /// Makes Spin and Run call `action` every `period` [s], for the first time after one period.
   void Every(double period, std::function<void()> action);
 
-  /// Waits up to `timeout` [s] for a message, a timer or stop, then handles the messages and timers
-  /// that are due. Returns true when it handled a message.
+  /// Makes Spin and Run wait for this file, too, and call `action` when there is something to read.
+  /// `fd` must stay open as long as Spin or Run is called.
+  void Watch(int fd, std::function<void()> action) { watched_.emplace_back(fd, std::move(action)); }
+
+  /// Waits up to `timeout` [s] for a message, a timer, a watched file or stop, then handles the
+  /// messages and timers that are due. Returns true when it handled a message.
   bool Spin(double timeout);
 
   /// Calls Spin until `finished` returns true or stop is requested. `finished` is called at least
@@ -143,6 +149,7 @@ class Bus {
   bool HandleWaiting();
   void DeliverNewest();
   double RunTimers();
+  void RunWatched(std::span<const pollfd> files);
 
   BusOptions options_;
   LcmUrl url_;
@@ -150,6 +157,7 @@ class Bus {
   std::unique_ptr<Transport> urgent_;     // for urgent channels; nullptr when there are none
   std::vector<std::unique_ptr<Route>> routes_;
   std::vector<Timer> timers_;
+  std::vector<std::pair<int, std::function<void()>>> watched_;  // files
   std::map<std::string, int64_t> next_seq_;
   std::map<std::string, ChannelCounters> counters_;
   std::exception_ptr thrown_;  // exception of a handler; it must not pass through LCM's C code

@@ -18,9 +18,9 @@ TEST(CommitJournal, TellsWhatWasAddedSinceTheLastSaveButOneAlsoToTheNextProcess)
     Result<CommitJournal> journal = CommitJournal::Open(folder / "j");
     ASSERT_TRUE(journal);
     EXPECT_TRUE(journal->Add(Key(0, 50)));
-    EXPECT_TRUE(journal->MapWasSaved());
+    EXPECT_TRUE(journal->MapWasSaved(journal->Mark()));
     EXPECT_TRUE(journal->Add(Key(0, 100)));
-    EXPECT_TRUE(journal->MapWasSaved());
+    EXPECT_TRUE(journal->MapWasSaved(journal->Mark()));
     EXPECT_TRUE(journal->Add(Key(0, 200)));
     EXPECT_TRUE(journal->Add(Key(1, 300)));
   }
@@ -51,7 +51,7 @@ TEST(CommitJournal, OfAnotherMapHasOnlyItsFramesOnceThatIsSaved) {
   journal->Add(Key(0, 100));
   journal->BeginMap();
   journal->Add(Key(0, 200));
-  EXPECT_TRUE(journal->MapWasSaved());
+  EXPECT_TRUE(journal->MapWasSaved(journal->Mark()));
   EXPECT_EQ(*CommitJournal::Read(folder / "j"), std::vector<FrameKey>{Key(0, 200)});
 }
 
@@ -65,7 +65,7 @@ TEST(CommitJournal, IsNoPipeAndIsNotWaitedFor) {
 TEST(CommitJournal, WithoutAFileDoesNothing) {
   CommitJournal none;
   EXPECT_TRUE(none.Add(Key(0, 1)));
-  EXPECT_TRUE(none.MapWasSaved());
+  EXPECT_TRUE(none.MapWasSaved(none.Mark()));
 }
 
 }  // namespace

@@ -227,6 +227,50 @@ TEST_F(ServerOnABus, CarriesOutTheVerbsThatReadTheMap) {
   EXPECT_EQ(follower.position().revision, 2);
 }
 
+TEST_F(ServerOnABus, AnswersAreOfTheMapAtTheTimeOfTheRequestAndFramesGoOnMeanwhile) {
+  Start();
+  Send(SmallMessage(1000));
+  const std::string hash = HashMap(server_->map().session().map());
+  const std::string map_id = server_->map().session().metadata().map_id;
+  map_request_t request{};
+  for (const char* verb : {"map", "statistics", "octree", "frames"}) {
+    request.verb = verb;
+    request.request_id = ++last_request_;
+    bus_->Publish(kMapRequestChannel, request);
+  }
+  const double deadline = MonotonicSeconds() + 10;
+  for (int64_t utime = 2000; utime <= 4000; utime += 1000)
+    bus_->Publish(kSegmentedFrameChannel, SmallMessage(utime));
+  while ((replies_.size() < 4 || commits_.size() < 4) && MonotonicSeconds() < deadline)
+    bus_->Spin(0.01);
+  EXPECT_EQ(server_->map().session().map().revision, 4);
+  ASSERT_THAT(replies_, SizeIs(4));
+  EXPECT_EQ(replies_[0].revision, 1);
+  EXPECT_EQ(replies_[0].message, hash);
+  for (const map_reply_t& reply : replies_) {
+    EXPECT_TRUE(reply.ok) << reply.message;
+    EXPECT_EQ(reply.map_id, map_id);
+    EXPECT_LE(reply.revision, 4);
+  }
+}
+
+TEST_F(ServerOnABus, ARequestThatIsStillAnsweredWhenTheMapIsReplacedIsAboutTheOldOne) {
+  Start();
+  Send(SmallMessage(1000));
+  const std::string map_id = server_->map().session().metadata().map_id;
+  map_request_t request{};
+  request.verb = "map";
+  request.request_id = ++last_request_;
+  bus_->Publish(kMapRequestChannel, request);
+  bus_->Spin(0);
+  server_->map().Reset();
+  const double deadline = MonotonicSeconds() + 10;
+  while (replies_.empty() && MonotonicSeconds() < deadline) bus_->Spin(0.01);
+  ASSERT_THAT(replies_, SizeIs(1));
+  EXPECT_EQ(replies_[0].map_id, map_id);
+  EXPECT_EQ(replies_[0].revision, 1);
+}
+
 TEST_F(ServerOnABus, RefusesWhatItCannotDo) {
   Start();
   EXPECT_THAT(

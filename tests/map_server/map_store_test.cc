@@ -254,6 +254,52 @@ TEST_F(StoredMap, AfterACrashItsJournalTellsWhichFramesItLacks) {
   EXPECT_EQ(again.StatusMessage(), "");
 }
 
+TEST_F(StoredMap, WhileACopyIsSavedFramesAreStillEnteredInTheJournal) {
+  {
+    MapStore store = Store(1e-6);
+    store.StartJournal(session_);
+    Integrate(1000, &store);
+    const MapSnapshot copy{session_.map(), session_.metadata()};
+    const auto first = store.BeginSave("");
+    Integrate(2000, &store);
+    const auto second = store.BeginSave("");
+    ASSERT_TRUE(first && second);
+    const MapSnapshot later{session_.map(), session_.metadata()};
+    store.SaveIfDue(session_);
+    EXPECT_FALSE(IsSaved()) << "another thread is saving";
+    for (const auto& [save, map] : {std::pair(*first, &copy), std::pair(*second, &later)}) {
+      const Result<std::string> saved = store.SaveCopy(save, *map);
+      EXPECT_TRUE(saved);
+      Integrate(1000 * (session_.map().revision + 1), &store);
+      store.EndSave(save, *map, saved.has_value(), session_);
+    }
+    EXPECT_EQ(FramesOf(path_), 2);
+    EXPECT_EQ(FramesOf(Beside(".previous")), 1);
+    EXPECT_EQ(session_.map().revision, 4);
+  }
+  Result<MapSession> loaded = ReadSavedMap(path_, CoarseMap(), "id");
+  ASSERT_TRUE(loaded);
+  MapStore again = Store();
+  again.StartJournal(*loaded);
+  EXPECT_EQ(again.lacking_frames(), 2u);
+}
+
+TEST_F(StoredMap, ACopyOfAMapThatWasReplacedMeanwhileIsSavedAndChangesNoJournal) {
+  MapStore store = Store();
+  store.StartJournal(session_);
+  Integrate(1000, &store);
+  MapMetadata metadata;
+  metadata.map_id = "replaced";
+  const MapSnapshot copy{session_.map(), metadata};
+  const auto save = store.BeginSave("");
+  ASSERT_TRUE(save);
+  EXPECT_TRUE(store.SaveCopy(*save, copy));
+  store.EndSave(*save, copy, true, session_);
+  EXPECT_EQ(FramesOf(path_), 1);
+  EXPECT_TRUE(store.Save(session_));
+  EXPECT_TRUE(std::filesystem::exists(Beside(".replaced"))) << "it is another map";
+}
+
 TEST_F(StoredMap, AJournalThatCannotBeUsedIsSetAside) {
   folder_.Write("kept.vismap.journal", "hello\n");
   MapStore store = Store();

@@ -48,8 +48,10 @@ TEST(ObjectEdits, RefusesObjectsThatTheMapDoesNotHave) {
   cup.class_id = ClassId{47};
   const auto blocks = [](SegmentLabel) { return std::span<const BlockIndex>(); };
   const auto refusal = [&](const std::string& without) {
-    const auto space = EditSpace(map, std::span(&cup, 1), blocks, without, {});
-    return space ? "none" : space.error().message;
+    const auto edits = ReadEdits(map, std::span(&cup, 1), blocks, without);
+    if (!edits) return edits.error().message;
+    const auto space = EditSpace(map, *edits, {});
+    return space ? std::string("none") : space.error().message;
   };
   EXPECT_EQ(refusal("id=3"), "none");
   EXPECT_EQ(refusal("id=99"), "without: the map has no object with id 99; its instances are 3");
