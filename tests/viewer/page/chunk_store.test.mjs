@@ -15,7 +15,7 @@ const deletion = (index) => decodeBlock(arrayBuffer(blockBytes({ index, edge: 0.
 
 function takeAll(store) {
   const keys = [];
-  for (let key = store.takeDirty(); key !== null; key = store.takeDirty()) keys.push(key);
+  for (let taken = store.takeDirty(); taken !== null; taken = store.takeDirty()) keys.push(taken.key);
   return keys.sort();
 }
 
@@ -52,6 +52,17 @@ test("A newer block takes the place of the older one; a deletion takes it away",
   assert.deepEqual(takeAll(store), ["0,0,0"]);
   assert.equal(store.merge("0,0,0"), null);
   assert.deepEqual([store.blockCount, store.triangles, store.digestText], [0, 0, "0".repeat(16)]);
+});
+
+test("A chunk knows when the first block came that changed it", () => {
+  const store = new ChunkStore();
+  store.put(block([0, 0, 0], 1n), 1000);
+  store.put(block([-1, 0, 0], 2n), 1500);
+  assert.deepEqual(store.takeDirty(), { key: "0,0,0", arrivedAt: 1000 });
+  assert.equal(store.takeDirty(), null);
+  store.put(deletion([0, 0, 0]), 2000);
+  assert.equal(store.takeDirty().arrivedAt, 2000);
+  assert.equal(store.merge("0,0,0", 2000).arrivedAt, 2000);
 });
 
 test("After clear every chunk has changed and is empty", () => {

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 
 const { coarseIndices, overlayPixels, detectionsText, colourOfId, paleColourOfId, mainRate, lostCount, waitingCount, slowestStage,
-  isStale, stateText, TimingHistory } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart");
+  isStale, stateText, TimingHistory, Latency } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart", "latency");
 
 /** A square of `side` x `side` vertices at every centimetre, its middle raised by `bump` [m]. */
 function plane(side, bump = 0) {
@@ -128,4 +128,15 @@ test("Stage times are kept for 300 s; a stage that comes later has no times befo
   assert.equal(history.seconds[0], 10);
   assert.deepEqual(history.stages.get("late").slice(-6), [null, 1, 1, 1, 1, 1]);
   assert.equal(history.stages.get("mesh").at(-1), 309);
+});
+
+test("Latencies: percentiles of what was drawn, each arrival once", () => {
+  const latency = new Latency();
+  assert.deepEqual(latency.summary(), { count: 0, p50: 0, p95: 0, max: 0 });
+  for (let i = 1; i <= 100; ++i) {
+    latency.arrived(1000);
+    latency.drawn(1000 + i);
+    latency.drawn(9000);
+  }
+  assert.deepEqual(latency.summary(), { count: 100, p50: 51, p95: 96, max: 100 });
 });

@@ -256,3 +256,28 @@ test("On a phone nothing is wider than the screen", async () => {
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390, tab);
   }
 });
+
+test("Turning the wheel fast does not send more than the server allows", async () => {
+  const [client] = mock.clients;
+  const before = client.said.length;
+  const frame = await page.locator("#scene").boundingBox();
+  await page.mouse.move(frame.x + 200, frame.y + 200);
+  for (let i = 0; i < 120; ++i) await page.mouse.wheel(0, i % 2 === 0 ? 40 : -40);
+  await page.waitForTimeout(1000);
+  const wishes = client.said.slice(before).filter((message) => message.kind === "want");
+  assert.ok(wishes.length >= 1 && wishes.length <= 60, `${wishes.length} wishes`);
+  assert.equal(wishes.at(-1).centre.length, 3);
+});
+
+test("Without WebGL the lists work, and the page says why there is no view", async () => {
+  const other = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-3d-apis"] });
+  try {
+    const flat = await other.newPage();
+    await flat.goto(`http://127.0.0.1:${mock.port}/`);
+    await flat.getByRole("button", { name: "chair 7" }).click(kWait);
+    assert.match(await flat.textContent("#details"), /chair 7/);
+    assert.match(await flat.textContent("#banners"), /no WebGL 2/);
+  } finally {
+    await other.close();
+  }
+});

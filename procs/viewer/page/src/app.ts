@@ -2,15 +2,17 @@
 import { Banners } from "./banners";
 import { CameraPanel } from "./camera_panel";
 import { CameraScene, sightOf } from "./camera_scene";
+import { makeCommands, makeToggles } from "./commands";
 import { byId } from "./dom";
 import { FreeSpacePanel } from "./free_space_panel";
-import { fillHelp, listenForKeys, type Command } from "./help";
+import { fillHelp, listenForKeys } from "./help";
+import { Latency } from "./latency";
 import { showLegend } from "./legend";
 import { MapStatus } from "./map_status";
 import { ObjectCard } from "./object_card";
 import { ObjectList } from "./object_list";
 import { readObject, type MapObject } from "./objects";
-import { kColourings, type Colouring } from "./painting";
+import type { Colouring } from "./painting";
 import { ProcessPanel } from "./process_panel";
 import type { MapMessage, ServerMessage } from "./protocol";
 import { Selection } from "./selection";
@@ -31,6 +33,7 @@ const status = new MapStatus(byId("link", HTMLElement), byId("summary", HTMLElem
 const view = new View(canvas);
 const surface = new Surface();
 const box = new SelectionBox(byId("labels", HTMLElement));
+const latency = new Latency();
 const cameras = new CameraScene();
 view.scene.add(surface.group, box.lines, cameras.group);
 const space = new FreeSpacePanel(byId("space", HTMLElement), view.scene, () => view.invalidate());
@@ -166,6 +169,7 @@ function take(message: ToWindow): void {
       return takeMessage(message.message);
     case "chunk":
       surface.put(message.chunk);
+      latency.arrived(message.chunk.arrivedAt);
       space.setBounds(surface.bounds);
       keepInView();
       if (surface.colouring === "height") updateLegend();
@@ -183,6 +187,7 @@ function take(message: ToWindow): void {
 }
 
 view.addDetailHandler((coarse) => surface.setCoarse(coarse));
+view.addAfterRender(() => latency.drawn(Date.now()));
 view.addAfterRender(() => box.place(view.camera, stage.clientWidth, stage.clientHeight));
 view.addClickHandler((ray) => {
   const hit = surface.pick(ray);
@@ -206,50 +211,20 @@ const theme = new ThemeSwitch(byId("theme", HTMLButtonElement), () => {
   view.setBackground(getComputedStyle(document.documentElement).getPropertyValue("--scene").trim());
 });
 
-function togglePanel(): void {
-  const hide = document.body.dataset.panel !== "hidden";
-  document.body.dataset.panel = hide ? "hidden" : "shown";
-  byId("panel-button", HTMLButtonElement).setAttribute("aria-expanded", String(!hide));
-}
-
-function toggleBothSides(): void {
-  const button = byId("both-sides", HTMLButtonElement);
-  const both = button.getAttribute("aria-pressed") !== "true";
-  button.setAttribute("aria-pressed", String(both));
+const toggles = makeToggles((both) => {
   surface.setBothSides(both);
   view.invalidate();
-}
-
-const colouringCommands = kColourings.map((name, i): Command => {
-  const text = `colour by ${colouring.options[i]!.text}`;
-  return { keys: [String(i + 1)], text, run: () => setColouring(name) };
 });
-const commands: Command[] = [
-  ...colouringCommands,
-  { keys: ["r"], text: "show the whole map", run: () => view.showAll(surface.bounds) },
-  { keys: ["+", "="], text: "nearer", run: () => view.zoom(0.8) },
-  { keys: ["-"], text: "farther", run: () => view.zoom(1.25) },
-  { keys: ["n"], text: "next object of the list", run: () => selection.step(1) },
-  { keys: ["N"], text: "previous object of the list", run: () => selection.step(-1) },
-  { keys: ["f", "/"], text: "filter the list of objects", run: () => (tabs.open("objects"), filter.focus()) },
-  { keys: ["Escape"], text: "select nothing, leave a field", run: () => ((document.activeElement as HTMLElement | null)?.blur(), selection.select(null, false)) },
-  { keys: ["h"], text: "horizontal slice of free space", run: () => space.toggleHorizontal() },
-  { keys: ["v"], text: "vertical slice of free space", run: () => space.toggleVertical() },
-  { keys: ["b"], text: "back faces on or off", run: toggleBothSides },
-  { keys: ["p"], text: "hide or show the lists", run: togglePanel },
-  { keys: ["t"], text: "dark or light", run: () => theme.toggle() },
-  { keys: ["?"], text: "this help", run: () => (help.open ? help.close() : help.showModal()) },
-];
+const commands = makeCommands({ view, surface, selection, tabs, space, theme, toggles, filter, help, setColouring, colouring });
 fillHelp(help, commands);
 listenForKeys(commands);
 byId("help-button", HTMLButtonElement).addEventListener("click", () => help.showModal());
-byId("panel-button", HTMLButtonElement).addEventListener("click", togglePanel);
-byId("both-sides", HTMLButtonElement).addEventListener("click", toggleBothSides);
 byId("show-all", HTMLButtonElement).addEventListener("click", () => view.showAll(surface.bounds));
 colouring.addEventListener("change", () => setColouring(colouring.value as Colouring));
 
 const worker = new WorkerClient(take);
 view.addMovedHandler(() => worker.setWant({ centre: view.target.toArray() }));
-publishForTests({ view, surface, selection, status, worker, space });
+if (!view.canDraw) banners.hold("webgl", "warning", "This browser has no WebGL 2, so there is no 3-D view. The lists work all the same.");
+publishForTests({ view, surface, selection, status, worker, space, latency });
 updateLegend();
 worker.connect();

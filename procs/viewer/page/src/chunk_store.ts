@@ -16,6 +16,7 @@ export interface Chunk {
   classes: Uint16Array;
   indices: Uint32Array;
   coarse: Uint32Array; // fewer triangles of the same vertices
+  arrivedAt: number; // when the first block came that changed it [ms since 1970]
 }
 
 const kChunkEdge = 1.0; // [m], roughly
@@ -30,7 +31,7 @@ export function blocksPerChunk(blockEdge: number): number {
 export class ChunkStore {
   private readonly blocks = new Map<string, Block>();
   private readonly members = new Map<string, Set<string>>();
-  private readonly dirty = new Set<string>();
+  private readonly dirty = new Map<string, number>(); // chunk to the time of its first change
   private readonly digest = new Digest();
   private triangleCount = 0;
 
@@ -51,10 +52,10 @@ export class ChunkStore {
   }
 
   /** Takes a block in place of the one that was there; one without vertices only removes it. */
-  put(block: Block): void {
+  put(block: Block, now = Date.now()): void {
     const chunk = chunkOf(block);
     const before = this.blocks.get(block.key);
-    if (before) this.forget(before);
+    if (before) this.forget(before, now);
     if (block.vertices > 0) {
       this.blocks.set(block.key, block);
       this.digest.add(block.hash);
@@ -62,39 +63,43 @@ export class ChunkStore {
       const members = this.members.get(chunk) ?? new Set<string>();
       this.members.set(chunk, members.add(block.key));
     }
-    this.dirty.add(chunk);
+    this.touch(chunk, now);
   }
 
   /** Forgets all blocks. Every chunk has changed then. */
   clear(): void {
-    for (const key of this.members.keys()) this.dirty.add(key);
+    for (const key of this.members.keys()) this.touch(key, Date.now());
     this.blocks.clear();
     this.members.clear();
     this.digest.clear();
     this.triangleCount = 0;
   }
 
-  /** The key of a chunk that has changed since it was taken last, or null. */
-  takeDirty(): string | null {
-    for (const key of this.dirty) {
+  /** A chunk that has changed since it was taken last, and when the first change came; or null. */
+  takeDirty(): { key: string; arrivedAt: number } | null {
+    for (const [key, arrivedAt] of this.dirty) {
       this.dirty.delete(key);
-      return key;
+      return { key, arrivedAt };
     }
     return null;
   }
 
   /** The merged surface of a chunk; null when it has none. */
-  merge(key: string): Chunk | null {
+  merge(key: string, arrivedAt = 0): Chunk | null {
     const blocks = [...(this.members.get(key) ?? [])].map((name) => this.blocks.get(name)!);
-    return blocks.length > 0 ? mergeBlocks(key, blocks) : null;
+    return blocks.length > 0 ? { ...mergeBlocks(key, blocks), arrivedAt } : null;
   }
 
-  private forget(block: Block): void {
+  private touch(chunk: string, now: number): void {
+    if (!this.dirty.has(chunk)) this.dirty.set(chunk, now);
+  }
+
+  private forget(block: Block, now: number): void {
     const chunk = chunkOf(block);
     this.blocks.delete(block.key);
     this.digest.remove(block.hash);
     this.triangleCount -= block.triangles;
-    this.dirty.add(chunk);
+    this.touch(chunk, now);
     const members = this.members.get(chunk);
     members?.delete(block.key);
     if (members?.size === 0) this.members.delete(chunk);
@@ -135,6 +140,7 @@ export function mergeBlocks(key: string, blocks: Block[]): Chunk {
     classes: new Uint16Array(n),
     indices: new Uint32Array(3 * m),
     coarse: new Uint32Array(0),
+    arrivedAt: 0,
   };
   let vertex = 0;
   let index = 0;

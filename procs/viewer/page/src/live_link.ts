@@ -10,6 +10,7 @@ export interface LinkHandlers {
 const kFirstWait = 500; // [ms]
 const kLongestWait = 5000; // [ms]
 const kAckInterval = 100; // [ms]
+const kWantInterval = 100; // [ms], since the server closes the connection at 50 messages per second
 
 export class LiveLink {
   private socket: WebSocket | null = null;
@@ -17,6 +18,7 @@ export class LiveLink {
   private want: Want | null = null;
   private bytes = 0;
   private ackTimer: ReturnType<typeof setTimeout> | null = null;
+  private wantTimer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(
     private readonly url: string,
@@ -38,9 +40,13 @@ export class LiveLink {
     this.socket = socket;
   }
 
+  /** Says what the page wants; of several wishes in a short time only the last is sent. */
   setWant(want: Want): void {
     this.want = want;
-    this.send({ kind: "want", ...want });
+    this.wantTimer ??= setTimeout(() => {
+      this.wantTimer = null;
+      this.send({ kind: "want", ...this.want });
+    }, kWantInterval);
   }
 
   resync(): void {
@@ -52,7 +58,7 @@ export class LiveLink {
     this.wait = kFirstWait;
     this.bytes = 0;
     this.handlers.onState("open", "");
-    if (this.want) this.setWant(this.want);
+    if (this.want) this.send({ kind: "want", ...this.want });
   }
 
   private closed(event: CloseEvent): void {

@@ -1,5 +1,6 @@
 /** What tests and curious people may read: window.vismap. */
 import type { FreeSpacePanel } from "./free_space_panel";
+import type { Latency } from "./latency";
 import type { MapStatus } from "./map_status";
 import type { Selection } from "./selection";
 import type { Surface } from "./surface";
@@ -13,9 +14,10 @@ interface Parts {
   status: MapStatus;
   worker: WorkerClient;
   space: FreeSpacePanel;
+  latency: Latency;
 }
 
-function snapshot({ view, surface, selection, status, worker, space }: Parts): object {
+function snapshot({ view, surface, selection, status, worker, space, latency }: Parts): object {
   return {
     blocks: surface.blocks, // drawn
     triangles: surface.triangles,
@@ -28,6 +30,7 @@ function snapshot({ view, surface, selection, status, worker, space }: Parts): o
     objects: selection.objects.length,
     selected: selection.id,
     colouring: surface.colouring,
+    latency: latency.summary(), // [ms] from the arrival of a block to its drawing
     renderCount: view.renderCount,
     drawCalls: view.drawCalls,
     pixelRatio: view.pixelRatio,

@@ -1,16 +1,16 @@
 /** The 3-D view: renderer, camera and controls. It draws when something has changed, never by itself. */
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { listenForClicks } from "./clicks";
+import { Flight } from "./flight";
 import { FrameRate, type Quality } from "./frame_rate";
-import { isSoftware } from "./software_gl";
+import { isSoftware, makeRenderer } from "./renderer";
 
-const kFlight = 350; // [ms]
-const kClickMove = 6; // [px]
 const kDrawingShare = 4; // drawings for changes of the map take at most one part in so many of the time
 
 THREE.ColorManagement.enabled = false; // all our colours are as the screen shows them
 
-export type ClickHandler = (ray: THREE.Ray, event: PointerEvent) => void;
+export type ClickHandler = (ray: THREE.Ray) => void;
 
 export class View {
   readonly scene = new THREE.Scene();
@@ -18,11 +18,11 @@ export class View {
   renderCount = 0;
   touched = false; // a person has moved the camera
 
-  private readonly renderer: THREE.WebGLRenderer;
+  private readonly renderer: THREE.WebGLRenderer | null;
   private readonly rate: FrameRate;
   private controls: OrbitControls;
   private scheduled = false;
-  private flight: { start: number; position: [THREE.Vector3, THREE.Vector3]; target: [THREE.Vector3, THREE.Vector3] } | null = null;
+  private flight: Flight | null = null;
   private readonly afterRender: (() => void)[] = [];
   private readonly onClick: ClickHandler[] = [];
   private readonly onMoved: (() => void)[] = [];
@@ -34,14 +34,16 @@ export class View {
 
   constructor(readonly canvas: HTMLCanvasElement) {
     this.slow = isSoftware(canvas);
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.slow, powerPreference: "high-performance" });
-    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    this.renderer = makeRenderer(canvas, !this.slow);
     this.rate = new FrameRate(this.slow, (quality) => this.setQuality(quality));
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(4, -4, 4);
     this.controls = this.makeControls(new THREE.Vector3());
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
-    this.listenForClicks();
+    listenForClicks(canvas, (x, y) => {
+      const ray = this.rayAt(x, y);
+      for (const handler of this.onClick) handler(ray);
+    });
     canvas.addEventListener("webglcontextrestored", () => this.invalidate());
   }
 
@@ -49,12 +51,17 @@ export class View {
     return this.controls.target;
   }
 
+  /** False when the browser has no WebGL 2. */
+  get canDraw(): boolean {
+    return this.renderer !== null;
+  }
+
   get pixelRatio(): number {
-    return this.renderer.getPixelRatio();
+    return this.renderer?.getPixelRatio() ?? 0;
   }
 
   get drawCalls(): number {
-    return this.renderer.info.render.calls;
+    return this.renderer?.info.render.calls ?? 0;
   }
 
   addAfterRender(handler: () => void): void {
@@ -158,11 +165,8 @@ export class View {
   private fly(position: THREE.Vector3, target: THREE.Vector3, jump: boolean): void {
     if (!jump) this.rate.moving(true);
     const still = jump || matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.flight = {
-      start: performance.now() - (still ? kFlight : 0),
-      position: [this.camera.position.clone(), position.clone()],
-      target: [this.controls.target.clone(), target.clone()],
-    };
+    const from = { position: this.camera.position, target: this.controls.target };
+    this.flight = new Flight(from, { position, target }, still);
     this.invalidate();
   }
 
@@ -173,26 +177,17 @@ export class View {
 
   /** Waits until the drawing is done, so that drawings do not queue up where the processor draws. */
   private waitForPixels(): void {
-    const gl = this.renderer.getContext();
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-  }
-
-  private advanceFlight(now: number): void {
-    if (!this.flight) return;
-    const share = Math.min(1, Math.max(0, (now - this.flight.start) / kFlight));
-    const smooth = share * share * (3 - 2 * share);
-    this.camera.position.lerpVectors(...this.flight.position, smooth);
-    this.controls.target.lerpVectors(...this.flight.target, smooth);
-    if (share === 1) this.flight = null;
-    this.controls.update();
+    const gl = this.renderer?.getContext();
+    gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   }
 
   private draw(now: number): void {
     this.scheduled = false;
     const flying = this.flight !== null;
     const start = performance.now();
-    this.advanceFlight(now);
-    this.renderer.render(this.scene, this.camera);
+    if (this.flight && !this.flight.advance(now)) this.flight = null;
+    if (flying) this.controls.update();
+    this.renderer?.render(this.scene, this.camera);
     if (this.slow) this.waitForPixels();
     this.drawnAt = performance.now();
     this.cost = this.drawnAt - start;
@@ -212,8 +207,8 @@ export class View {
     const frame = this.canvas.parentElement;
     const width = Math.max(1, frame?.clientWidth ?? 1);
     const height = Math.max(1, frame?.clientHeight ?? 1);
-    this.renderer.setPixelRatio(this.rate.quality.ratio);
-    this.renderer.setSize(width, height, false);
+    this.renderer?.setPixelRatio(this.rate.quality.ratio);
+    this.renderer?.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.invalidate();
@@ -234,17 +229,6 @@ export class View {
     controls.addEventListener("end", () => this.stopped());
     controls.listenToKeyEvents(this.canvas);
     return controls;
-  }
-
-  private listenForClicks(): void {
-    let down: PointerEvent | null = null;
-    this.canvas.addEventListener("pointerdown", (event) => (down = event.isPrimary && event.button === 0 ? event : null));
-    this.canvas.addEventListener("pointerup", (event) => {
-      if (!down || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > kClickMove) return;
-      down = null;
-      const ray = this.rayAt(event.clientX, event.clientY);
-      for (const handler of this.onClick) handler(ray, event);
-    });
   }
 
   private rayAt(clientX: number, clientY: number): THREE.Ray {

@@ -43,11 +43,11 @@ function tellReceived(): void {
 function mergeSome(): void {
   mergeTimer = null;
   while (untaken < kMostUntaken) {
-    const key = store.takeDirty();
-    if (key === null) break;
-    const chunk = store.merge(key);
+    const changed = store.takeDirty();
+    if (changed === null) break;
+    const chunk = store.merge(changed.key, changed.arrivedAt);
     if (!chunk) {
-      tell({ kind: "drop", key });
+      tell({ kind: "drop", key: changed.key });
       continue;
     }
     ++untaken;

@@ -1,3 +1,18 @@
+/** Makes the renderer, and tells whether the processor draws. */
+import * as THREE from "three";
+
+/** null when the browser has no WebGL 2. */
+export function makeRenderer(canvas: HTMLCanvasElement, antialias: boolean): THREE.WebGLRenderer | null {
+  try {
+    const renderer = new THREE.WebGLRenderer({ canvas, antialias, powerPreference: "high-performance" });
+    renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    return renderer;
+  } catch (error) {
+    console.warn(error);
+    return null;
+  }
+}
+
 /** Whether WebGL is computed by the processor here: no antialiasing and fewer pixels then. */
 export function isSoftware(canvas: HTMLCanvasElement): boolean {
   const probe = canvas.ownerDocument.createElement("canvas").getContext("webgl2");
