@@ -173,10 +173,10 @@ function take(message: ToWindow): void {
       space.setBounds(surface.bounds);
       keepInView();
       if (surface.colouring === "height") updateLegend();
-      return view.invalidateSoon();
+      return view.surfaceChanged();
     case "drop":
       surface.drop(message.key);
-      return view.invalidateSoon();
+      return view.surfaceChanged();
     case "picture":
       return cameraPanel.takePicture(message.picture);
     case "problem":

@@ -20,7 +20,7 @@ export class Banners {
     const existing = this.shown.get(id)?.element;
     const element = existing ?? el("p", { class: "banner" });
     element.dataset.level = level;
-    setText(element, text);
+    setText(element, sentence(text));
     if (!existing) {
       this.parent.append(element);
       this.shown.set(id, { element, timer: null });
@@ -42,4 +42,9 @@ export class Banners {
     entry.element.remove();
     this.shown.delete(id);
   }
+}
+
+/** Messages of processes begin small and have no full stop, as their logs do. */
+function sentence(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.…!?]$/.test(text) ? "" : ".");
 }

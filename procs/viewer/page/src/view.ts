@@ -94,6 +94,12 @@ export class View {
     }, Math.max(0, wait));
   }
 
+  /** The surface has changed. */
+  surfaceChanged(): void {
+    this.rate.mapChanged();
+    this.invalidateSoon();
+  }
+
   /** Calls the handler when fewer triangles, or all again, are to be drawn. */
   addDetailHandler(handler: (coarse: boolean) => void): void {
     this.onDetail.push(handler);
