@@ -85,6 +85,23 @@ void WriteFacts(ProcessBus* processes, const LatestMessages& robot, const map_re
   EXPECT_EQ(follow->WaitForExit(), 0) << follow->StandardError();
 }
 
+/// Waits until all outputs have come, and none has changed for longer than the objects need.
+void WaitForQuiet(ProcessBus* processes, LatestMessages* latest) {
+  constexpr double kQuiet = 3;  // [s]
+  std::map<std::string, std::vector<uint8_t>> before;
+  double changed = MonotonicSeconds();
+  EXPECT_TRUE(processes->SpinUntil([&] {
+    latest->Receive();
+    std::map<std::string, std::vector<uint8_t>> now;
+    for (const auto& [name, channel] : kOutputs) now[name] = latest->of(channel);
+    if (now != before) changed = MonotonicSeconds();
+    before = now;
+    const bool all = std::none_of(now.begin(), now.end(),
+                                  [](const auto& output) { return output.second.empty(); });
+    return all && MonotonicSeconds() - changed > kQuiet;
+  }));
+}
+
 TEST(AdapterOutputs, AreReadOnTheBusOfTheRobot) {
   ProcessBus processes, robot;
   LatestMessages latest(robot.url());
@@ -101,27 +118,12 @@ TEST(AdapterOutputs, AreReadOnTheBusOfTheRobot) {
   EXPECT_TRUE(Ask(&processes, "mesh", "digest").ok);
   const map_reply_t objects = Ask(&processes, "objects");
   EXPECT_TRUE(objects.ok) << objects.message;
-  // Until all outputs have come, and none has changed for longer than the objects need.
-  constexpr double kQuiet = 3;  // [s]
-  std::map<std::string, std::vector<uint8_t>> before;
-  double changed = MonotonicSeconds();
-  EXPECT_TRUE(processes.SpinUntil([&] {
-    latest.Receive();
-    std::map<std::string, std::vector<uint8_t>> now;
-    for (const auto& [name, channel] : kOutputs) now[name] = latest.of(channel);
-    if (now != before) changed = MonotonicSeconds();
-    before = now;
-    const bool all = std::none_of(now.begin(), now.end(),
-                                  [](const auto& output) { return output.second.empty(); });
-    return all && MonotonicSeconds() - changed > kQuiet;
-  }));
+  WaitForQuiet(&processes, &latest);
   for (const auto& [channel, bytes] : latest.all())
     EXPECT_TRUE(channel == "STATUS" ||
                 std::any_of(kOutputs.begin(), kOutputs.end(),
                             [&, &name = channel](const auto& o) { return o.second == name; }))
         << channel << " came on the bus of the robot";
-  WriteFacts(&processes, latest, objects);
-
   const std::string source = VISMAP_SOURCE_DIR, path = processes.folder().string();
   std::filesystem::create_directories(processes.folder() / "types");
   const std::string types = std::string(LCM_GEN) + " --python --ppath " + path + "/types " +
@@ -130,7 +132,14 @@ TEST(AdapterOutputs, AreReadOnTheBusOfTheRobot) {
   const std::string check = "PYTHONDONTWRITEBYTECODE=1 python3 " + source +
                             "/tests/process/check_map_outputs.py " + path + "/types " + path +
                             "/messages";
-  EXPECT_EQ(std::system(check.c_str()), 0) << check;
+  // On a busy computer the newest objects come late.
+  bool equal = false;
+  for (int attempt = 0; attempt < 5 && !equal; ++attempt) {
+    if (attempt > 0) WaitForQuiet(&processes, &latest);
+    WriteFacts(&processes, latest, objects);
+    equal = std::system(check.c_str()) == 0;
+  }
+  EXPECT_TRUE(equal) << check;
 }
 
 }  // namespace
