@@ -15,7 +15,7 @@ namespace vismap {
 // each axis.
 
 /// The part of a block's eight voxels along one axis that lies in one cell.
-struct Overlap {
+struct CellOverlap {
   int cell = 0;   ///< 0..7 in the coarse block
   int begin = 0;  ///< first voxel, 0..7
   int count = 0;
@@ -26,10 +26,10 @@ struct Overlap {
 /// The cells that block `position` (0..factor-1) of a coarse block touches along one axis. Limits
 /// of cells and of blocks need not coincide.
 struct Overlaps {
-  std::array<Overlap, kBlockSide> items;
+  std::array<CellOverlap, kBlockSide> items;
   size_t size = 0;
-  const Overlap* begin() const { return items.data(); }
-  const Overlap* end() const { return items.data() + size; }
+  const CellOverlap* begin() const { return items.data(); }
+  const CellOverlap* end() const { return items.data() + size; }
 };
 
 inline Overlaps OverlapsAt(int position, int factor) {
@@ -39,7 +39,7 @@ inline Overlaps OverlapsAt(int position, int factor) {
     if (overlaps.size == 0 || overlaps.items[overlaps.size - 1].cell != cell) {
       overlaps.items[overlaps.size++] = {cell, voxel, 0, 0, 0};
     }
-    Overlap& last = overlaps.items[overlaps.size - 1];
+    CellOverlap& last = overlaps.items[overlaps.size - 1];
     ++last.count;
     last.mask |= uint64_t{1} << voxel;
     last.rows |= uint64_t{0xff} << (8 * voxel);
@@ -50,8 +50,8 @@ inline Overlaps OverlapsAt(int position, int factor) {
 /// The cells that a block touches in a layer.
 inline uint64_t CellsOf(const Overlaps& xs, const Overlaps& ys) {
   uint64_t row = 0, cells = 0;
-  for (const Overlap& x : xs) row |= uint64_t{1} << x.cell;
-  for (const Overlap& y : ys) cells |= row << (kBlockSide * y.cell);
+  for (const CellOverlap& x : xs) row |= uint64_t{1} << x.cell;
+  for (const CellOverlap& y : ys) cells |= row << (kBlockSide * y.cell);
   return cells;
 }
 

@@ -16,15 +16,15 @@ struct Counters {
   std::array<uint32_t, kBlockVoxels> occupied{};
 };
 
-size_t CellOffset(const Overlap& x, const Overlap& y, const Overlap& z) {
+size_t CellOffset(const CellOverlap& x, const CellOverlap& y, const CellOverlap& z) {
   return static_cast<size_t>(LinearIndex(x.cell, y.cell, z.cell));
 }
 
 void AddUniform(const Overlaps& xs, const Overlaps& ys, const Overlaps& zs,
                 std::array<uint32_t, kBlockVoxels>* count) {
-  for (const Overlap& z : zs) {
-    for (const Overlap& y : ys) {
-      for (const Overlap& x : xs) {
+  for (const CellOverlap& z : zs) {
+    for (const CellOverlap& y : ys) {
+      for (const CellOverlap& x : xs) {
         (*count)[CellOffset(x, y, z)] += static_cast<uint32_t>(x.count * y.count * z.count);
       }
     }
@@ -47,14 +47,14 @@ constexpr uint32_t SumOfBytes(uint64_t bytes) {
 
 void AddPlane(const std::array<uint64_t, 8>& plane, const Overlaps& xs, const Overlaps& ys,
               const Overlaps& zs, std::array<uint32_t, kBlockVoxels>* count) {
-  for (const Overlap& z : zs) {
-    for (const Overlap& x : xs) {
+  for (const CellOverlap& z : zs) {
+    for (const CellOverlap& x : xs) {
       uint64_t in_rows = 0;  // voxels in each row of the layers, at most 64
       for (int layer = z.begin; layer < z.begin + z.count; ++layer) {
         in_rows += BitsPerByte(plane[static_cast<size_t>(layer)] & (x.mask * kEveryRow));
       }
       if (in_rows == 0) continue;
-      for (const Overlap& y : ys) (*count)[CellOffset(x, y, z)] += SumOfBytes(in_rows & y.rows);
+      for (const CellOverlap& y : ys) (*count)[CellOffset(x, y, z)] += SumOfBytes(in_rows & y.rows);
     }
   }
 }
@@ -81,18 +81,18 @@ struct AnyVoxel {
 /// Sets the cells in which any of the voxels of `plane` lies.
 void AddAny(const VoxelBits& plane, const Overlaps& xs, const Overlaps& ys, const Overlaps& zs,
             VoxelBits* any) {
-  for (const Overlap& z : zs) {
+  for (const CellOverlap& z : zs) {
     uint64_t slab = 0;
     for (int layer = z.begin; layer < z.begin + z.count; ++layer)
       slab |= plane[static_cast<size_t>(layer)];
     if (slab == 0) continue;
     uint64_t cells = 0;
-    for (const Overlap& y : ys) {
+    for (const CellOverlap& y : ys) {
       uint64_t row = slab & y.rows;
       row |= row >> 32;
       row |= row >> 16;
       row |= row >> 8;
-      for (const Overlap& x : xs)
+      for (const CellOverlap& x : xs)
         cells |= uint64_t{(row & x.mask) != 0} << (x.cell + kBlockSide * y.cell);
     }
     (*any)[static_cast<size_t>(z.cell)] |= cells;
@@ -111,7 +111,7 @@ void AddBlock(const BlockOccupancy& block, const Overlaps& xs, const Overlaps& y
     return;
   }
   const uint64_t cells = CellsOf(xs, ys);
-  for (const Overlap& z : zs) {
+  for (const CellOverlap& z : zs) {
     any->not_free[static_cast<size_t>(z.cell)] |= cells;
     if (block.is(CellState::kOccupied)) any->occupied[static_cast<size_t>(z.cell)] |= cells;
   }

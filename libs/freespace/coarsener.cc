@@ -28,17 +28,17 @@ uint64_t PartsWith(const VoxelBits& voxels, const Overlaps& xs, const Overlaps& 
                    const Overlaps& zs) {
   uint64_t parts = 0;
   int first = 0;  // bit of the first part of a row
-  for (const Overlap& z : zs) {
+  for (const CellOverlap& z : zs) {
     uint64_t slab = 0;
     for (int layer = z.begin; layer < z.begin + z.count; ++layer)
       slab |= voxels[static_cast<size_t>(layer)];
-    for (const Overlap& y : ys) {
+    for (const CellOverlap& y : ys) {
       uint64_t row = slab & y.rows;
       row |= row >> 32;
       row |= row >> 16;
       row |= row >> 8;
       int bit = first;
-      for (const Overlap& x : xs) parts |= uint64_t{(row & x.mask) != 0} << bit++;
+      for (const CellOverlap& x : xs) parts |= uint64_t{(row & x.mask) != 0} << bit++;
       first += kParts;
     }
     first += kParts * (kParts - static_cast<int>(ys.size));
