@@ -1,29 +1,30 @@
 // Free space beside OctoMap's own insertPointCloud on the same frames: leaves that are called free
-// but reach into a surface, and what a planner meets that moves a sphere of 20 cm.
+// but reach into a surface, and what a planner meets that moves a sphere of 20 cm; also when the
+// body of the robot, such a sphere around the camera, counts as free (start clearing).
 //   free_space_bench [SCENENN_FOLDER]
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <optional>
 
-#include "freespace/octree.h"
-#include "freespace/octree_reading.h"
+#include "freespace/coarsen.h"
 #include "support/planner_scenes.h"
 
 namespace vismap {
 namespace {
 
+using testing_support::ClosedTreeOf;
 using testing_support::FalseFree;
 using testing_support::PlannerScene;
+using testing_support::WithStartCleared;
 
 constexpr int kStates = 20000;
 constexpr double kRadius = 0.2, kWider = 0.8, kRange = 5;  // [m]
 
-std::unique_ptr<octomap::OcTree> OwnTree(const SemanticMap& map, double resolution) {
-  const auto octree = BuildOctree(
-      ClassifyMap(map, {}),
-      {.resolution_m = resolution, .unknown = UnknownPolicy::kOccupied, .bounds_W = {}});
-  return std::move(*testing_support::ReadOctree(octree->bytes, "own"));
+OccupancyMap LeavesOf(const SemanticMap& map, double resolution) {
+  const int factor = static_cast<int>(std::lround(resolution / map.voxels.voxel_size()));
+  return Coarsen(ClassifyMap(map, {}), {factor, 1.0});
 }
 
 /// The points of a frame, every second pixel each way.
@@ -83,7 +84,7 @@ FalseFree CountPoints(const octomap::OcTree& tree, const GroundTruth& truth) {
   return result;
 }
 
-void Compare(const PlannerScene& scene, const std::optional<GroundTruth>& points) {
+void Compare(PlannerScene scene, const std::optional<GroundTruth>& points) {
   MapSession session({}, {});
   testing_support::MapFrames(*scene.dataset, {}, SIZE_MAX, &session);
   std::optional<Eigen::AlignedBox3d> bounds;
@@ -97,10 +98,22 @@ void Compare(const PlannerScene& scene, const std::optional<GroundTruth>& points
     std::fflush(stdout);
   };
   std::printf("%s\n", scene.name.c_str());
-  for (const double resolution : {0.04, 0.05, 0.1}) {
-    const std::string size = std::to_string(std::lround(100 * resolution)) + " cm";
-    tell("  vismap, closed, " + size, *OwnTree(session.map(), resolution));
+  constexpr double kResolutions[] = {0.02, 0.04, 0.05, 0.1};
+  const auto size_text = [](double resolution) {
+    return std::to_string(std::lround(100 * resolution)) + " cm";
+  };
+  for (const double resolution : kResolutions) {
+    const std::string size = size_text(resolution);
+    tell("  vismap, closed, " + size,
+         *ClosedTreeOf(LeavesOf(session.map(), resolution), resolution));
     tell("  OctoMap, " + size, *OctomapTree(*scene.dataset, resolution));
+  }
+  const std::vector<Eigen::Vector3d> path_W = testing_support::PathOf(*scene.dataset);
+  for (const double resolution : kResolutions) {
+    scene.truth.seen.AddBody(path_W, kRadius, 2 * std::sqrt(3) * resolution);
+    tell("  with start clearing, " + size_text(resolution),
+         *ClosedTreeOf(WithStartCleared(LeavesOf(session.map(), resolution), kRadius, path_W),
+                       resolution));
   }
 }
 
@@ -114,8 +127,14 @@ int main(int argc, char** argv) {
        {"synthetic:room?frames=80", "synthetic:room?frames=80&pose_noise=0.02"}) {
     PlannerScene scene = SyntheticPlannerScene(room);
     if (std::string(room).find("pose_noise") != std::string::npos) scene.truth.tolerance = 0.1;
-    Compare(scene, std::nullopt);
+    Compare(std::move(scene), std::nullopt);
   }
   Compare(HallPlannerScene(), std::nullopt);
-  if (argc > 1) Compare(RecordedPlannerScene(argv[1]), *ReadSceneNnTruth(argv[1]));
+  if (argc < 2) return 0;
+  const Result<GroundTruth> truth = ReadSceneNnTruth(argv[1]);
+  if (!truth) {
+    std::fprintf(stderr, "free_space_bench: %s\n", truth.error().message.c_str());
+    return 2;
+  }
+  Compare(RecordedPlannerScene(argv[1]), *truth);
 }

@@ -5,6 +5,9 @@
 #include <climits>
 #include <cmath>
 #include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "freespace/coarsener.h"
 #include "quality/mapped_sequence.h"
@@ -42,10 +45,16 @@ std::vector<Eigen::Vector3d> CellsOf(const Scene& scene, double size) {
   return cells;
 }
 
-/// Counts the frames that show cells until these have a state.
+using StateTest = bool (*)(CellState);
+bool IsFree(CellState state) { return state == CellState::kFree; }
+bool IsOccupied(CellState state) { return state == CellState::kOccupied; }
+/// What counts in closed trees, and for distances to what is not free.
+bool IsNotFree(CellState state) { return state != CellState::kFree; }
+
+/// Counts the frames that show cells until these have a wanted state.
 class CellWatch {
  public:
-  CellWatch(std::vector<Eigen::Vector3d> cells, CellState wanted)
+  CellWatch(std::vector<Eigen::Vector3d> cells, StateTest wanted)
       : cells_(std::move(cells)),
         wanted_(wanted),
         shown_(cells_.size(), 0),
@@ -54,7 +63,7 @@ class CellWatch {
   /// Cells that have the state already do not count.
   void Start(const OccupancyMap& map) {
     for (size_t i = 0; i < cells_.size(); ++i) {
-      if (map.At(cells_[i]) == wanted_) frames_[i] = 0;
+      if (wanted_(map.At(cells_[i]))) frames_[i] = 0;
     }
   }
   /// `depth`: what the camera sees without noise.
@@ -62,7 +71,7 @@ class CellWatch {
     for (size_t i = 0; i < cells_.size(); ++i) {
       if (!IsShown(cells_[i], header, depth)) continue;
       ++shown_[i];
-      if (frames_[i] == INT_MAX && map.At(cells_[i]) == wanted_) frames_[i] = shown_[i];
+      if (frames_[i] == INT_MAX && wanted_(map.At(cells_[i]))) frames_[i] = shown_[i];
     }
   }
   struct Figures {
@@ -94,7 +103,7 @@ class CellWatch {
   }
 
   std::vector<Eigen::Vector3d> cells_;
-  CellState wanted_;
+  StateTest wanted_;
   std::vector<int> shown_, frames_;
 };
 
@@ -102,8 +111,9 @@ struct ChairFigures {
   CellWatch::Figures voxels, leaves;
 };
 
-/// Maps two tours of the room; the chair changes with the second.
-ChairFigures Watch(const std::string& change, CellState wanted, const char* what) {
+/// Maps two tours of the room; the chair changes with the second. One result per state.
+std::vector<ChairFigures> Watch(const std::string& change,
+                                const std::vector<std::pair<StateTest, const char*>>& wanted) {
   const std::string name = "synthetic:room?frames=80&tours=2&" + change;
   const SyntheticOptions options = *ParseSyntheticPath(name);
   const Scene scene = MakeScene(options), second = SceneInFrame(scene, kTour + 1);
@@ -114,37 +124,49 @@ ChairFigures Watch(const std::string& change, CellState wanted, const char* what
   OccupancyMap voxels(size);
   Coarsener coarsener(size, {.factor = kLeafFactor});
   const OccupancyMap& leaves = coarsener.coarse();
-  CellWatch of_voxels(CellsOf(scene, size), wanted);
-  CellWatch of_leaves(CellsOf(scene, kLeafFactor * size), wanted);
+  std::vector<CellWatch> of_voxels, of_leaves;
+  for (const auto& [state, what] : wanted) {
+    of_voxels.emplace_back(CellsOf(scene, size), state);
+    of_leaves.emplace_back(CellsOf(scene, kLeafFactor * size), state);
+  }
   for (size_t frame = 0; frame < headers.size(); ++frame) {
     testing_support::InputFrame input = sequence.Read(frame);
     const MappedFrame done = MapFrame(std::move(input.frame), input.Detections(), {}, &session);
     voxels.Update(session.map(), done.delta.changed_blocks, {});
     coarsener.Update(voxels, done.delta.changed_blocks);
     if (frame + 1 == kTour) {
-      of_voxels.Start(voxels);
-      of_leaves.Start(leaves);
+      for (CellWatch& watch : of_voxels) watch.Start(voxels);
+      for (CellWatch& watch : of_leaves) watch.Start(leaves);
     }
     if (frame < kTour) continue;
     const Rendering truth = Render(second, headers[frame].camera, headers[frame].T_W_C);
-    of_voxels.See(headers[frame], truth.depth, voxels);
-    of_leaves.See(headers[frame], truth.depth, leaves);
+    for (CellWatch& watch : of_voxels) watch.See(headers[frame], truth.depth, voxels);
+    for (CellWatch& watch : of_leaves) watch.See(headers[frame], truth.depth, leaves);
   }
-  return {of_voxels.Finish((std::string(what) + ", voxels").c_str()),
-          of_leaves.Finish((std::string(what) + ", leaves").c_str())};
+  std::vector<ChairFigures> figures;
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    const std::string what = wanted[i].second;
+    figures.push_back({of_voxels[i].Finish((what + ", voxels").c_str()),
+                       of_leaves[i].Finish((what + ", leaves").c_str())});
+  }
+  return figures;
 }
 
 TEST(MovedObjectFrames, ARemovedChairIsFreeAfterAFewFrames) {
-  const ChairFigures gone = Watch("remove=8@81", CellState::kFree, "removed, until free");
+  const ChairFigures gone = Watch("remove=8@81", {{IsFree, "removed, until free"}})[0];
   EXPECT_LE(gone.voxels.median, 6);
   EXPECT_LE(gone.voxels.most, 14);
   EXPECT_LE(gone.leaves.median, 6);
   EXPECT_LE(gone.leaves.most, 14);
 }
 
-TEST(MovedObjectFrames, AChairPutThereIsOccupiedAfterAFewFrames) {
-  const ChairFigures there =
-      Watch("appear=8@81", CellState::kOccupied, "put there, until occupied");
+TEST(MovedObjectFrames, AChairPutThereBlocksPlannersBeforeItIsOccupied) {
+  const auto figures = Watch("appear=8@81", {{IsNotFree, "put there, until not free"},
+                                             {IsOccupied, "put there, until occupied"}});
+  const ChairFigures &blocked = figures[0], &there = figures[1];
+  EXPECT_LE(blocked.voxels.median, 4);
+  EXPECT_LE(blocked.leaves.median, 3);
+  EXPECT_LE(blocked.leaves.most, 8);
   EXPECT_LE(there.leaves.median, 4);
   EXPECT_LE(there.leaves.most, 12);
 }

@@ -2,8 +2,11 @@
 // that the camera saw, also beyond the bounds of the tree, where it has a shell.
 #include <gtest/gtest.h>
 
-#include "freespace/octree.h"
-#include "freespace/octree_reading.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "freespace/coarsen.h"
 #include "quality/mapped_sequence.h"
 #include "support/pipelines.h"
 #include "support/planner_scenes.h"
@@ -15,27 +18,22 @@ using testing_support::PlannerScene;
 using testing_support::StateScore;
 
 constexpr int kStates = 20000;
-constexpr double kSphereRadius = 0.2, kWider = 0.8;  // [m]
+constexpr int kFactor = 5;
+constexpr double kSphereRadius = 0.2, kWider = 0.8, kLeaf = 0.05;  // [m]
 
-std::unique_ptr<octomap::OcTree> ClosedTree(const Dataset& dataset) {
+/// The map of a scene in leaves of 5 cm.
+OccupancyMap LeavesOf(const Dataset& dataset) {
   MapSession session({}, {});
   testing_support::MapFrames(dataset, {}, SIZE_MAX, &session);
-  const auto octree =
-      BuildOctree(ClassifyMap(session.map(), {}),
-                  {.resolution_m = 0.05, .unknown = UnknownPolicy::kOccupied, .bounds_W = {}});
-  if (!octree) throw std::runtime_error(octree.error().message);
-  auto tree = testing_support::ReadOctree(octree->bytes, "closed");
-  if (!tree) throw std::runtime_error(tree.error().message);
-  return std::move(*tree);
+  return Coarsen(ClassifyMap(session.map(), {}), {kFactor, 1.0});
 }
 
-StateScore Score(const PlannerScene& scene) {
-  const auto tree = ClosedTree(*scene.dataset);
+StateScore ScoreTree(const PlannerScene& scene, const octomap::OcTree& tree,
+                     const Eigen::AlignedBox3d& bounds_W) {
   const StateScore states = testing_support::ScoreStates(
-      *tree, scene.truth, testing_support::Wider(testing_support::BoundsOfFree(*tree), kWider),
-      kStates, kSphereRadius, testing_support::AbsentLeaves::kFree);
+      tree, scene.truth, bounds_W, kStates, kSphereRadius, testing_support::AbsentLeaves::kFree);
   const auto cells = scene.signed_distance
-                         ? testing_support::CountFalseFree(*tree, scene.signed_distance)
+                         ? testing_support::CountFalseFree(tree, scene.signed_distance)
                          : testing_support::FalseFree{};
   Print(scene.name, cells, states);
   return states;
@@ -48,8 +46,37 @@ void ExpectSafe(const StateScore& states, double least_usable) {
   EXPECT_GT(states.usable_share(), least_usable);
 }
 
+/// Where planners may start: positions of the camera.
+double StartableShare(const octomap::OcTree& tree, const std::vector<Eigen::Vector3d>& path_W) {
+  const auto startable = std::count_if(path_W.begin(), path_W.end(), [&](const auto& p_W) {
+    return testing_support::IsSphereFree(tree, p_W, kSphereRadius,
+                                         testing_support::AbsentLeaves::kFree);
+  });
+  std::printf("  startable: %ld of %zu positions of the camera\n", static_cast<long>(startable),
+              path_W.size());
+  return static_cast<double>(startable) / static_cast<double>(path_W.size());
+}
+
+/// Spheres are safe in the closed tree, and also when the body of the robot, such a sphere around
+/// the camera, counts as free; then planners may start where the camera was.
+void ExpectSafeWithAndWithoutStartClearing(PlannerScene scene, double least_usable) {
+  OccupancyMap leaves = LeavesOf(*scene.dataset);
+  const auto tree = testing_support::ClosedTreeOf(leaves, kLeaf);
+  const Eigen::AlignedBox3d bounds_W =
+      testing_support::Wider(testing_support::BoundsOfFree(*tree), kWider);
+  ExpectSafe(ScoreTree(scene, *tree, bounds_W), least_usable);
+  const std::vector<Eigen::Vector3d> path_W = testing_support::PathOf(*scene.dataset);
+  const auto cleared = testing_support::ClosedTreeOf(
+      testing_support::WithStartCleared(std::move(leaves), kSphereRadius, path_W), kLeaf);
+  scene.name += ", start cleared";
+  scene.truth.seen.AddBody(path_W, kSphereRadius, 2 * std::sqrt(3) * kLeaf);
+  ExpectSafe(ScoreTree(scene, *cleared, bounds_W), least_usable);
+  EXPECT_GE(StartableShare(*cleared, path_W), 0.95);
+}
+
 TEST(PlannerStates, AreSafeInTheRoom) {
-  ExpectSafe(Score(testing_support::SyntheticPlannerScene("synthetic:room?frames=80")), 0.6);
+  ExpectSafeWithAndWithoutStartClearing(
+      testing_support::SyntheticPlannerScene("synthetic:room?frames=80"), 0.6);
 }
 
 TEST(PlannerStates, AreSafeInTheRoomWhenPosesAreOffByTwoCentimetres) {
@@ -57,18 +84,18 @@ TEST(PlannerStates, AreSafeInTheRoomWhenPosesAreOffByTwoCentimetres) {
     PlannerScene scene = testing_support::SyntheticPlannerScene(
         std::string("synthetic:room?frames=80&pose_noise=0.02&seed=") + seed);
     scene.truth.tolerance = 0.1;  // three standard deviations more
-    ExpectSafe(Score(scene), 0.4);
+    ExpectSafeWithAndWithoutStartClearing(std::move(scene), 0.4);
   }
 }
 
 TEST(PlannerStates, AreSafeInAnOpenHall) {
-  ExpectSafe(Score(testing_support::HallPlannerScene()), 0.6);
+  ExpectSafeWithAndWithoutStartClearing(testing_support::HallPlannerScene(), 0.6);
 }
 
 TEST(PlannerStates, AreSafeInARecordedScene) {
   const auto path = testing_support::RecordedSequence("scenes/101");
   if (!path) GTEST_SKIP() << "VISMAP_DATA is not set, or has no scenes/101";
-  ExpectSafe(Score(testing_support::RecordedPlannerScene(*path)), 0.6);
+  ExpectSafeWithAndWithoutStartClearing(testing_support::RecordedPlannerScene(*path), 0.6);
 }
 
 }  // namespace

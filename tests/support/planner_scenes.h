@@ -8,7 +8,9 @@
 
 #include "evaluation/ground_truth.h"
 #include "evaluation/nearest.h"
+#include "freespace/octree_reading.h"
 #include "geometry/prepare_depth.h"
+#include "navigation/start_clearing.h"
 #include "rectify/rectifier.h"
 #include "simulation/camera_path.h"
 #include "simulation/sequence.h"
@@ -126,6 +128,32 @@ inline PlannerScene RecordedPlannerScene(const std::string& path) {
   for (size_t i = 0; i < scene.dataset->size(); ++i) headers.push_back(scene.dataset->Header(i));
   AddSeen(*scene.dataset, headers, &scene.truth.seen);
   return scene;
+}
+
+/// Where the camera was, as the sequence says [m].
+inline std::vector<Eigen::Vector3d> PathOf(const Dataset& dataset) {
+  std::vector<Eigen::Vector3d> path_W;
+  for (size_t i = 0; i < dataset.size(); ++i)
+    path_W.push_back(dataset.Header(i).T_W_C.translation());
+  return path_W;
+}
+
+/// The leaves, with those free that were never seen but that a sphere around the camera covered.
+inline OccupancyMap WithStartCleared(OccupancyMap leaves, double radius,
+                                     const std::vector<Eigen::Vector3d>& path_W) {
+  const auto covered = CoveredUnknownLeaves(leaves, {radius, 0, 0}, path_W);
+  for (const auto& [index, bits] : covered.value())
+    leaves.Set(index, WithFreeLeaves(leaves.At(index), bits));
+  return leaves;
+}
+
+/// The closed tree of leaves.
+inline std::unique_ptr<octomap::OcTree> ClosedTreeOf(const OccupancyMap& leaves,
+                                                     double resolution) {
+  constexpr double kShell = 1;  // [m]
+  const auto octree =
+      EncodeOctree(leaves, resolution, UnknownPolicy::kOccupied, std::nullopt, kShell);
+  return std::move(ReadOctree(octree.value().bytes, "closed").value());
 }
 
 }  // namespace vismap::testing_support

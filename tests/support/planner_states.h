@@ -25,12 +25,24 @@ class SeenSpace {
     views_.push_back({header.camera, header.T_W_C.inverse(), std::move(depth)});
   }
 
-  /// Whether a frame measured depth behind the point, within 5 m. With a `tolerance` [m] that
-  /// counts, too, for rays that pass so near, and for depth that ends so far before the point, or
-  /// by three standard deviations of the depth.
+  /// Where the body of the robot was nothing else is: within `radius` of these positions [m]. With
+  /// a tolerance it may reach `slack` farther, see CoveredUnknownLeaves.
+  void AddBody(std::vector<Eigen::Vector3d> path_W, double radius, double slack) {
+    path_W_ = std::move(path_W);
+    body_radius_ = radius;
+    body_slack_ = slack;
+  }
+
+  /// Whether a frame measured depth behind the point, within 5 m, or the body was there. With a
+  /// `tolerance` [m] the first counts, too, for rays that pass so near, and for depth that ends so
+  /// far before the point, or by three standard deviations of the depth.
   bool Contains(const Eigen::Vector3d& p_W, double tolerance) const {
+    const double reach = body_radius_ + (tolerance > 0 ? body_slack_ : 0);
     return std::any_of(views_.begin(), views_.end(),
-                       [&](const View& view) { return IsSeen(view, p_W, tolerance); });
+                       [&](const View& view) { return IsSeen(view, p_W, tolerance); }) ||
+           std::any_of(path_W_.begin(), path_W_.end(), [&](const Eigen::Vector3d& place_W) {
+             return (place_W - p_W).norm() <= reach;
+           });
   }
 
  private:
@@ -58,6 +70,8 @@ class SeenSpace {
   }
 
   std::vector<View> views_;
+  std::vector<Eigen::Vector3d> path_W_;
+  double body_radius_ = 0, body_slack_ = 0;
 };
 
 /// What is true of a scene.
