@@ -1,12 +1,14 @@
 // Free space beside OctoMap's own insertPointCloud on the same frames: leaves that are called free
 // but reach into a surface, and what a planner meets that moves a sphere of 20 cm; also when the
-// body of the robot, such a sphere around the camera, counts as free (start clearing).
+// body of the robot, such a sphere around the camera, counts as free (start clearing), and with the
+// best leaves of that size: free when all of a leaf was seen in truth, and no surface is in it.
 //   free_space_bench [SCENENN_FOLDER]
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "freespace/coarsen.h"
 #include "support/planner_scenes.h"
@@ -25,6 +27,63 @@ constexpr double kRadius = 0.2, kWider = 0.8, kRange = 5;  // [m]
 OccupancyMap LeavesOf(const SemanticMap& map, double resolution) {
   const int factor = static_cast<int>(std::lround(resolution / map.voxels.voxel_size()));
   return Coarsen(ClassifyMap(map, {}), {factor, 1.0});
+}
+
+/// The blocks of leaves that the usable ones of spheres touch.
+std::set<BlockIndex> BlocksOfUsable(const testing_support::PlannerTruth& truth,
+                                    const std::vector<Eigen::Vector3d>& centers, double leaf) {
+  std::vector<char> usable(centers.size());
+  ParallelFor(centers.size(), 64, [&](size_t i) {
+    usable[i] = truth.distance(centers[i]) >= kRadius &&
+                testing_support::IsAllSeen(truth, centers[i], kRadius, 0);
+  });
+  std::set<BlockIndex> blocks;
+  for (size_t i = 0; i < centers.size(); ++i) {
+    if (!usable[i]) continue;
+    const double edge = leaf * kBlockSide;
+    const Eigen::Array3i low = ((centers[i].array() - kRadius) / edge).floor().cast<int>();
+    const Eigen::Array3i high = ((centers[i].array() + kRadius) / edge).floor().cast<int>();
+    for (int x = low.x(); x <= high.x(); ++x) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int z = low.z(); z <= high.z(); ++z) blocks.insert({x, y, z});
+      }
+    }
+  }
+  return blocks;
+}
+
+/// Whether all of a leaf was seen by some frame, and no surface is in it.
+bool IsTrulyFree(const testing_support::PlannerTruth& truth, const Eigen::Vector3d& corner,
+                 double leaf) {
+  constexpr int kSamples = 4;  // along each edge
+  for (int i = 0; i < kSamples * kSamples * kSamples; ++i) {
+    const Eigen::Vector3d at(i % kSamples, i / kSamples % kSamples, i / kSamples / kSamples);
+    const Eigen::Vector3d p = corner + leaf / (kSamples - 1) * at;
+    if (truth.distance(p) <= 0.005 || !truth.seen.Contains(p, 0)) return false;
+  }
+  return true;
+}
+
+/// The best that a tree with such leaves can say without calling free what was not seen.
+OccupancyMap BestLeaves(const testing_support::PlannerTruth& truth,
+                        const Eigen::AlignedBox3d& bounds_W, double leaf) {
+  const std::set<BlockIndex> blocks =
+      BlocksOfUsable(truth, testing_support::DrawCenters(bounds_W, kStates), leaf);
+  const std::vector<BlockIndex> indices(blocks.begin(), blocks.end());
+  std::vector<OccupancyPlanes> planes(indices.size());
+  ParallelFor(indices.size(), 1, [&](size_t block) {
+    for (int i = 0; i < kBlockVoxels; ++i) {
+      const BlockIndex& index = indices[block];
+      const Eigen::Vector3d corner =
+          leaf * Eigen::Vector3d(kBlockSide * index.x + i % 8, kBlockSide * index.y + i / 8 % 8,
+                                 kBlockSide * index.z + i / 64);
+      if (IsTrulyFree(truth, corner, leaf))
+        planes[block].free[static_cast<size_t>(i) / 64] |= uint64_t{1} << (i % 64);
+    }
+  });
+  OccupancyMap leaves(leaf);
+  for (size_t i = 0; i < indices.size(); ++i) leaves.Set(indices[i], BlockOccupancy(planes[i]));
+  return leaves;
 }
 
 /// The points of a frame, every second pixel each way.
@@ -98,7 +157,7 @@ void Compare(PlannerScene scene, const std::optional<GroundTruth>& points) {
     std::fflush(stdout);
   };
   std::printf("%s\n", scene.name.c_str());
-  constexpr double kResolutions[] = {0.02, 0.04, 0.05, 0.1};
+  constexpr double kResolutions[] = {0.04, 0.05, 0.1};
   const auto size_text = [](double resolution) {
     return std::to_string(std::lround(100 * resolution)) + " cm";
   };
@@ -107,6 +166,11 @@ void Compare(PlannerScene scene, const std::optional<GroundTruth>& points) {
     tell("  vismap, closed, " + size,
          *ClosedTreeOf(LeavesOf(session.map(), resolution), resolution));
     tell("  OctoMap, " + size, *OctomapTree(*scene.dataset, resolution));
+  }
+  tell("  vismap, closed, 2 cm", *ClosedTreeOf(LeavesOf(session.map(), 0.02), 0.02));
+  for (const double resolution : kResolutions) {
+    tell("  best, " + size_text(resolution),
+         *ClosedTreeOf(BestLeaves(scene.truth, *bounds, resolution), resolution));
   }
   const std::vector<Eigen::Vector3d> path_W = testing_support::PathOf(*scene.dataset);
   for (const double resolution : kResolutions) {

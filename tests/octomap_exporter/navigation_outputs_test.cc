@@ -59,9 +59,10 @@ TEST_F(NavigationOutputs, PublishesTheGridOfEachStateAndRepeatsIt) {
   Change({2, 2, 2}, CellState::kOccupied);
   ASSERT_TRUE(HasGrid(2));
   expect_grid();
-  ASSERT_TRUE(SpinUntil(
-      [&] { return !navigation_.channels.empty() && navigation_.channels.back() == "GRID"; }));
-  EXPECT_EQ(navigation_.revisions.back(), 2);
+  ASSERT_TRUE(SpinUntil([&] {
+    return !navigation_.channels.empty() && navigation_.channels.back() == "GRID" &&
+           navigation_.revisions.back() == 2;
+  }));
   const occupancy_grid_t before = grids_.back();
   grids_.clear();
   ASSERT_TRUE(SpinUntil([&] { return !grids_.empty(); }, 2)) << "a reader that comes late";

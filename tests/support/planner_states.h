@@ -133,10 +133,8 @@ struct StateScore {
   }
 };
 
-/// Draws `count` spheres evenly within `bounds_W`.
-inline StateScore ScoreStates(const octomap::OcTree& tree, const PlannerTruth& truth,
-                              const Eigen::AlignedBox3d& bounds_W, int count, double radius,
-                              AbsentLeaves absent) {
+/// Draws the centres of `count` spheres evenly within `bounds_W`.
+inline std::vector<Eigen::Vector3d> DrawCenters(const Eigen::AlignedBox3d& bounds_W, int count) {
   std::mt19937_64 random(19);
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Eigen::Vector3d> centers;
@@ -145,21 +143,32 @@ inline StateScore ScoreStates(const octomap::OcTree& tree, const PlannerTruth& t
     centers.push_back(bounds_W.min() +
                       (bounds_W.sizes().array() * Eigen::Array3d(x, y, z)).matrix());
   }
+  return centers;
+}
+
+/// Whether all of a sphere was seen, see SeenSpace::Contains.
+inline bool IsAllSeen(const PlannerTruth& truth, const Eigen::Vector3d& center, double radius,
+                      double tolerance) {
+  const std::vector<Eigen::Vector3d> points = PointsOfSphere(center, radius);
+  return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p_W) {
+    return truth.seen.Contains(p_W, tolerance);
+  });
+}
+
+/// Draws `count` spheres evenly within `bounds_W`.
+inline StateScore ScoreStates(const octomap::OcTree& tree, const PlannerTruth& truth,
+                              const Eigen::AlignedBox3d& bounds_W, int count, double radius,
+                              AbsentLeaves absent) {
+  const std::vector<Eigen::Vector3d> centers = DrawCenters(bounds_W, count);
   std::vector<StateScore> scores(centers.size());
   ParallelFor(centers.size(), 64, [&](size_t i) {
     StateScore& score = scores[i];
     const bool free = IsSphereFree(tree, centers[i], radius, absent);
     const bool clear = truth.distance(centers[i]) >= radius;
-    const auto all_seen = [&](double tolerance) {
-      const std::vector<Eigen::Vector3d> points = PointsOfSphere(centers[i], radius);
-      return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& p_W) {
-        return truth.seen.Contains(p_W, tolerance);
-      });
-    };
     score.called_free = free;
     score.colliding = free && !clear;
-    score.unseen = free && !all_seen(truth.tolerance);
-    score.usable = clear && all_seen(0);
+    score.unseen = free && !IsAllSeen(truth, centers[i], radius, truth.tolerance);
+    score.usable = clear && IsAllSeen(truth, centers[i], radius, 0);
     score.usable_called_free = score.usable && free;
   });
   StateScore sum{.drawn = count};
