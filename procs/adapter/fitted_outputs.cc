@@ -63,12 +63,13 @@ size_t LargestOutput(const LcmUrl& url) {
 }
 
 FittedOutputs::FittedOutputs(const AdapterOptions& options, size_t most_bytes, OutputReport* report,
-                             Send send)
+                             Send send, std::function<bool()> stopped)
     : options_(options),
       root_(CamerasOf(options).front().root),
       most_bytes_(most_bytes),
       report_(report),
-      send_(std::move(send)) {}
+      send_(std::move(send)),
+      stopped_(std::move(stopped)) {}
 
 template <typename Message>
 void FittedOutputs::SendNow(const std::string& channel, Message message) {
@@ -89,6 +90,7 @@ void FittedOutputs::Publish(const std::string& channel, double wanted, const cha
   if (channel.empty()) return;
   double& spacing = spacings_.try_emplace(channel, wanted).first->second;
   while (spacing <= std::max(kCoarsest, wanted)) {
+    if (stopped_()) return;
     auto message = make(spacing);
     const size_t size = message ? static_cast<size_t>(message->getEncodedSize()) : most_bytes_ + 1;
     if (size <= most_bytes_) {

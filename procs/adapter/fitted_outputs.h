@@ -28,8 +28,11 @@ class FittedOutputs {
   /// Sends a message; returns false when that fails.
   using Send = std::function<bool(const std::string& channel, std::span<const uint8_t> bytes)>;
 
-  /// `most_bytes`: of a message. `report` must outlive it.
-  FittedOutputs(const AdapterOptions& options, size_t most_bytes, OutputReport* report, Send send);
+  /// `most_bytes`: of a message. `report` must outlive it. No further message is made once
+  /// `stopped` returns true, so that the process ends soon.
+  FittedOutputs(
+      const AdapterOptions& options, size_t most_bytes, OutputReport* report, Send send,
+      std::function<bool()> stopped = [] { return false; });
 
   /// The times are those of the newest frame in the surface and in the list of objects [us].
   void PublishSurface(const Mesh& mesh, int64_t utime, std::span<const ObjectSummary> objects,
@@ -49,6 +52,7 @@ class FittedOutputs {
   size_t most_bytes_;
   OutputReport* report_;
   Send send_;
+  std::function<bool()> stopped_;
   std::map<std::string, double> spacings_;  // of each channel [m]
   std::set<std::string> boxes_in_director_;
 };

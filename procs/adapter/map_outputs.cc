@@ -30,7 +30,8 @@ MapOutputs::MapOutputs(const AdapterOptions& options, size_t most_bytes, Bus* bu
     : options_(options),
       bus_(bus),
       report_(report),
-      outputs_(options, most_bytes, report, std::move(send)),
+      outputs_(options, most_bytes, report, std::move(send),
+               [bus] { return bus->stop_requested(); }),
       mesh_catch_up_(bus, "mesh"),
       space_catch_up_(bus, "snapshot"),
       surface_pacer_(options.publish_period_s),
@@ -138,7 +139,7 @@ void OutputThread::Run() {
   constexpr double kTurn = 0.1, kReportPeriod = 0.5;  // [s]
   const MapOutputs outputs(options_, LargestOutput(robot_->parsed_url()), bus_.get(), &report_,
                            [this](const std::string& channel, std::span<const uint8_t> bytes) {
-                             return !stop_->requested() && robot_->Publish(channel, bytes);
+                             return robot_->Publish(channel, bytes);
                            });
   bus_->Every(kReportPeriod, [this] { ReportBus(); });
   while (!stop_->requested()) {

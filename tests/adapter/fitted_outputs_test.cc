@@ -161,6 +161,17 @@ TEST(FittedOutputs, SayWhatWasNotSent) {
   EXPECT_THAT(outputs.report.findings(), IsEmpty());
 }
 
+TEST(FittedOutputs, EndSoonWhenTheProcessIsStopped) {
+  OutputReport report;
+  int sent = 0;
+  FittedOutputs outputs(
+      AllOutputs(), kMost, &report,
+      [&](const std::string&, std::span<const uint8_t>) { return ++sent > 0; },
+      [&] { return sent >= 2; });
+  outputs.PublishSurface(FloorOf(20, SegmentLabel{1}), 5, {}, 5);
+  EXPECT_EQ(sent, 3) << "the two clouds, and the short list of objects";
+}
+
 TEST(LargestOutput, IsSmallerWithoutAHub) {
   EXPECT_EQ(LargestOutput(*ParseLcmUrl("udpm://239.255.76.67:7667")), size_t{8} << 20);
   EXPECT_EQ(LargestOutput(*ParseLcmUrl("tcpq://127.0.0.1:7700")), kMaxMessageBytes);
