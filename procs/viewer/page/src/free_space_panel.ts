@@ -26,6 +26,7 @@ class SliceControl {
     extra: HTMLElement[],
     private readonly options: () => { contours: boolean; leaves: boolean; voxel: number },
     private readonly onChange: () => void,
+    onNoLeaves: () => void,
   ) {
     this.feed = new SliceFeed(
       (slice, wish, leaves) => {
@@ -35,6 +36,7 @@ class SliceControl {
         onChange();
       },
       (text) => (this.problem.textContent = text),
+      onNoLeaves,
     );
     this.slider.setAttribute("aria-label", `Place of the ${title.toLowerCase()}`);
     this.on.addEventListener("change", () => this.refresh());
@@ -130,8 +132,13 @@ export class FreeSpacePanel {
       leaves: leaves.input.checked,
       voxel: this.voxel,
     });
-    this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange);
-    this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange);
+    const noLeaves = (): void => {
+      leaves.input.checked = false;
+      leaves.input.disabled = true;
+      leaves.element.title = "This server does not tell the leaves of the octree.";
+    };
+    this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange, noLeaves);
+    this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange, noLeaves);
     this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds!));
     this.fillAcross();
     scene.add(this.horizontal.plane.group, this.vertical.plane.group);

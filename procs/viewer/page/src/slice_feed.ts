@@ -21,6 +21,7 @@ export class SliceFeed {
   constructor(
     private readonly onSlice: (slice: Slice, wish: SliceWish, leaves: Leaf[]) => void,
     private readonly onError: (text: string) => void,
+    private readonly onNoLeaves: () => void,
   ) {}
 
   /** null = no slice is wanted any more. */
@@ -50,7 +51,7 @@ export class SliceFeed {
     if (this.wish?.axis !== wish.axis) return;
     try {
       this.onSlice(decodeSlice(answer.value), wish, leaves.leaves);
-      if (leaves.problem !== null) this.onError(`The leaves are not available. ${leaves.problem}`);
+      if (leaves.problem !== null) this.onNoLeaves();
     } catch (error) {
       this.onError(error instanceof Error ? error.message : String(error));
     }
