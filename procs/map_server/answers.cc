@@ -8,12 +8,14 @@
 
 #include "base/class_names.h"
 #include "base/printable.h"
+#include "exports/explain_cell.h"
 #include "exports/objects_json.h"
 #include "exports/ply.h"
 #include "exports/statistics.h"
 #include "mapfile/map_file.h"
 #include "objects/object_mesh.h"
 #include "objects/read_out.h"
+#include "requests/request_argument.h"
 #include "wire/pose_digest.h"
 
 namespace vismap {
@@ -26,20 +28,25 @@ Eigen::AlignedBox3d BoxOf(const map_request_t& request) {
   return {Eigen::Vector3d(request.bbx_min_W), Eigen::Vector3d(request.bbx_max_W)};
 }
 
-constexpr std::string_view kPositions = "positions=";
+constexpr std::string_view kPositions = "positions=", kTrajectory = "trajectory=";
 
 Result<Answer> AnswerPositions(const MapSnapshot& map, const std::string& argument) {
+  const bool with_camera = argument.starts_with(kTrajectory);
+  const std::string key(with_camera ? kTrajectory : kPositions);
   size_t first = 0;
   const char* end = argument.data() + argument.size();
-  const auto [stop, error] = std::from_chars(argument.data() + kPositions.size(), end, first);
+  const auto [stop, error] = std::from_chars(argument.data() + key.size(), end, first);
   if (error != std::errc() || stop != end)
-    return Fail("argument of frames: expected positions=N with the number of a frame, found '" +
+    return Fail("argument of frames: expected " + key + "N with the number of a frame, found '" +
                 PrintableText(argument, 60) + "'");
   auto positions = nlohmann::json::array();
   const std::vector<CameraPose>& trajectory = map.metadata.trajectory;
   for (size_t i = first; i < trajectory.size(); ++i) {
     const Eigen::Vector3d p_W = trajectory[i].T_W_C.translation();
-    positions.push_back({p_W.x(), p_W.y(), p_W.z()});
+    auto position = nlohmann::json::array();
+    if (with_camera) position.push_back(Raw(trajectory[i].camera_id));
+    for (const double coordinate : p_W) position.push_back(coordinate);
+    positions.push_back(std::move(position));
   }
   return Answer{std::to_string(positions.size()) + " positions", "json", Bytes(positions.dump())};
 }
@@ -118,15 +125,28 @@ Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_dig
 }
 
 Result<Answer> AnswerFrames(const MapSnapshot& map, const std::string& argument) {
-  if (argument.starts_with(kPositions)) return AnswerPositions(map, argument);
+  if (argument.starts_with(kPositions) || argument.starts_with(kTrajectory))
+    return AnswerPositions(map, argument);
   if (!argument.empty() && argument != "poses")
-    return Fail("argument of frames: expected nothing, poses, or positions=N");
+    return Fail("argument of frames: expected nothing, poses, positions=N or trajectory=N");
   auto frames = nlohmann::json::array();
   for (const CameraPose& pose : map.metadata.trajectory) {
     frames.push_back({Raw(pose.camera_id), pose.utime});
     if (argument == "poses") frames.back().push_back(PoseDigest(pose.T_W_C));
   }
   return Answer{std::to_string(frames.size()) + " frames", "json", Bytes(frames.dump())};
+}
+
+Result<Answer> AnswerCell(const MapSnapshot& map, const OccupancyOptions& options,
+                          const std::string& argument) {
+  const Result<RequestArgument> read = RequestArgument::Read(argument, {"at"});
+  if (!read) return tl::unexpected(read.error());
+  const Result<std::vector<double>> at = read->Numbers("at", 3);
+  if (!at) return tl::unexpected(at.error());
+  const Result<std::string> json =
+      ExplainCell(map.map, map.metadata, options, {(*at)[0], (*at)[1], (*at)[2]}, ClassName);
+  if (!json) return tl::unexpected(json.error());
+  return Answer{"one cell", "json", Bytes(*json)};
 }
 
 }  // namespace vismap

@@ -33,7 +33,11 @@ Answer AnswerMapFile(const MapSnapshot& map);
 Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest);
 /// "frames": [camera, utime] of every frame in the map as JSON; with the argument "poses", [camera,
 /// utime, digest of the pose] (PoseDigest); with "positions=N", [x, y, z] in W [m] of the camera at
-/// frame N and those after it, in the order of integration.
+/// frame N and those after it, in the order of integration; with "trajectory=N", the same as
+/// [camera, x, y, z].
 Result<Answer> AnswerFrames(const MapSnapshot& map, const std::string& argument);
+/// "cell": why the map shows what it shows at the point "at=x,y,z" [m], see ExplainCell.
+Result<Answer> AnswerCell(const MapSnapshot& map, const OccupancyOptions& options,
+                          const std::string& argument);
 
 }  // namespace vismap

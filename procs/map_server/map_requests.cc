@@ -60,6 +60,7 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
   HandleReading("statistics", &MapRequests::ReadStatistics);
   HandleReading("map", &MapRequests::ReadMap);
   HandleReading("frames", &MapRequests::ReadFrames);
+  HandleReading("cell", &MapRequests::ReadCell);
 }
 
 void MapRequests::HandleReading(const std::string& verb,
@@ -254,6 +255,11 @@ Result<MapRequests::Reading> MapRequests::ReadFrames(const map_request_t& reques
   return Reading{[argument = request.argument](const MapSnapshot& map) {
     return AnswerFrames(map, argument);
   }};
+}
+
+Result<MapRequests::Reading> MapRequests::ReadCell(const map_request_t& request) {
+  return Reading{[free_space = options_.free_space, argument = request.argument](
+                     const MapSnapshot& map) { return AnswerCell(map, free_space, argument); }};
 }
 
 }  // namespace vismap

@@ -14,9 +14,9 @@
 namespace vismap {
 
 /// Carries out the MAP_REQUESTs to a map server: save, load, reset, objects, mesh, points,
-/// octree, occupancy, statistics, snapshot, map, frames. All but load and reset, which replace the
-/// map, are answered by a thread of their own from a copy of the map (MapSnapshot), so that the
-/// mapping waits only until that is made.
+/// octree, occupancy, statistics, snapshot, map, frames, cell. All but load and reset, which
+/// replace the map, are answered by a thread of their own from a copy of the map (MapSnapshot), so
+/// that the mapping waits only until that is made.
 class MapRequests {
  public:
   /// Subscribes to MAP_REQUEST. All must outlive it.
@@ -56,6 +56,7 @@ class MapRequests {
   Result<Reading> ReadStatistics(const map_request_t& request);
   Result<Reading> ReadMap(const map_request_t& request);
   Result<Reading> ReadFrames(const map_request_t& request);
+  Result<Reading> ReadCell(const map_request_t& request);
   Result<Reading> Save(const map_request_t& request);
 
   const std::vector<ObjectSummary>& Objects() { return map_.publisher().objects().objects(); }

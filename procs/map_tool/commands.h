@@ -24,7 +24,7 @@ struct MapToolArguments {
   double inflate_m = 0;     ///< for octree and frontiers: radius of the robot
   std::string without;      ///< for questions about free space: objects that are left out
   bool color = false;       ///< for octree: a ColorOcTree
-  std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]
+  std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]; for cell: "x,y,z"
   bool from_exporter = false;  ///< for octree: ask the octomap exporter
   VismapConfig config;
 };
@@ -34,6 +34,7 @@ Outcome RunInfo(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunObjects(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunExport(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunCell(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunClearance(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunFrontiers(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunOctree(const MapToolArguments& arguments, ProcessContext& context);

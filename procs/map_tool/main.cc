@@ -170,6 +170,12 @@ void AddNavigationCommands(CommandLine& line, Command* command) {
       RunClearance, kFileOrLive);
   clearance.Option("--at", &arguments.points, "Points x,y,z;x,y,z [m]").Required();
   add_common(clearance);
+  CommandLine cell = AddWithMap(
+      line, command, "cell",
+      "Say why the map shows what it shows at a point: state, distance, weight, votes of labels",
+      RunCell, kFileOrLive);
+  cell.Option("--at", &arguments.points, "Point x,y,z [m]").Required();
+  cell.Flag("--json", &arguments.json, "Print JSON");
   CommandLine frontiers =
       AddWithMap(line, command, "frontiers",
                  "List where the map can grow, and from where that is seen, the largest first",

@@ -280,7 +280,7 @@ class PipelineTest(unittest.TestCase):
         verbs = set()
         for source in sources:
             text = source.read_text()
-            verbs |= set(re.findall(r'Handle(?:Late)?\(\s*"([a-z-]+)"', text)) | set(re.findall(r'\{"([a-z]+)", Answer\w+\}', text))
+            verbs |= set(re.findall(r'Handle(?:Late|Reading)?\(\s*"([a-z-]+)"', text)) | set(re.findall(r'\{"([a-z]+)", Answer\w+\}', text))
         self.assertGreaterEqual(len(verbs), 20)
         rows = re.findall(r"^\| (`[a-z].*?) \|", (PACKAGE / "README.md").read_text(), re.MULTILINE)
         self.assertEqual({verb for row in rows for verb in re.findall(r"`([a-z-]+)`", row)}, verbs)
@@ -291,8 +291,8 @@ class PipelineTest(unittest.TestCase):
             pass
         box = ([1.5, 1.0, 0.5], [2.5, 2.0, 1.5])
         encodings = {"objects": "json", "mesh": "ply", "points": "ply", "octree": "bt", "octomap": "bt", "map": "vismap", "statistics": "json",
-                     "frames": "json", "clearance": "json", "frontiers": "json", "grid": "occupancy_grid_t", "distances": "distance_field_t"}
-        arguments = {"mesh": "ply", "points": "id=s1", "clearance": "at=2,1.5,1", "frames": "positions=0"}
+                     "frames": "json", "cell": "json", "clearance": "json", "frontiers": "json", "grid": "occupancy_grid_t", "distances": "distance_field_t"}
+        arguments = {"mesh": "ply", "points": "id=s1", "clearance": "at=2,1.5,1", "cell": "at=2,1.5,1", "frames": "positions=0"}
         for verb in sorted(verbs - {"save", "load", "reset"}):
             with self.subTest(verb=verb):
                 reply = vismap.ask(self.bus, verb, arguments.get(verb, ""), box_W=box if verb == "distances" else None,
