@@ -74,6 +74,7 @@ OUTSIDE = [
      "compression and hashing only in .cc files"),
     (r"spdlog/", ("procs/runtime/", "tests/runtime/"), True, "libraries do not log"),
     (r"CLI/", ("procs/runtime/",), True, "programs use runtime/command_line.h"),
+    (r"boost/", ("procs/viewer/",), True, "only the viewer's web server uses Boost"),
     (r"tbb/", ("libs/base/", "tests/base/"), False, "threads come from base/parallel.h"),
 ]
 

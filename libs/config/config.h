@@ -24,6 +24,7 @@ struct VismapConfig : SegmentationStageOptions, MapSessionOptions, OutputOptions
   DepthSegmenterOptions depth_segmenter;
   MapServerOptions map_server;
   OctomapExporterOptions octomap_exporter;
+  ViewerOptions viewer;
   SensorReplayOptions sensor_replay;
   DetectorOptions detector;
   HubOptions hub;

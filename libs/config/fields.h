@@ -174,6 +174,13 @@ inline constexpr auto FieldsOf(const OctomapExporterOptions&) {
                     VISMAP_FIELD(clear_start_m));
 }
 
+inline constexpr auto FieldsOf(const ViewerOptions&) {
+  using Options = ViewerOptions;
+  return std::tuple(VISMAP_FIELD(listen), VISMAP_FIELD(page_folder), VISMAP_FIELD(hosts),
+                    VISMAP_FIELD(max_clients), VISMAP_FIELD(budget_mb_s),
+                    VISMAP_FIELD(max_picture_hz), VISMAP_FIELD(max_map_mb));
+}
+
 inline constexpr auto FieldsOf(const SensorReplayOptions&) {
   using Options = SensorReplayOptions;
   return std::tuple(VISMAP_FIELD(lockstep), VISMAP_FIELD(speed), VISMAP_FIELD(window_frames),
@@ -251,9 +258,10 @@ inline constexpr auto FieldsOf(const VismapConfig&) {
                     VISMAP_FIELD(refine), VISMAP_FIELD(association), VISMAP_FIELD(integration),
                     VISMAP_FIELD(meshing), VISMAP_FIELD(objects), VISMAP_FIELD(free_space),
                     VISMAP_FIELD(octree), VISMAP_FIELD(depth_segmenter), VISMAP_FIELD(map_server),
-                    VISMAP_FIELD(octomap_exporter), VISMAP_FIELD(sensor_replay),
-                    VISMAP_FIELD(detector), VISMAP_FIELD(hub), VISMAP_FIELD(bridge),
-                    VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid), VISMAP_FIELD(pipeline));
+                    VISMAP_FIELD(octomap_exporter), VISMAP_FIELD(viewer),
+                    VISMAP_FIELD(sensor_replay), VISMAP_FIELD(detector), VISMAP_FIELD(hub),
+                    VISMAP_FIELD(bridge), VISMAP_FIELD(adapter), VISMAP_FIELD(ground_grid),
+                    VISMAP_FIELD(pipeline));
 }
 
 #undef VISMAP_FIELD

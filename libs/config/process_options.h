@@ -77,6 +77,18 @@ struct OctomapExporterOptions {
   int max_map_mb = 1024;      ///< of the copy of the map; a larger map is not followed
 };
 
+struct ViewerOptions {
+  std::string listen = "127.0.0.1:8080";  ///< port 0 = any free one
+  std::string page_folder;                ///< with index.html; empty = beside the program
+  /// Names of this computer that browsers may use, besides its addresses, localhost and its own
+  /// name.
+  std::vector<std::string> hosts;
+  int max_clients = 16;       ///< pages that are connected; further ones are refused
+  double budget_mb_s = 20;    ///< for the surface and pictures of all pages together
+  double max_picture_hz = 5;  ///< pictures of a camera per second
+  int max_map_mb = 1024;      ///< of the copy of the surface, and again of that of space
+};
+
 struct SensorReplayOptions {
   bool lockstep = false;  ///< at the pace of the map server instead of in real time
   double speed = 1;       ///< of real time; 0 = as fast as frames can be read

@@ -136,6 +136,16 @@ std::vector<std::string> Problems(const OctomapExporterOptions& exporter,
   return std::move(check).problems();
 }
 
+std::vector<std::string> Problems(const ViewerOptions& viewer) {
+  OptionCheck check;
+  VISMAP_CHECK_RANGE(check, viewer.max_clients, 1, 1000);
+  VISMAP_CHECK_RANGE(check, viewer.budget_mb_s, 0.01, 10000);
+  VISMAP_CHECK_RANGE(check, viewer.max_picture_hz, 0.1, 60);
+  VISMAP_CHECK_RANGE(check, viewer.max_map_mb, 1, 1048576);
+  check.Unless(viewer.hosts.size() <= 64, "hosts must be at most 64");
+  return std::move(check).problems();
+}
+
 std::vector<std::string> Problems(const SensorReplayOptions& replay) {
   OptionCheck check;
   VISMAP_CHECK_RANGE(check, replay.speed, 0, 1000);
@@ -258,6 +268,7 @@ std::vector<std::string> Validate(const VismapConfig& config) {
   check.Add("depth_segmenter.", Problems(config.depth_segmenter));
   check.Add("map_server.", Problems(config.map_server));
   check.Add("octomap_exporter.", Problems(config.octomap_exporter, config.grid, config.octree));
+  check.Add("viewer.", Problems(config.viewer));
   check.Add("sensor_replay.", Problems(config.sensor_replay));
   check.Add("detector.", Problems(config.detector));
   check.Add("hub.", Problems(config.hub));

@@ -313,6 +313,14 @@ bool Bus::Spin(double timeout) {
   return (pending || waiting[1].revents != 0 || waiting[2].revents != 0) && HandleWaiting();
 }
 
+std::vector<int> Bus::FileDescriptors() const {
+  std::vector<int> descriptors;
+  for (const Transport* transport : {transport_.get(), urgent_.get()}) {
+    if (transport != nullptr && transport->connected()) descriptors.push_back(transport->fd());
+  }
+  return descriptors;
+}
+
 bool Bus::Run(const std::function<bool()>& finished) {
   while (!stop_requested()) {
     if (finished()) return true;

@@ -95,6 +95,10 @@ class Bus {
   /// messages and timers that are due. Returns true when it handled a message.
   bool Spin(double timeout);
 
+  /// Readable when a message arrives. For loops of other libraries: call Spin(0), again while it
+  /// returns true, and ask anew afterwards, since the bus may have connected again.
+  std::vector<int> FileDescriptors() const;
+
   /// Calls Spin until `finished` returns true or stop is requested. `finished` is called at least
   /// every 0.1 s. Returns false when stop was requested.
   bool Run(const std::function<bool()>& finished = [] { return false; });

@@ -142,6 +142,7 @@ TEST(Fields, EveryMemberOfTheOptionStructsIsThere) {
   EXPECT_EQ(FieldCount<DepthSegmenterOptions>(), MemberCount<DepthSegmenterOptions>());
   EXPECT_EQ(FieldCount<MapServerOptions>(), MemberCount<MapServerOptions>());
   EXPECT_EQ(FieldCount<OctomapExporterOptions>(), MemberCount<OctomapExporterOptions>());
+  EXPECT_EQ(FieldCount<ViewerOptions>(), MemberCount<ViewerOptions>());
   EXPECT_EQ(FieldCount<SensorReplayOptions>(), MemberCount<SensorReplayOptions>());
   EXPECT_EQ(FieldCount<DetectorOptions>(), MemberCount<DetectorOptions>());
   EXPECT_EQ(FieldCount<DnnDetectorOptions>(), MemberCount<DnnDetectorOptions>());

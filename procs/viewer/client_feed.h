@@ -1,0 +1,105 @@
+#pragma once
+
+#include <tsl/robin_set.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "viewer/board.h"
+#include "viewer/map_copy.h"
+
+namespace vismap {
+
+/// One WebSocket message to a page.
+struct OutFrame {
+  FrameBytes bytes;
+  bool is_text = false;
+};
+
+/// Decides what one page gets next. It holds no content: of a block it knows only that the page
+/// lacks its newest state, and of the rest which change was sent last. So memory is bounded by the
+/// number of blocks, however slow the page is, and the page gets the newest state of everything
+/// when it reads again. It has no socket and no clock of its own: times `now` are in seconds.
+class ClientFeed {
+ public:
+  /// Binary bytes that the page may have got without having said so (`ack`).
+  static constexpr int64_t kMostUnacknowledged = 8 << 20;
+  /// Bytes that may be saved up while there is nothing to send.
+  static constexpr double kMostAllowance = 4 << 20;
+  static constexpr int kMostMessagesPerSecond = 50;  ///< from the page
+  static constexpr size_t kMostNotices = 16;
+
+  /// Both must outlive it.
+  ClientFeed(const MapCopy* map, const Board* board, std::string hello);
+
+  /// The blocks changed in the copy of the map.
+  void OnChanges(const SurfaceChanges& changes);
+  /// The page must forget all blocks and gets them again.
+  void Restart();
+  /// A text from the page. An Error is the reason why the connection must end.
+  Result<void> OnText(std::string_view text, double now);
+  void AddNotice(std::string level, std::string sentence);
+  /// Bytes that may be sent in addition to what is left, for the surface and pictures.
+  void Allow(double bytes);
+
+  /// The next message; nullopt = nothing, at present. Must not be called again before that message
+  /// was sent. `now` decides when the state of the map is due again.
+  std::optional<OutFrame> Next(double now);
+
+  bool WantsPicture(int camera_id) const { return pictures_wanted_.contains(camera_id); }
+  const std::set<int>& pictures_wanted() const { return pictures_wanted_; }
+  /// Blocks whose newest state the page lacks.
+  size_t waiting() const { return dirty_.size() + batch_.size(); }
+  int64_t unacknowledged() const { return sent_bytes_ - acknowledged_; }
+  /// Memory [bytes], about.
+  size_t bytes() const;
+
+ private:
+  Result<void> ReadAck(const nlohmann::json& json);
+  Result<void> ReadWant(const nlohmann::json& json);
+  std::optional<OutFrame> NextText(double now);
+  std::optional<OutFrame> NextTopic();
+  std::optional<OutFrame> NextPath();
+  std::optional<OutFrame> NextPicture();
+  std::optional<OutFrame> NextBlock();
+  void FillBatch();
+  OutFrame Count(FrameBytes bytes);
+
+  const MapCopy* map_;
+  const Board* board_;
+  std::string hello_;  // empty once it was sent
+  bool reset_ = true;  // the next text about the map tells the page to forget all blocks
+  double map_due_ = 0;
+  std::deque<std::string> notices_;
+  std::array<int64_t, Board::kTopics> sent_topics_{};  // number of the change that was sent last
+  std::map<int, int64_t> sent_pictures_;               // by camera
+  std::map<int, size_t> sent_positions_;               // by camera
+  int64_t paths_number_ = -1;
+
+  bool wants_mesh_ = true, wants_processes_ = true;
+  std::set<int> pictures_wanted_;
+  std::optional<Eigen::Vector3d> centre_W_;  // [m] blocks near it come first
+
+  // A block is in one of them or in both; those of the batch are sent first, from its end.
+  tsl::robin_set<BlockIndex, BlockIndexHash> dirty_;
+  std::vector<BlockIndex> batch_;
+
+  double allowance_ = 0;  // [bytes]; negative after a large message
+  int64_t sent_bytes_ = 0, acknowledged_ = 0;
+  double second_ = 0;  // when the counted messages of the page began
+  int messages_ = 0;
+  double next_resync_ = 0;
+};
+
+}  // namespace vismap

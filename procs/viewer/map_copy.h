@@ -1,0 +1,83 @@
+#pragma once
+
+#include <tsl/robin_map.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+#include <vismap/mesh_delta_t.hpp>
+
+#include "viewer/page_messages.h"
+#include "wire/update_sequence.h"
+
+namespace vismap {
+
+/// The blocks of a MapCopy that changed.
+struct SurfaceChanges {
+  bool reset = false;  ///< another map: all blocks that a page has are wrong
+  std::vector<BlockIndex>
+      blocks;  ///< changed, new or gone, ascending; of the new map after a reset
+};
+
+/// A copy of the surface of the server's map, from its MESH_DELTA updates, as the page gets it:
+/// each block is encoded once, whatever the number of pages. Like MeshFollower, it detects missing
+/// updates and is bounded in memory. A snapshot of the same map changes only the blocks that
+/// differ.
+class MapCopy {
+ public:
+  struct Held {
+    FrameBytes bytes;   ///< see EncodePageBlock
+    uint64_t hash = 0;  ///< MeshDigest::HashOf
+    size_t triangles = 0;
+  };
+
+  explicit MapCopy(const FollowLimits& limits) : sequence_(limits) {}
+
+  /// Adds one part of an update at time `now` [s]; the copy changes when the last part has arrived.
+  FollowOutcome Apply(const mesh_delta_t& message, double now);
+  /// Drops the parts of an update whose other parts do not come. Returns how many.
+  size_t GiveUpStaleParts(double now) { return sequence_.GiveUpStaleParts(now); }
+
+  /// What changed since the last call.
+  SurfaceChanges ConsumeChanges();
+
+  /// nullptr when the block has no surface.
+  const Held* Find(BlockIndex index) const;
+  /// All blocks with a surface, ascending.
+  std::vector<BlockIndex> SortedIndices() const;
+  /// Without age_s and voxel_size_m.
+  MapSummary Summary() const;
+  bool in_sync() const { return sequence_.in_sync(); }
+  const FollowerPosition& position() const { return sequence_.position(); }
+  int64_t gaps() const { return sequence_.gaps(); }      ///< how often an update was missing
+  double block_edge_m() const { return block_edge_m_; }  ///< 0 = no block yet
+  /// Memory of the copy and of the parts that wait [bytes], about.
+  size_t bytes() const { return sequence_.staged_bytes() + held_bytes(); }
+
+ private:
+  struct Part {
+    struct Block {
+      BlockIndex index;
+      Held held;  // without bytes = the block has no surface
+    };
+    std::vector<Block> blocks;
+  };
+  static Part Encode(const mesh_delta_t& message, size_t* bytes);
+  bool Replace(const mesh_delta_t& head, std::vector<Part> parts);
+  bool SetAll(std::vector<Part> parts);
+  void Set(const Part::Block& block);
+  void Clear();
+  size_t held_bytes() const { return encoded_bytes_ + blocks_.size() * kBytesPerBlock; }
+  static constexpr size_t kBytesPerBlock = 160;  // entries in tables, allocation
+
+  UpdateSequence<Part> sequence_;
+  tsl::robin_map<BlockIndex, Held, BlockIndexHash> blocks_;  // with a surface
+  std::string map_id_;                                       // of the blocks
+  size_t triangles_ = 0, encoded_bytes_ = 0;
+  uint64_t hash_sum_ = 0;
+  int64_t utime_ = 0;
+  double block_edge_m_ = 0;
+  SurfaceChanges changes_;
+};
+
+}  // namespace vismap

@@ -1,0 +1,137 @@
+#include "viewer/slice.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "viewer/process_list.h"
+
+namespace vismap {
+namespace {
+
+// Free but for one occupied voxel, at the given places.
+OccupancyMap SomeSpace() {
+  OccupancyMap map(0.05);
+  map.Set({0, 0, 0}, BlockOccupancy(CellState::kFree));
+  OccupancyPlanes planes;
+  planes.free.fill(~uint64_t{0});
+  planes.free[2] &= ~(uint64_t{1} << (3 + 8 * 5));  // voxel (3, 5, 2) of the block
+  planes.occupied[2] |= uint64_t{1} << (3 + 8 * 5);
+  map.Set({-1, 1, 0}, BlockOccupancy(planes));
+  return map;
+}
+
+Slice Cut(const char* target, size_t max_cells = 1 << 20) {
+  const auto question = ReadSlice(*ParseTarget(target));
+  EXPECT_TRUE(question) << target;
+  return CutSlice(SomeSpace(), *question, max_cells);
+}
+
+TEST(Slice, EqualsTheVoxelsOfTheMap) {
+  const OccupancyMap map = SomeSpace();
+  for (const char* axis : {"x", "y", "z"}) {
+    const Slice slice = Cut(("/api/slice?at=0.12&axis=" + std::string(axis)).c_str());
+    ASSERT_EQ(slice.states.size(), static_cast<size_t>(slice.width * slice.height));
+    EXPECT_EQ(slice.layer, 2);
+    size_t compared = 0;
+    for (int row = 0; row < slice.height; ++row) {
+      for (int column = 0; column < slice.width; ++column) {
+        const double u = slice.origin_m[0] + (column + 0.5) * slice.cell_m;
+        const double v = slice.origin_m[1] + (row + 0.5) * slice.cell_m;
+        const Eigen::Vector3d p_W = *axis == 'x'   ? Eigen::Vector3d(0.12, u, v)
+                                    : *axis == 'y' ? Eigen::Vector3d(u, 0.12, v)
+                                                   : Eigen::Vector3d(u, v, 0.12);
+        EXPECT_EQ(slice.states[static_cast<size_t>(row * slice.width + column)],
+                  static_cast<uint8_t>(map.At(p_W)));
+        ++compared;
+      }
+    }
+    EXPECT_GE(compared, 64u);
+  }
+}
+
+TEST(Slice, LargeCellIsOccupiedWhenOneVoxelIsAndFreeWhenAllAre) {
+  const Slice slice = Cut("/api/slice?axis=z&at=0.12&res=0.4");
+  ASSERT_EQ(slice.width, 2);
+  ASSERT_EQ(slice.height, 2);
+  EXPECT_THAT(slice.states, testing::ElementsAre(0, 1, 2, 0));
+  EXPECT_DOUBLE_EQ(slice.origin_m[0], -0.4);
+}
+
+TEST(Slice, CellsGrowUntilThePictureFits) {
+  const Slice slice = Cut("/api/slice?axis=z&at=0.12", 70);
+  EXPECT_LE(slice.states.size(), 70u);
+  EXPECT_DOUBLE_EQ(slice.cell_m, 0.1);
+}
+
+TEST(Slice, OutsideAndEmptyMapsGiveUnknownOrNothing) {
+  const Slice slice = Cut("/api/slice?axis=z&at=-99999");
+  EXPECT_THAT(slice.states, testing::Each(0));
+  EXPECT_TRUE(CutSlice(OccupancyMap(0.05), {}).states.empty());
+}
+
+TEST(Slice, WrongArgumentsAreRefused) {
+  for (const char* target :
+       {"/api/slice", "/api/slice?at=x", "/api/slice?at=1&axis=w", "/api/slice?at=1&res=-1",
+        "/api/slice?at=nan", "/api/slice?at=1e9", "/api/slice?at=1&what=2", "/api/slice?at=1,2"})
+    EXPECT_FALSE(ReadSlice(*ParseTarget(target))) << target;
+}
+
+TEST(Slice, EncodedAsJsonAndBytes) {
+  const Slice slice = Cut("/api/slice?axis=z&at=0.12&res=0.4");
+  const std::vector<uint8_t> bytes = EncodeSlice(slice, {2, 0.12, 0.4}, {"m", 7});
+  uint32_t size = 0;
+  std::memcpy(&size, bytes.data(), 4);
+  EXPECT_EQ(size % 4, 0u);
+  const auto json = nlohmann::json::parse(bytes.begin() + 4, bytes.begin() + 4 + size);
+  EXPECT_EQ(json["revision"], 7);
+  EXPECT_EQ(json["axes"], nlohmann::json({"x", "y"}));
+  EXPECT_EQ(bytes.size(), 4 + size + 4);
+}
+
+process_status_t SomeStatus(int64_t utime, int64_t frames, int64_t start = 1) {
+  process_status_t status{};
+  status.utime = utime;
+  status.source = status.process = "map-server";
+  status.start_utime = start;
+  status.state = "running";
+  status.counter_names = {"frames"};
+  status.counter_values = {frames};
+  status.n_counters = 1;
+  return status;
+}
+
+TEST(ProcessList, SaysRatesBetweenTwoStatuses) {
+  ProcessList list;
+  list.Add(SomeStatus(1000000, 10), 1);
+  list.Add(SomeStatus(3000000, 50), 3);
+  list.Add(SomeStatus(3010000, 50), 3.01);  // right after a change of state
+  const auto json = nlohmann::json::parse(list.Text(4, 5));
+  const auto& process = json["processes"][0];
+  EXPECT_EQ(process["rates"]["frames"], 20);
+  EXPECT_EQ(process["counters"]["frames"], 50);
+  EXPECT_NEAR(process["age_s"].get<double>(), 0.99, 1e-6);
+}
+
+TEST(ProcessList, RestartHasNoRatesAndOldOnesAreForgotten) {
+  ProcessList list;
+  list.Add(SomeStatus(1000000, 10), 1);
+  list.Add(SomeStatus(3000000, 50, 2), 3);
+  EXPECT_TRUE(nlohmann::json::parse(list.Text(4, 5))["processes"][0]["rates"].empty());
+  list.Text(3 + ProcessList::kForgetAfter + 1, 5);
+  EXPECT_EQ(list.size(), 0u);
+}
+
+TEST(ProcessList, NumberOfProcessesIsBounded) {
+  ProcessList list;
+  for (int i = 0; i < 1000; ++i) {
+    process_status_t status = SomeStatus(1, 1);
+    status.source = "p" + std::to_string(i);
+    list.Add(status, 1);
+  }
+  EXPECT_EQ(list.size(), ProcessList::kMost);
+}
+
+}  // namespace
+}  // namespace vismap
