@@ -24,6 +24,9 @@ foreach(TOOL launch deploy-check)
   install(FILES ${PROJECT_BINARY_DIR}/links/vismap-${TOOL} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 endforeach()
 
+# The page of vismap-viewer, when scripts/page has built it, with the licences of what is in it.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/build/page DESTINATION ${SHARE} COMPONENT runtime OPTIONAL)
+
 # Deployment: belongs in fixed places of the system, so only packages have it.
 install(DIRECTORY ${DEPLOY}/systemd/ DESTINATION lib/systemd/system COMPONENT deploy)
 install(DIRECTORY ${DEPLOY}/etc/ DESTINATION /etc/vismap COMPONENT deploy)

@@ -39,4 +39,4 @@ _vismap() {
 
 complete -o default -F _vismap vismap-adapter vismap-bridge vismap-depth-segmenter vismap-detector vismap-doctor \
   vismap-hub vismap-log vismap-map vismap-map-server vismap-octomap-exporter vismap-offline-mapper vismap-sensor-replay \
-  vismap-launch vismap-deploy-check
+  vismap-viewer vismap-launch vismap-deploy-check
