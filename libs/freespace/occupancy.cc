@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/require.h"
-#include "map/surface_reader.h"
+#include "map/block.h"
 
 namespace vismap {
 namespace {
@@ -98,8 +98,12 @@ namespace {
 
 BlockOccupancy ClassifyDistances(const Block& block, const VoxelGridOptions& grid,
                                  const OccupancyOptions& options) {
-  SurfaceReader reader;
-  if (const SurfaceVoxels* voxels = reader.Read(block))
+  if (block.surface.packed()) {
+    static thread_local SurfaceVoxels unpacked;  // made once, since most blocks of a map are packed
+    block.surface.CopyTo(&unpacked);
+    return BlockOccupancy(ClassifySurface(unpacked, grid, options));
+  }
+  if (const SurfaceVoxels* voxels = block.surface.get())
     return BlockOccupancy(ClassifySurface(*voxels, grid, options));
   if (block.all_free) return BlockOccupancy(CellState::kFree);
   if (!block.free) return BlockOccupancy(CellState::kUnknown);

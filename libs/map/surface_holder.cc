@@ -35,18 +35,6 @@ std::array<uint8_t, kPlanes> BytesOf(const SurfaceVoxels& voxels, size_t i) {
       labels[1],         votes[1],          labels[2],         votes[2]};
 }
 
-void SetBytes(const std::array<uint8_t, kPlanes>& bytes, size_t i, SurfaceVoxels* voxels) {
-  const auto word = [&](size_t at) {
-    return static_cast<uint16_t>(bytes[at] | bytes[at + 1] << 8);
-  };
-  voxels->distance[i] = static_cast<int16_t>(word(0));
-  voxels->weight[i] = word(2);
-  voxels->observations[i] = bytes[4];
-  voxels->color[i] = {bytes[5], bytes[6], bytes[7]};
-  voxels->slot_label[i] = {bytes[8], bytes[10], bytes[12]};
-  voxels->slot_votes[i] = {bytes[9], bytes[11], bytes[13]};
-}
-
 size_t Write(const SurfaceVoxels& voxels, Content& content) {
   std::array<std::array<uint8_t, kBlockVoxels>, kPlanes> planes;
   VoxelBits mask{};
@@ -71,24 +59,62 @@ size_t Write(const SurfaceVoxels& voxels, Content& content) {
   return static_cast<size_t>(at - content.data());
 }
 
-void ReadContent(const Content& content, SurfaceVoxels* voxels) {
+// The voxels that are not all zero, ascending.
+struct UsedVoxels {
+  std::array<uint16_t, kBlockVoxels> voxels;
+  size_t count = 0;
+};
+
+UsedVoxels UsedIn(const uint8_t* bits) {
   VoxelBits mask;
-  std::memcpy(mask.data(), content.data(), kMaskBytes);
+  std::memcpy(mask.data(), bits, kMaskBytes);
+  UsedVoxels used;
+  for (size_t word = 0; word < mask.size(); ++word) {
+    for (uint64_t left = mask[word]; left != 0; left &= left - 1)
+      used.voxels[used.count++] =
+          static_cast<uint16_t>(64 * word + static_cast<size_t>(std::countr_zero(left)));
+  }
+  return used;
+}
+
+// Field by field, since a loop over one field alone takes a fraction of the time of one over all.
+void ReadPlanes(const uint8_t* planes, const UsedVoxels& used, SurfaceVoxels* voxels) {
+  const size_t count = used.count;
+  const auto for_each = [&](const auto& set) {
+    for (size_t i = 0; i < count; ++i) set(size_t{used.voxels[i]}, i);
+  };
+  const auto word = [&](size_t plane, size_t i) {
+    return static_cast<uint16_t>(planes[plane * count + i] | planes[(plane + 1) * count + i] << 8);
+  };
+  const auto byte = [&](size_t plane, size_t i) { return planes[plane * count + i]; };
+  for_each([&](size_t at, size_t i) { voxels->distance[at] = static_cast<int16_t>(word(0, i)); });
+  for_each([&](size_t at, size_t i) { voxels->weight[at] = word(2, i); });
+  for_each([&](size_t at, size_t i) { voxels->observations[at] = byte(4, i); });
+  for_each([&](size_t at, size_t i) { voxels->color[at] = {byte(5, i), byte(6, i), byte(7, i)}; });
+  for_each([&](size_t at, size_t i) {
+    voxels->slot_label[at] = {byte(8, i), byte(10, i), byte(12, i)};
+  });
+  for_each([&](size_t at, size_t i) {
+    voxels->slot_votes[at] = {byte(9, i), byte(11, i), byte(13, i)};
+  });
+}
+
+void ReadContent(const Content& content, SurfaceVoxels* voxels) {
+  const UsedVoxels used = UsedIn(content.data());
   const size_t labels = content[kMaskBytes];
   const uint8_t* at = content.data() + kMaskBytes + 1;
   voxels->palette.resize(labels);
   if (labels > 0) std::memcpy(voxels->palette.data(), at, labels * sizeof(SegmentLabel));
   at += labels * sizeof(SegmentLabel);
-  size_t count = 0;
-  for (const uint64_t word : mask) count += static_cast<size_t>(std::popcount(word));
-  for (size_t i = 0; i < kBlockVoxels; ++i) {
-    std::array<uint8_t, kPlanes> bytes{};
-    if (mask[i / 64] >> (i % 64) & 1) {
-      for (size_t plane = 0; plane < kPlanes; ++plane) bytes[plane] = at[plane * count];
-      ++at;
-    }
-    SetBytes(bytes, i, voxels);
+  if (used.count < kBlockVoxels) {
+    voxels->distance.fill(0);
+    voxels->weight.fill(0);
+    voxels->observations.fill(0);
+    voxels->color.fill({});
+    voxels->slot_label.fill({});
+    voxels->slot_votes.fill({});
   }
+  ReadPlanes(at, used, voxels);
 }
 
 // One context per thread, since it takes a megabyte.
