@@ -25,7 +25,7 @@ async function open(width, height, colorScheme) {
       return now?.server && now.revision >= revision && now.digest === now.server.digest && now.blocks === now.server.blocks && now.objects > 0;
     },
     Number(least),
-    { timeout: 120000, polling: 200 },
+    { timeout: 300000, polling: 200 },
   );
   await page.waitForTimeout(1500);
   return page;

@@ -56,7 +56,7 @@ export class TimingsChart {
       scales: { x: { time: false }, y: { range: (_plot, _low, high) => [0, Math.max(1, high * 1.1)] } },
       axes: [
         { stroke, grid, values: (_plot, ticks) => ticks.map((tick) => `${tick} s`) },
-        { stroke, grid, size: 45 },
+        { stroke, grid, size: 55 },
       ],
       series: [
         { label: "time", value: (_plot, value) => (value == null ? "" : `${value} s`) },

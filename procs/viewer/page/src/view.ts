@@ -128,7 +128,7 @@ export class View {
     side.addScaledVector(up, -side.dot(up)).normalize();
     const forward = new THREE.Vector3().crossVectors(up, side);
     const direction = side.multiplyScalar(0.55).addScaledVector(forward, -0.75).addScaledVector(up, 0.85).normalize();
-    this.lookAt(bounds, direction, 1.0, jump);
+    this.lookAt(bounds, direction, 0.8, jump);
   }
 
   /** Flies to a box and keeps the direction in which the camera looks. */
