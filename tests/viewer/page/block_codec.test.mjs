@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 import { load } from "./load.mjs";
 import { arrayBuffer, blockBytes, pictureBytes, vertex } from "./page_bytes.mjs";
@@ -81,4 +82,18 @@ test("A picture whose text is cut or no JSON is an error", () => {
   assert.throws(() => decodePicture(arrayBuffer(bytes.subarray(0, 12))), /came in all/);
   bytes.write("x", 8);
   assert.throws(() => decodePicture(arrayBuffer(bytes)), SyntaxError);
+});
+
+test("The block that the viewer's own test writes is decoded", async () => {
+  const block = decodeBlock(arrayBuffer(await readFile(new URL("../block.bin", import.meta.url))));
+  assert.deepEqual(block.index, [-1, 2, 3]);
+  assert.deepEqual([block.edge, block.revision, block.hash], [0.5, 5, 0x0102030405060708n]);
+  assert.deepEqual([block.vertices, block.triangles], [6, 2]);
+  assert.deepEqual([...block.indices], [0, 1, 2, 3, 4, 5]);
+  for (let v = 0; v < 6; ++v) {
+    assert.deepEqual([...block.positions.subarray(4 * v, 4 * v + 4)], [40000 + v, 2 * v, 0, 0]);
+    assert.deepEqual([...block.normals.subarray(4 * v, 4 * v + 3)], [-127 + v, v, 0]);
+    assert.deepEqual([...block.colours.subarray(4 * v, 4 * v + 3)], [10 + v, 20, 30]);
+    assert.deepEqual([block.segments[v], block.instances[v], block.classes[v]], [100000 + v, 7, 62]);
+  }
 });
