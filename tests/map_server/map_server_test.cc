@@ -275,8 +275,9 @@ TEST_F(ServerOnABus, RefusesWhatItCannotDo) {
   Start();
   EXPECT_THAT(
       Ask("fly").message,
-      HasSubstr("known are frames, load, map, mesh, objects, occupancy, octree, points, reset, "
-                "save, snapshot, statistics"));
+      HasSubstr(
+          "known are cell, frames, load, map, mesh, objects, occupancy, octree, points, reset, "
+          "save, snapshot, statistics"));
   EXPECT_THAT(Ask("save").message, HasSubstr("no name given to save the map as"));
   EXPECT_THAT(Ask("load").message, HasSubstr("expected the name of a map"));
   EXPECT_THAT(Ask("mesh", "x").message, HasSubstr("argument of mesh"));
