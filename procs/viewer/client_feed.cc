@@ -105,7 +105,10 @@ Result<void> ClientFeed::OnText(std::string_view text, double now) {
 Result<void> ClientFeed::ReadAck(const nlohmann::json& json) {
   if (!json.contains("bytes") || !json["bytes"].is_number_integer())
     return Fail("ack: bytes must be a whole number");
+  const int64_t before = acknowledged_;
   acknowledged_ = std::clamp<int64_t>(json["bytes"].get<int64_t>(), acknowledged_, sent_bytes_);
+  // A fast page has much to acknowledge.
+  if (acknowledged_ - before >= kFreeAcknowledgement) --messages_;
   return {};
 }
 

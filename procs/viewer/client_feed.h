@@ -37,7 +37,9 @@ class ClientFeed {
   static constexpr int64_t kMostUnacknowledged = 8 << 20;
   /// Bytes that may be saved up while there is nothing to send.
   static constexpr double kMostAllowance = 4 << 20;
-  static constexpr int kMostMessagesPerSecond = 50;  ///< from the page
+  static constexpr int kMostMessagesPerSecond = 50;  ///< from the page, ...
+  /// ... where one that acknowledges so many bytes does not count.
+  static constexpr int64_t kFreeAcknowledgement = 1 << 16;
   static constexpr size_t kMostNotices = 16;
 
   /// Both must outlive it.
@@ -52,6 +54,8 @@ class ClientFeed {
   void AddNotice(std::string level, std::string sentence);
   /// Bytes that may be sent in addition to what is left, for the surface and pictures.
   void Allow(double bytes);
+  /// False when it has saved up all that it may.
+  bool NeedsAllowance() const { return allowance_ < kMostAllowance; }
 
   /// The next message; nullopt = nothing, at present. Must not be called again before that message
   /// was sent. `now` decides when the state of the map is due again.

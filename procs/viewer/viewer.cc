@@ -163,8 +163,12 @@ void MapViewer::OnTick() {
   }
   TellChanges();
   std::set<int> pictures;
+  // Pages that get nothing leave their share to the others.
+  const auto sharers = std::count_if(feeds_.begin(), feeds_.end(),
+                                     [](const auto& e) { return e.second.NeedsAllowance(); });
   for (auto& [page, feed] : feeds_) {
-    feed.Allow(options_.budget_mb_s * 1e6 * passed / static_cast<double>(feeds_.size()));
+    if (feed.NeedsAllowance())
+      feed.Allow(options_.budget_mb_s * 1e6 * passed / static_cast<double>(sharers));
     pictures.insert(feed.pictures_wanted().begin(), feed.pictures_wanted().end());
   }
   cameras_.Poll(now, !feeds_.empty(), pictures);

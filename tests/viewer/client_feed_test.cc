@@ -271,6 +271,27 @@ TEST_F(ClientFeedTest, WrongMessagesEndTheConnectionWithAReason) {
   }
 }
 
+TEST_F(ClientFeedTest, FastPageMayAcknowledgeAsOftenAsItHasTo) {
+  std::vector<mesh_block_t> blocks;
+  for (int x = 0; x < 100; ++x) blocks.push_back(SomeBlock(x, 0, 0, 1500));
+  Apply(SomeUpdate("a", -1, 1, blocks));
+  Feed feed(&map, &board);
+  int acknowledged = 0;
+  for (;; ++acknowledged) {
+    feed.feed.Allow(1e6);
+    const auto frame = feed.feed.Next(0);
+    if (!frame) break;
+    feed.page.Take(*frame);
+    const nlohmann::json ack{{"kind", "ack"}, {"bytes", feed.page.binary_bytes}};
+    ASSERT_TRUE(feed.feed.OnText(ack.dump(), 0));
+  }
+  EXPECT_GT(acknowledged, ClientFeed::kMostMessagesPerSecond);
+  const std::string same = "{\"kind\":\"ack\",\"bytes\":1}";
+  int more = 0;
+  while (feed.feed.OnText(same, 0) && more < 1000) ++more;
+  EXPECT_LT(more, ClientFeed::kMostMessagesPerSecond);
+}
+
 TEST_F(ClientFeedTest, TooManyMessagesEndTheConnection) {
   Feed feed(&map, &board);
   for (int i = 0; i < ClientFeed::kMostMessagesPerSecond; ++i)
