@@ -98,7 +98,11 @@ Result<void> MapViewer::Follow(FollowOutcome outcome, const Follower& follower, 
 Result<void> MapViewer::OnMesh(const mesh_delta_t& message) {
   const StageTimer timer(status_, "surface");
   server_heard_ = MonotonicSeconds();
-  return Follow(surface_.Apply(message, MonotonicSeconds()), surface_, &mesh_catch_up_, "surface");
+  const FollowOutcome outcome = surface_.Apply(message, MonotonicSeconds());
+  // At once, so that no page gets a block that the digest which it compares with does not count
+  // yet.
+  TellChanges();
+  return Follow(outcome, surface_, &mesh_catch_up_, "surface");
 }
 
 Result<void> MapViewer::OnSpace(const map_delta_t& message) {

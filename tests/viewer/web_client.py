@@ -137,6 +137,8 @@ class Page:
         if text.get("reset"):
             self.blocks.clear()
             self.resets += 1
+        if text["kind"] == "map" and text["waiting"] == 0:
+            assert (text["digest"], text["blocks"]) == (self.digest(), len(self.blocks)), "a page that lacks nothing is wrong"
         if text["kind"] == "trajectory":
             path = self.paths.setdefault(text["camera_id"], [])
             path[text["from"]:] = text["positions"]
