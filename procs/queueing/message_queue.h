@@ -17,7 +17,7 @@ namespace vismap {
 /// A received message and what is needed to queue it for other connections.
 struct RoutedMessage {
   std::string channel;
-  SharedBytes record;  ///< the whole tcpq record
+  RecordBytes record;  ///< the whole tcpq record
   QueuePolicy policy = QueuePolicy::kDropNewest;
   std::string source;  ///< for kLatest: name of the publisher; "" if the message has no vismap head
 };

@@ -62,7 +62,7 @@ class QueuedConnection {
   Socket socket_;
   RecordReader reader_;
   std::vector<uint8_t> opening_;
-  SharedBytes sending_;  // message being sent, already removed from the queue
+  RecordBytes sending_;  // message being sent, already removed from the queue
   MessageQueue queue_;
   size_t sent_ = 0;  // bytes sent of opening_ or, if that is empty, of sending_
   double last_progress_ = 0;

@@ -24,14 +24,14 @@ enum class TcpqMagic : uint32_t { kHub = 0x287617fa, kClient = 0x287617fb };
 inline constexpr uint32_t kTcpqVersion = 0x0100;
 
 /// A byte string that several queues share.
-using SharedBytes = std::shared_ptr<const RawBytes>;
+using RecordBytes = std::shared_ptr<const RawBytes>;
 
 /// One record of the protocol.
 struct TcpqRecord {
   enum class Kind { kPublish = 1, kSubscribe = 2, kUnsubscribe = 3 };
   Kind kind = Kind::kPublish;
   std::string name;   ///< channel, or pattern (regular expression)
-  SharedBytes bytes;  ///< of kPublish: the whole record, ready to be forwarded
+  RecordBytes bytes;  ///< of kPublish: the whole record, ready to be forwarded
 
   /// Of kPublish: the message in `bytes`.
   std::span<const uint8_t> data() const {
