@@ -131,9 +131,13 @@ class Space {
     const Vector3d at = obstacle.nearest.value_or(p);
     const octomap::OcTreeNode* node = raw.search(at.x(), at.y(), at.z());
     const std::string what = node == nullptr ? "unknown space" : "an obstacle";
-    if (obstacle.distance == 0) return where + " is in " + what;
+    const std::string advice =
+        node == nullptr && name == "start"
+            ? "; when the robot's own body hid it, see octomap_exporter.clear_start_m in the config"
+            : "";
+    if (obstacle.distance == 0) return where + " is in " + what + advice;
     return where + " is " + Metres(obstacle.distance) + " from " + what +
-           ", nearer than the radius of " + Metres(radius_);
+           ", nearer than the radius of " + Metres(radius_) + advice;
   }
 
  private:

@@ -89,6 +89,7 @@ TEST_F(PlanSphereTest, GoesThroughKnownSpaceOnlyAndSaysWhyNot) {
                  "is 0.10 m from an obstacle, nearer than the radius of 0.20 m");
   expect_refusal(here, {1.8, 0.8, 0.8}, "the goal (1.80, 0.80, 0.80) is in unknown space");
   expect_refusal(here, {0.5, 0.15, 0.8}, "is 0.15 m from unknown space");
+  expect_refusal({0.5, 0.15, 0.8}, here, "see octomap_exporter.clear_start_m in the config");
   expect_refusal(here, {0.5, -0.8, 0.8}, "is outside of the known space, which is from (0.00");
 }
 
