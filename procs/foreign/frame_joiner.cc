@@ -183,32 +183,33 @@ Result<void> FrameJoiner::AddImages(const std::string& channel, ForeignMessage m
       image->reset();
     }
   }
-  AddInTime(std::move(message));
+  AddInTime(std::move(message), std::clamp<int64_t>(received, now_, kLatestUtime));
   BoundBytes();
   return {};
 }
 
-// Adds the images whose times are right.
-void FrameJoiner::AddInTime(ForeignMessage message) {
+// Adds the images whose times are right. Those that were held back wait from now on. `now` may be
+// later than now_, which follows a pause of the log one message later.
+void FrameJoiner::AddInTime(ForeignMessage message, int64_t now) {
   if (message.color && message.depth) {
     // Drivers send the last colour image that they have, which may be old.
     if (std::abs(message.color->utime - message.depth->utime) >
         Microseconds(options_.pair_within_ms))
       message.color->utime = message.depth->utime;
     const int64_t utime = message.depth->utime;
-    DropForItsTime(pair_times_.Add({std::move(message.color), std::move(*message.depth), now_},
-                                   utime, now_,
-                                   [this](auto&& pair) { AddPair(std::move(pair.item)); }));
+    DropForItsTime(pair_times_.Add({std::move(message.color), std::move(*message.depth), now},
+                                   utime, now, [&](auto&& pair) {
+                                     pair.item.received = now;
+                                     AddPair(std::move(pair.item));
+                                   }));
   } else if (message.color) {
     const int64_t utime = message.color->utime;
-    DropForItsTime(color_times_.Add(std::move(*message.color), utime, now_, [this](auto&& color) {
-      AddColor(std::move(color.item), color.received);
-    }));
+    DropForItsTime(color_times_.Add(std::move(*message.color), utime, now,
+                                    [&](auto&& color) { AddColor(std::move(color.item), now); }));
   } else if (message.depth) {
     const int64_t utime = message.depth->utime;
-    DropForItsTime(depth_times_.Add(std::move(*message.depth), utime, now_, [this](auto&& depth) {
-      AddDepth(std::move(depth.item), depth.received);
-    }));
+    DropForItsTime(depth_times_.Add(std::move(*message.depth), utime, now,
+                                    [&](auto&& depth) { AddDepth(std::move(depth.item), now); }));
   }
 }
 

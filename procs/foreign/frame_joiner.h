@@ -101,7 +101,7 @@ class FrameJoiner {
   Result<void> AddImages(const std::string& channel, ForeignMessage message, int64_t received,
                          int64_t number);
   Result<void> Prepare(ForeignImage* image, bool is_color, int64_t received, int64_t number);
-  void AddInTime(ForeignMessage message);
+  void AddInTime(ForeignMessage message, int64_t now);
   void AddColor(ForeignImage image, int64_t received);
   void AddDepth(ForeignImage image, int64_t received);
   void AddPair(Pair pair);

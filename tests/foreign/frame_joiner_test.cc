@@ -83,6 +83,24 @@ TEST(FrameJoiner, JoinsImagesIntrinsicsAndPosesOfDimos) {
   }
 }
 
+TEST(FrameJoiner, LosesNothingAfterAPauseOfALogWithoutAClock) {
+  Joined joined(DimosOptions());
+  joined.Add(kInfoChannel, CameraInfo(kStart), kStart);
+  const std::vector<int64_t> times_ms = {0, 100, 200, 300, 3800, 3900, 9000, 9100, 11000, 12500};
+  for (const int64_t time : times_ms) {
+    const int64_t utime = kStart + time * 1000 + 100'000;
+    // The image comes first after the pause, and a pose between the two images.
+    joined.Add(kColorChannel, ColorImage(utime), utime);
+    joined.Add(kTfChannel, Body(utime - 6000), utime + 200);
+    joined.Add(kDepthChannel, DepthImage(utime + 750), utime + 750);
+    joined.Add(kTfChannel, Body(utime + 6000), utime + 6000);
+    joined.Add(kTfChannel, Mounts(utime + 750), utime + 6100);
+  }
+  joined.joiner.Finish();
+  EXPECT_EQ(joined.frames.size(), times_ms.size()) << joined.joiner.dropped().Text();
+  EXPECT_EQ(joined.joiner.dropped().total(), 0) << joined.joiner.dropped().Text();
+}
+
 TEST(FrameJoiner, PassesPixelsOnUnchanged) {
   Joined joined(DimosOptions());
   AddSecond(&joined);
