@@ -33,6 +33,7 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
   context.status->Set(ProcessState::kReady, map.StatusMessage());
   server.Run();
   context.status->Set(ProcessState::kStopping);
+  server.Finish();
   LogInfo(server.Summary());
   if (config.map_server.save_on_exit.empty()) return {};
   const Result<std::string> saved = map.SaveAtEnd();

@@ -1,5 +1,7 @@
 #include "map_server/map_requests.h"
 
+#include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -35,6 +37,18 @@ Result<Answer> AnswerUnknownSurface(const MapSnapshot& map, const ObjectQuery& q
                        points_only);
 }
 
+/// The answer, or why there is none. A map may be too large for what was asked for.
+template <typename Function>
+Result<Answer> Guarded(const Function& answer, const MapSnapshot& map) {
+  try {
+    return answer(map);
+  } catch (const std::bad_alloc&) {
+    return Fail("there is not enough memory for the answer");
+  } catch (const std::exception& error) {
+    return Fail(std::string("the answer could not be made: ") + error.what());
+  }
+}
+
 }  // namespace
 
 MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, Status* status)
@@ -48,6 +62,9 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
           },
           bus, status),
       worker_(bus) {
+  // The other thread makes one answer at a time. What has not begun holds no copy of the map, and
+  // waits within the limits of the server.
+  server_.SetMostBegun(1);
   server_.Handle("load", [this](const map_request_t& request) { return Load(request); });
   server_.Handle("reset", [this](const map_request_t&) { return Reset(); });
   HandleReading("save", &MapRequests::Save);
@@ -77,7 +94,7 @@ void MapRequests::Read(Reading reading, const RequestServer::Reply& reply) {
   const std::shared_ptr<const MapSnapshot> map = map_.Snapshot();
   const auto work = [answer = std::move(reading.answer), map] {
     const double start = MonotonicSeconds();
-    Result<Answer> made = answer(*map);
+    Result<Answer> made = Guarded(answer, *map);
     if (made) made->position = map->position();
     if (made) made->worked_s = MonotonicSeconds() - start;
     return made;
@@ -119,15 +136,17 @@ Result<MapRequests::Reading> MapRequests::Save(const map_request_t& request) {
 Result<MapRequests::Reading> MapRequests::ReadObjects(const map_request_t& request) {
   const Result<ObjectQuery> query = QueryOf(request);
   if (!query) return tl::unexpected(query.error());
-  const auto products = std::make_shared<MapProducts>();
-  return Reading{[options = options_, query = *query, products](const MapSnapshot& map) {
-                   *products = MakeProducts(map.map, map.metadata, options);
-                   products->mesh = {};
-                   return AnswerObjects(map, query, products->up, products->objects);
+  const auto objects = std::make_shared<std::optional<std::vector<ObjectSummary>>>();
+  return Reading{[options = options_, query = *query, objects](const MapSnapshot& map) {
+                   MapProducts products = MakeProducts(map.map, map.metadata, options);
+                   Result<Answer> answer = AnswerObjects(map, query, products.up, products.objects);
+                   *objects = std::move(products.objects);
+                   return answer;
                  },
-                 [this, products](const MapSnapshot& map) {
+                 [this, objects](const MapSnapshot& map) {
+                   if (!*objects) return;
                    map_.publisher().objects().PublishLate(map_.session(), map,
-                                                          std::move(products->objects));
+                                                          std::move(**objects));
                  }};
 }
 
@@ -152,14 +171,20 @@ Result<MapRequests::Reading> MapRequests::ReadMeshGap(const map_request_t& reque
                 position.error().message);
   MeshPublisher& publisher = map_.publisher().mesh();
   MeshGap gap = publisher.GapSince(map_.session().map(), *position);
-  return Reading{[this, &publisher, gap = std::move(gap),
-                  meshing = options_.meshing](const MapSnapshot& map) -> Result<Answer> {
-    MeshPublisher::MakeMessages(
-        gap, map.map, map.metadata.map_id, meshing, [&](mesh_delta_t message) {
-          worker_.Post([&publisher, message = std::move(message)] { publisher.Send(message); });
-        });
-    return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
-  }};
+  const int64_t revision = gap.revision;
+  return Reading{
+      [this, &publisher, gap = std::move(gap),
+       meshing = options_.meshing](const MapSnapshot& map) -> Result<Answer> {
+        MeshPublisher::MakeMessages(
+            gap, map.map, map.metadata.map_id, meshing, [&](mesh_delta_t message) {
+              worker_.Post([&publisher, message = std::move(message)] { publisher.Send(message); });
+            });
+        return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
+      },
+      // What was published meanwhile builds on a revision that the follower lacked.
+      [this, &publisher, revision](const MapSnapshot& map) {
+        publisher.PublishNewer(map_.session().map(), {map.metadata.map_id, revision});
+      }};
 }
 
 Result<MapRequests::Reading> MapRequests::ReadPoints(const map_request_t& request) {
@@ -237,7 +262,11 @@ Result<MapRequests::Reading> MapRequests::ReadSpaceGap(const map_request_t& requ
         *messages = OccupancyPublisher::MessagesFor(gap, map.map, free_space);
         return Answer{digest};
       },
-      [&publisher, messages](const MapSnapshot&) { publisher.Send(*messages); }};
+      // Frames that were published meanwhile build on a revision that the follower lacked.
+      [this, &publisher, messages](const MapSnapshot& map) {
+        publisher.Send(*messages);
+        publisher.PublishNewer(map_.session().map(), map.position());
+      }};
 }
 
 Result<MapRequests::Reading> MapRequests::ReadStatistics(const map_request_t&) {

@@ -28,7 +28,6 @@ void MapServer::Run() {
     if (const Result<bool> mapped = frames_.MapNext(); !mapped)
       LogWarningRateLimited("frame", mapped.error().message);
   }
-  requests_.Finish();
 }
 
 }  // namespace vismap

@@ -19,8 +19,10 @@ class MapServer {
   MapServer(const VismapConfig& config, Bus* bus, Status* status);
 
   LiveMap& map() { return map_; }
-  /// Serves until stop is requested, and finishes the requests that have begun.
+  /// Serves until stop is requested.
   void Run();
+  /// Waits for the request that has begun, and answers it.
+  void Finish() { requests_.Finish(); }
   /// What became of the frames, see FrameMapper.
   std::string Summary() const { return frames_.Summary(); }
 

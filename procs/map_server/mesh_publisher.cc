@@ -45,6 +45,11 @@ void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition&
                [this](const mesh_delta_t& message) { Send(message); });
 }
 
+void MeshPublisher::PublishNewer(const SemanticMap& map, const FollowerPosition& position) {
+  if (position.map_id == map_id_ && position.revision < tracker_.revision())
+    PublishSince(map, position);
+}
+
 MeshGap MeshPublisher::GapSince(const SemanticMap& map, const FollowerPosition& position) {
   const int64_t revision = position.map_id == map_id_ ? position.revision : -1;
   return tracker_.GapSince(map, revision, [&](MeshPart part) { SendPart(map, std::move(part)); });

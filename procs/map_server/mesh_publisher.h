@@ -31,6 +31,9 @@ class MeshPublisher {
   /// Publishes what a follower at this position lacks: the blocks that changed since, or the whole
   /// surface.
   void PublishSince(const SemanticMap& map, const FollowerPosition& position);
+  /// The same for a follower that has just got `position`, unless nothing newer was published or it
+  /// is that of another map.
+  void PublishNewer(const SemanticMap& map, const FollowerPosition& position);
   /// The same in two steps, so that the second one can be done by another thread with a copy of the
   /// map. The messages are for Send.
   MeshGap GapSince(const SemanticMap& map, const FollowerPosition& position);

@@ -38,6 +38,11 @@ void OccupancyPublisher::PublishSince(const SemanticMap& map, const FollowerPosi
   Send(MessagesFor(GapSince(position), map, options_));
 }
 
+void OccupancyPublisher::PublishNewer(const SemanticMap& map, const FollowerPosition& position) {
+  if (position.map_id == position_.map_id && position.revision < position_.revision)
+    PublishSince(map, position);
+}
+
 OccupancyGap OccupancyPublisher::GapSince(const FollowerPosition& position) const {
   OccupancyGap gap{position_, utime_, -1, {}};
   const bool known = position.map_id == position_.map_id && position.revision >= 0 &&

@@ -35,8 +35,11 @@ class OccupancyPublisher {
   void PublishSnapshot(const SemanticMap& map) { PublishSince(map, {}); }
   /// What a follower at this position lacks: the blocks that changed since, or everything.
   void PublishSince(const SemanticMap& map, const FollowerPosition& position);
-  /// The same in two steps, so that the second one can be done by another thread with a copy of the
-  /// map. The messages are for Send.
+  /// The same for a follower that has just got `position`, unless it is the newest one or that of
+  /// another map: frames may have been published since its messages were made.
+  void PublishNewer(const SemanticMap& map, const FollowerPosition& position);
+  /// PublishSince in two steps, so that the second one can be done by another thread with a copy of
+  /// the map. The messages are for Send.
   OccupancyGap GapSince(const FollowerPosition& position) const;
   static std::vector<map_delta_t> MessagesFor(const OccupancyGap& gap, const SemanticMap& map,
                                               const OccupancyOptions& options);

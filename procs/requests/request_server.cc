@@ -100,7 +100,7 @@ Result<void> RequestServer::OnRequest(const map_request_t& request) {
     return Fail("the source of a request has " + std::to_string(request.source.size()) +
                 " characters; expected at most " + std::to_string(kMaxSource));
   }
-  if (!IsForUs(request)) return {};
+  if (!IsForUs(request) || begun_.contains({request.source, request.request_id})) return {};
   if (!waiting_.Add(request)) {
     status_->Count("requests_not_taken");
     LogWarningRateLimited("requests",
@@ -112,7 +112,8 @@ Result<void> RequestServer::OnRequest(const map_request_t& request) {
 
 void RequestServer::ServeNextIfDue() {
   const double start = MonotonicSeconds();
-  if (waiting_.size() > 0 && (start >= next_due_ || bus_->SecondsWithoutWork() > kIdle)) {
+  if (waiting_.size() > 0 && begun_.size() < most_begun_ &&
+      (start >= next_due_ || bus_->SecondsWithoutWork() > kIdle)) {
     const StageTimer timer(status_, "requests");
     Serve(*waiting_.Next());
     const double end = MonotonicSeconds();

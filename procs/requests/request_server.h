@@ -91,8 +91,8 @@ class RequestServer {
 
   /// Sends the answer to a request that was begun, now or later; once.
   using Reply = std::function<void(Result<Answer>)>;
-  /// Begins to carry out a request, which may wait for other programs. It must call the Reply in
-  /// the end, within some seconds; the server must outlive it.
+  /// Begins to carry out a request, which may wait for other programs or threads. It must call the
+  /// Reply in the end; the server must outlive it.
   using LateHandler = std::function<void(const map_request_t&, Reply)>;
 
   /// Requests with this verb go to `handler`. Others are refused with the list of the known verbs.
@@ -100,10 +100,14 @@ class RequestServer {
   /// The same for answers that may take longer than the handler. Until the answer is there, other
   /// requests are carried out, and a repetition of this one begins nothing.
   void HandleLate(const std::string& verb, LateHandler handler);
+  /// While so many have begun and have no answer, all others wait; kUsuallyBegun at the start.
+  void SetMostBegun(size_t most) { most_begun_ = most; }
   /// The share of the time that requests may take, see PauseAfter; kUsualShare at the start.
   void SetShare(double share) { share_ = share; }
 
  private:
+  static constexpr size_t kUsuallyBegun = 8;
+
   Result<void> OnRequest(const map_request_t& request);
   void ServeNextIfDue();
   void Serve(const map_request_t& request);
@@ -123,6 +127,7 @@ class RequestServer {
   std::map<std::string, Handler> handlers_;  // by verb
   std::map<std::string, LateHandler> late_handlers_;
   std::set<std::pair<std::string, int64_t>> begun_;  // without an answer: source and request_id
+  size_t most_begun_ = kUsuallyBegun;
   WaitingRequests waiting_;
   double share_ = kUsualShare;
   double next_due_ = 0;                 // of a request, while other messages come, MonotonicSeconds

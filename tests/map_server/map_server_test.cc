@@ -14,6 +14,7 @@
 #include "runtime/clock.h"
 #include "small_frames.h"
 #include "support/temp_folder.h"
+#include "wire/map_follower.h"
 #include "wire/mesh_follower.h"
 
 // A whole map server, on a bus of its own.
@@ -252,6 +253,44 @@ TEST_F(ServerOnABus, AnswersAreOfTheMapAtTheTimeOfTheRequestAndFramesGoOnMeanwhi
     EXPECT_EQ(reply.map_id, map_id);
     EXPECT_LE(reply.revision, 4);
   }
+}
+
+TEST_F(ServerOnABus, FollowersGetInStepWhileFramesComeWithoutAPause) {
+  Start();
+  MapFollower space;
+  MeshFollower mesh;
+  int asked = 0;
+  bool hears = false;
+  const auto ask = [&](const char* verb, const FollowerPosition& position) {
+    map_request_t request{};
+    request.verb = verb;
+    request.argument = ToText(position);
+    request.request_id = ++last_request_;
+    bus_->Publish(kMapRequestChannel, request);
+  };
+  bus_->Subscribe<map_delta_t>(kMapDeltaChannel, [&](const map_delta_t& message) {
+    if (hears) space.Apply(*Decode(message));
+  });
+  bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel, [&](const mesh_delta_t& message) {
+    if (hears) mesh.Apply(message);
+  });
+  int64_t utime = 0;
+  const auto frame = [&] {
+    utime += 1000;
+    const double x = 0.01 * static_cast<double>(utime / 1000 % 50);
+    bus_->Publish(kSegmentedFrameChannel, MovedMessage(utime, x));
+    bus_->Spin(0);
+  };
+  for (int i = 0; i < 20; ++i) frame();
+  hears = true;
+  const double deadline = MonotonicSeconds() + 10;
+  while (!(space.in_sync() && mesh.in_sync()) && MonotonicSeconds() < deadline) {
+    if (asked++ == 0) ask("snapshot", space.position());
+    if (asked == 2) ask("mesh", mesh.position());
+    frame();
+  }
+  EXPECT_TRUE(space.in_sync());
+  EXPECT_TRUE(mesh.in_sync());
 }
 
 TEST_F(ServerOnABus, ARequestThatIsStillAnsweredWhenTheMapIsReplacedIsAboutTheOldOne) {

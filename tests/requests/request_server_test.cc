@@ -84,6 +84,26 @@ TEST_F(Requests, ALateAnswerDoesNotKeepOthersWaitingAndComesOnce) {
   EXPECT_EQ(replies_.back().message, "at last") << "a repetition gets the same answer";
 }
 
+TEST_F(Requests, WaitWhileAsManyHaveBegunAsMay) {
+  server_.SetMostBegun(1);
+  Send(Request(1, "wait"));
+  const auto send = [&](const map_request_t& request) {
+    bus_->Publish(kMapRequestChannel, request);
+    for (int i = 0; i < 50; ++i) bus_->Spin(0.002);
+  };
+  send(Request(1, "wait"));
+  EXPECT_EQ(status_.counter("requests_waiting"), 0) << "a repetition of what has begun";
+  send(Request(2, "count"));
+  send(Request(3, "wait"));
+  EXPECT_EQ(status_.counter("requests_waiting"), 2);
+  EXPECT_EQ(replies_.size(), 0u);
+  waiting_[0](Answer{"at last"});
+  Settle();
+  ASSERT_EQ(replies_.size(), 2u);
+  EXPECT_EQ(replies_[1].request_id, 2);
+  EXPECT_EQ(waiting_.size(), 2u);
+}
+
 TEST_F(Requests, AreCarriedOutAndAnswered) {
   map_request_t request = Request(17, "count");
   request.argument = "sheep";
