@@ -39,7 +39,8 @@ int64_t DeviceClock::ToUtime(double device_s) {
 }
 
 int64_t DeviceClock::ToUtime(double device_s, int64_t arrival_utime, double arrival_s) {
-  if (!std::isfinite(device_s)) {
+  constexpr double kMost = 1e11;  // [s]
+  if (!(std::abs(device_s) <= kMost)) {
     throw std::invalid_argument("the time stamp of the camera is " + std::to_string(device_s) +
                                 "; expected seconds");
   }

@@ -1,5 +1,6 @@
 #include "octomap_exporter/exporter.h"
 
+#include <cmath>
 #include <filesystem>
 #include <span>
 #include <utility>
@@ -47,7 +48,8 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
   bus_->Subscribe<map_delta_t>(kMapDeltaChannel,
                                [this](const map_delta_t& message) { return OnDelta(message); });
   bus_->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& message) {
-    if (message.process == "map-server") server_utime_ = WallUtime();
+    if (message.process == "map-server" && message.state != "stopping")
+      server_heard_ = MonotonicSeconds();
   });
   bus_->Subscribe<object_list_t>(
       kObjectsChannel, [this](const object_list_t& message) { return up_.Hear(message); },
@@ -69,7 +71,7 @@ Exporter::Exporter(const VismapConfig& config, Bus* bus, Status* status)
 
 Result<void> Exporter::OnDelta(const map_delta_t& message) {
   const StageTimer timer(status_, "following");
-  server_utime_ = WallUtime();
+  server_heard_ = MonotonicSeconds();
   Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
   const FollowOutcome outcome = follower_.Apply(std::move(*update), MonotonicSeconds());
@@ -404,7 +406,10 @@ void Exporter::PublishNavigation() {
   message.map_id = follower_.position().map_id;
   message.revision = follower_.position().revision;
   message.in_sync = follower_.in_sync();
-  message.server_utime = server_utime_;
+  // The wall clock may have been set since the map server was heard.
+  if (server_heard_)
+    message.server_utime =
+        message.published_utime - std::llround((MonotonicSeconds() - *server_heard_) * 1e6);
   message.message = Trouble();
   message.n_assumed_free = trees_ ? static_cast<int32_t>(trees_->assumed_free()) : 0;
   const auto add = [&](const Channel& channel, int64_t revision, int64_t utime, int64_t published) {

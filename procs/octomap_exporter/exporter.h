@@ -92,7 +92,7 @@ class Exporter {
   FollowerPosition exported_;
   FollowerPosition updated_;  // of trees_ and distances_
   std::string export_error_;  // why there is no tree; "" = there is one, or nothing is known
-  int64_t server_utime_ = 0;  // when the map server was heard last [us]
+  std::optional<double> server_heard_;  // when the map server was heard last, MonotonicSeconds
   Pacer export_pacer_;
   RequestServer requests_;
   SpaceWithout space_without_;

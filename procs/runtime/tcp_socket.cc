@@ -63,10 +63,13 @@ void SetOption(int fd, int level, int option, int value) {
 
 // Whether both ends are on this computer.
 bool IsLoopback(int fd) {
-  sockaddr_in peer{};
-  socklen_t size = sizeof(peer);
-  if (getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &size) != 0) return false;
-  return peer.sin_family == AF_INET && ntohl(peer.sin_addr.s_addr) >> 24 == 127;
+  sockaddr_in peer{}, own{};
+  socklen_t peer_size = sizeof(peer), own_size = sizeof(own);
+  if (getpeername(fd, reinterpret_cast<sockaddr*>(&peer), &peer_size) != 0 ||
+      getsockname(fd, reinterpret_cast<sockaddr*>(&own), &own_size) != 0)
+    return false;
+  if (peer.sin_family != AF_INET || own.sin_family != AF_INET) return false;
+  return ntohl(peer.sin_addr.s_addr) >> 24 == 127 || peer.sin_addr.s_addr == own.sin_addr.s_addr;
 }
 
 }  // namespace
