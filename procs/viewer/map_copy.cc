@@ -20,6 +20,7 @@ MapCopy::Part MapCopy::Encode(const mesh_delta_t& message, size_t* bytes) {
       *bytes += encoded.held.bytes->size();
     }
     *bytes += sizeof(Part::Block);
+    part.block_edge_m = static_cast<double>(block.edge_m);
     part.blocks.push_back(std::move(encoded));
   }
   return part;
@@ -39,7 +40,6 @@ FollowOutcome MapCopy::Apply(const mesh_delta_t& message, double now) {
     sequence_.RequireSnapshot();
     return FollowOutcome::kTooLarge;
   }
-  if (!message.blocks.empty()) block_edge_m_ = static_cast<double>(message.blocks.front().edge_m);
   utime_ = message.utime;
   return outcome;
 }
@@ -65,6 +65,7 @@ bool MapCopy::Replace(const mesh_delta_t& head, std::vector<Part> parts) {
 bool MapCopy::SetAll(std::vector<Part> parts) {
   for (const Part& part : parts) {
     for (const Part::Block& block : part.blocks) Set(block);
+    if (part.block_edge_m > 0) block_edge_m_ = part.block_edge_m;
     if (held_bytes() > sequence_.limits().max_bytes) return false;
   }
   return true;

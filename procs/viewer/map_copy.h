@@ -61,6 +61,7 @@ class MapCopy {
       Held held;  // without bytes = the block has no surface
     };
     std::vector<Block> blocks;
+    double block_edge_m = 0;  // 0 = it has no block
   };
   static Part Encode(const mesh_delta_t& message, size_t* bytes);
   bool Replace(const mesh_delta_t& head, std::vector<Part> parts);

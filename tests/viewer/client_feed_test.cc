@@ -329,6 +329,17 @@ TEST(MapCopy, SnapshotOfTheSameMapChangesOnlyWhatDiffers) {
   EXPECT_THAT(changes.blocks, testing::ElementsAre(BlockIndex{0, 0, 0}, BlockIndex{2, 0, 0}));
 }
 
+TEST(MapCopy, KnowsTheSizeOfBlocksAlsoWhenThePartThatComesLastIsEmpty) {
+  MapCopy copy{FollowLimits{}};
+  mesh_delta_t first = SomeUpdate("a", -1, 1, {SomeBlock(0, 0, 0, 1)});
+  mesh_delta_t last = SomeUpdate("a", -1, 1, {});
+  first.parts = last.parts = 2;
+  last.part = 1;
+  EXPECT_EQ(copy.Apply(first, 0), FollowOutcome::kWaiting);
+  EXPECT_EQ(copy.Apply(last, 0), FollowOutcome::kApplied);
+  EXPECT_EQ(copy.block_edge_m(), 0.5);
+}
+
 TEST(MapCopy, SurfaceAboveTheLimitIsDropped) {
   MapCopy copy{FollowLimits{.max_bytes = 20000}};
   std::vector<mesh_block_t> blocks;

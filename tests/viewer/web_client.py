@@ -152,6 +152,7 @@ class Page:
             flags, i, j, k, edge, revision, vertices, triangles, digest = struct.unpack_from("<xxHiiifIIIQ", payload)
             size = 48 + 24 * vertices + (2 * vertices + 3) // 4 * 4
             size += ((12 if flags & 1 else 6) * triangles + 3) // 4 * 4
+            assert edge > 0, "a block without its size"
             assert len(payload) == (size if vertices else 48), (len(payload), size)
             if vertices:
                 self.blocks[i, j, k] = (digest, triangles)
