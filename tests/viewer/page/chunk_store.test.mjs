@@ -115,6 +115,21 @@ test("The digest wraps at 64 bits and does not depend on the order", () => {
   assert.ok(!sameDigest("51", "52"));
 });
 
+test("Each time that asking for all blocks did not help, the patience doubles, up to 5 minutes", () => {
+  const theirs = { blocks: 2, digest: "ff", waiting: 0 };
+  const ours = { blocks: 1, digest: "0f" };
+  const staleness = new Staleness();
+  const asked = [];
+  for (let now = 0; now < 2e6; now += 1000) if (staleness.check(now, ours, theirs)) asked.push(now);
+  const pauses = asked.slice(1).map((time, i) => time - asked[i]);
+  assert.ok(pauses[0] >= 6000 && pauses[0] <= 8000, `the first pause is ${pauses[0]} ms`);
+  assert.ok(pauses.every((pause, i) => i === 0 || pause >= pauses[i - 1]));
+  assert.ok(pauses.at(-1) >= 300000 && pauses.at(-1) <= 302000, `the last pause is ${pauses.at(-1)} ms`);
+  assert.equal(staleness.check(3e6, theirs, theirs), false);
+  assert.equal(staleness.check(3e6 + 1, ours, theirs), false);
+  assert.equal(staleness.check(3e6 + 3001, ours, theirs), true, "patience is short again");
+});
+
 test("All blocks are asked for again only when the surface differs for 3 s and nothing comes", () => {
   const theirs = { blocks: 2, digest: "ff", waiting: 0 };
   const ours = { blocks: 1, digest: "0f" };

@@ -120,11 +120,12 @@ function keepInView(): void {
 }
 
 function takeMap(message: MapMessage): void {
-  if (status.map && status.map.mapId !== message.mapId) {
+  if (status.isAnother(message)) {
     structure = [];
     listed = [];
     structureFeed.reset();
     cameras.clear();
+    space.forget();
     showObjects();
   }
   if (status.map && status.map.revision !== message.revision) refreshSlicesSoon();

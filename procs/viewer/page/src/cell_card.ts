@@ -58,6 +58,12 @@ export class CellCard {
   readonly element = el("div", { class: "card", id: "cell", role: "status", hidden: true });
   private asked = 0;
 
+  /** Hides the card, and ignores an answer that is on its way. */
+  hide(): void {
+    ++this.asked;
+    this.element.hidden = true;
+  }
+
   /** Asks for the cell at a point of W [m] and shows the answer. */
   async ask(point: [number, number, number]): Promise<void> {
     const number = ++this.asked;

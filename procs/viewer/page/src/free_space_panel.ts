@@ -59,11 +59,12 @@ class SliceControl {
     this.refresh();
   }
 
-  setAxis(axis: Axis, bounds: THREE.Box3): void {
+  /** `bounds` is null while nothing of the map has come. */
+  setAxis(axis: Axis, bounds: THREE.Box3 | null): void {
     if (axis === this.axis) return;
     this.axis = axis;
     this.moved = false;
-    this.setBounds(bounds);
+    if (bounds) this.setBounds(bounds);
     this.refresh();
   }
 
@@ -90,6 +91,13 @@ class SliceControl {
     }
     const { voxel, ...rest } = this.options();
     this.feed.want({ axis: this.axis, at: middleOfVoxel(Number(this.slider.value), voxel), ...rest });
+  }
+
+  /** Another map: what is shown is no longer true. */
+  forget(): void {
+    this.feed.forget();
+    this.plane.hide();
+    this.refresh();
   }
 
   private showValue(): void {
@@ -139,7 +147,7 @@ export class FreeSpacePanel {
     };
     this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange, noLeaves);
     this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange, noLeaves);
-    this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds!));
+    this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds));
     this.fillAcross();
     scene.add(this.horizontal.plane.group, this.vertical.plane.group);
     parent.append(
@@ -155,9 +163,10 @@ export class FreeSpacePanel {
   /** The horizontal slice is across the axis nearest to up. */
   setUp(up: [number, number, number]): void {
     const sizes = up.map(Math.abs);
-    this.upAxis = kAxes[sizes.indexOf(Math.max(...sizes))]!;
+    const upAxis = kAxes[sizes.indexOf(Math.max(...sizes))]!;
+    if (upAxis === this.upAxis) return;
+    this.upAxis = upAxis;
     this.fillAcross();
-    if (!this.bounds) return;
     this.horizontal.setAxis(this.upAxis, this.bounds);
     this.vertical.setAxis(this.across.value as Axis, this.bounds);
   }
@@ -175,6 +184,13 @@ export class FreeSpacePanel {
   /** The map has changed. */
   refresh(): void {
     for (const control of [this.horizontal, this.vertical]) if (control.isOn) control.refresh();
+  }
+
+  /** There is another map. */
+  forget(): void {
+    this.horizontal.forget();
+    this.vertical.forget();
+    this.cell.hide();
   }
 
   toggleHorizontal(): void {

@@ -9,6 +9,7 @@ const kOldMap = 5; // [s] without word from the map server
 export class MapStatus {
   map: MapMessage | null = null;
   hello: HelloMessage | null = null;
+  mapId = ""; // of the newest map; a viewer that has just started knows none yet, which is no other map
   private wasOpen = false;
 
   constructor(
@@ -39,16 +40,22 @@ export class MapStatus {
     this.banners.hold("protocol", "warning", other ? "This page is of another version than its server: reload it." : "");
   }
 
+  /** Whether the message is about another map than the one before. */
+  isAnother(map: MapMessage): boolean {
+    return this.mapId !== "" && map.mapId !== "" && map.mapId !== this.mapId;
+  }
+
   takeMap(map: MapMessage): void {
     const before = this.map;
-    if (before && before.mapId !== "" && before.mapId !== map.mapId) this.banners.flash("warning", "There is another map now: the old one was reset.");
+    if (this.isAnother(map)) this.banners.flash("warning", "There is another map now: the old one was reset.");
     else if (before && map.revision >= 0 && map.revision < before.revision) this.banners.flash("warning", "The map was corrected: it went back to an earlier revision.");
     this.map = map;
+    if (map.mapId !== "") this.mapId = map.mapId;
     const silent = map.revision >= 0 && map.age > kOldMap;
-    this.banners.hold("age", "warning", silent ? `The map server has been silent for ${Math.round(map.age)} s.` : "");
+    this.banners.hold("age", "warning", silent ? "The map server is silent; what you see may be old." : "");
     this.banners.hold("sync", "info", map.inSync || map.revision < 0 ? "" : "Updates of the map are missing; they were asked for.");
     this.banners.hold("empty", "info", map.revision < 0 ? "There is no map yet: the viewer waits for the map server." : "");
-    setText(this.summary, summaryText(map));
+    setText(this.summary, summaryText(map, silent));
   }
 
   takeNavigation(message: NavigationMessage): void {
@@ -56,7 +63,7 @@ export class MapStatus {
   }
 }
 
-function summaryText(map: MapMessage): string {
+function summaryText(map: MapMessage, silent: boolean): string {
   if (map.revision < 0) return "";
   const bytes = Object.values(map.bytes).reduce((sum, size) => sum + size, 0);
   const parts = [
@@ -66,6 +73,8 @@ function summaryText(map: MapMessage): string {
     map.voxelSize > 0 ? `voxels of ${(100 * map.voxelSize).toFixed(1)} cm` : "",
     bytes > 0 ? bytesText(bytes) : "",
     map.waiting > 0 ? `${count(map.waiting)} blocks still to come` : "",
+    // Here and not in the banner, which a screen reader would read out every second.
+    silent ? `no word from the map server for ${Math.round(map.age)} s` : "",
   ];
   return parts.filter((part) => part !== "").join(" · ");
 }

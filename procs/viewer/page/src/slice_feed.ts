@@ -17,6 +17,7 @@ export class SliceFeed {
   private wish: SliceWish | null = null;
   private timer: ReturnType<typeof setTimeout> | null = null;
   private asking = false;
+  private map = 0; // counts the maps
 
   constructor(
     private readonly onSlice: (slice: Slice, wish: SliceWish, leaves: Leaf[]) => void,
@@ -31,6 +32,12 @@ export class SliceFeed {
     this.timer = wish ? setTimeout(() => void this.ask(), kPause) : null;
   }
 
+  /** Another map: answers that are on their way are about the old one. */
+  forget(): void {
+    ++this.map;
+    this.want(null);
+  }
+
   private async ask(): Promise<void> {
     if (this.asking || !this.wish) return;
     this.asking = true;
@@ -41,14 +48,16 @@ export class SliceFeed {
   }
 
   private async answer(wish: SliceWish): Promise<void> {
+    const map = this.map;
     const where = `axis=${wish.axis}&at=${wish.at.toFixed(4)}`;
     const answer = await getBytes(`api/slice?${where}`);
+    if (map !== this.map) return;
     if (answer.error !== null) {
       if (this.wish) this.onError(answer.error);
       return;
     }
     const leaves = wish.leaves ? await leavesAt(where) : { leaves: [], problem: null };
-    if (this.wish?.axis !== wish.axis) return;
+    if (map !== this.map || this.wish?.axis !== wish.axis) return;
     try {
       this.onSlice(decodeSlice(answer.value), wish, leaves.leaves);
       if (leaves.problem !== null) this.onNoLeaves();

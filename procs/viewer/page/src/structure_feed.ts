@@ -9,6 +9,7 @@ export class StructureFeed {
   private asked = -Infinity;
   private revision = -2;
   private asking = false;
+  private map = 0; // counts the maps
 
   constructor(private readonly onAnswer: (structure: MapObject[], up: [number, number, number] | null) => void) {}
 
@@ -18,9 +19,10 @@ export class StructureFeed {
     if (this.asking || revision < 0 || revision === this.revision || document.hidden || now - this.asked < kInterval) return;
     this.asking = true;
     this.asked = now;
+    const map = this.map;
     const answer = await getJson("api/objects");
     this.asking = false;
-    if (answer.error !== null) return;
+    if (answer.error !== null || map !== this.map) return;
     this.revision = revision;
     const json = asObject(answer.value);
     const up = asVector(asObject(json.up).direction, 3);
@@ -30,6 +32,7 @@ export class StructureFeed {
 
   /** Another map: what was known is no longer true. */
   reset(): void {
+    ++this.map;
     this.asked = -Infinity;
     this.revision = -2;
   }

@@ -9,8 +9,12 @@ export class WorkerClient {
   constructor(take: (message: ToWindow) => void) {
     this.worker.onmessage = (event: MessageEvent<ToWindow>) => {
       if (event.data.kind === "received") this.received = event.data.received;
-      take(event.data);
-      if (event.data.kind === "chunk") this.send({ kind: "taken", count: 1 });
+      try {
+        take(event.data);
+      } finally {
+        // A chunk that could not be shown must not hold up those after it.
+        if (event.data.kind === "chunk") this.send({ kind: "taken", count: 1 });
+      }
     };
   }
 
