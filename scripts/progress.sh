@@ -3,6 +3,11 @@
 # say TEXT...: one line, with the name of the script in front.
 say() { echo "scripts/$(basename "$0"): $*"; }
 
+# failed_recently STAMP CONTENT: whether the file STAMP says that this very attempt failed within the last day.
+failed_recently() {
+  [ "$(cat "$1" 2>/dev/null || true)" = "$2" ] && [ -n "$(find "$1" -mmin -1440 2>/dev/null)" ]
+}
+
 # with_progress DESCRIBE LOG COMMAND...: runs COMMAND. On a terminal, COMMAND shows its own progress. Elsewhere its output
 # goes to the file LOG, and every 30 s one line says what the function DESCRIBE reads from LOG.
 with_progress() {
