@@ -6,7 +6,6 @@
 
 #include "base/printable.h"
 #include "runtime/clock.h"
-#include "viewer/slice.h"
 
 namespace vismap {
 namespace {
@@ -53,7 +52,7 @@ void Api::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
   if (path == "/api/processes")
     return reply(JsonAnswer(processes_->Text(MonotonicSeconds(), WallUtime())));
   if (path == "/api/objects") return GetObjects(target, reply);
-  if (path == "/api/slice") return reply(CutSlice(target));
+  if (path == "/api/slice") return reply(GetSlice(target));
   if (path == "/api/cell") return GetCell(target, reply);
   if (path.starts_with(kObject) && path.ends_with(kPly) &&
       path.size() > kObject.size() + kPly.size())
@@ -109,15 +108,12 @@ void Api::GetObjectFile(const std::string& name, const WebHandler::Reply& reply)
   });
 }
 
-HttpAnswer Api::CutSlice(const HttpTarget& target) const {
-  const Result<SliceQuestion> question = ReadSlice(target);
-  if (!question) return ErrorAnswer(400, question.error().message);
+HttpAnswer Api::GetSlice(const HttpTarget& target) {
+  if (const auto question = ReadSlice(target); !question)
+    return ErrorAnswer(400, question.error().message);
   if (!space_->occupancy())
     return ErrorAnswer(503, "nothing is known yet: no free space has come on MAP_DELTA");
-  return {
-      200, "application/octet-stream",
-      EncodeSlice(vismap::CutSlice(*space_->occupancy(), *question), *question, space_->position()),
-      ""};
+  return slices_.Get(target, *space_->occupancy(), space_->position(), MonotonicSeconds());
 }
 
 }  // namespace vismap

@@ -5,6 +5,7 @@
 #include "viewer/http_rules.h"
 #include "viewer/process_list.h"
 #include "viewer/questions.h"
+#include "viewer/slice.h"
 #include "viewer/web_server.h"
 #include "wire/map_follower.h"
 
@@ -24,12 +25,13 @@ class Api {
   void GetObjects(const HttpTarget& target, const WebHandler::Reply& reply);
   void GetCell(const HttpTarget& target, const WebHandler::Reply& reply);
   void GetObjectFile(const std::string& name, const WebHandler::Reply& reply);
-  HttpAnswer CutSlice(const HttpTarget& target) const;
+  HttpAnswer GetSlice(const HttpTarget& target);
 
   const Board* board_;
   const MapFollower* space_;
   ProcessList* processes_;
   Questions* questions_;
+  SliceAnswers slices_;
   // The newest answer about all objects, since making it costs the map server a while.
   std::vector<uint8_t> objects_;
   std::string objects_map_id_;

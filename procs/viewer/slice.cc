@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "base/printable.h"
 #include "requests/request_argument.h"
@@ -32,22 +34,59 @@ struct SliceFrame {
   std::array<int64_t, 2> count{};
 };
 
-CellState StateOf(const OccupancyMap& map, const SliceFrame& frame, int64_t column, int64_t row) {
+// Enters the 64 voxels that a block has in the layer.
+void EnterBlock(BlockIndex index, const BlockOccupancy& occupancy, const SliceFrame& frame,
+                std::vector<uint32_t>* free_voxels, std::vector<uint8_t>* states) {
   const std::array<int, 2> others = OtherAxes(frame.axis);
-  bool all_free = true;
-  VoxelIndex voxel;
-  Component(voxel, frame.axis) = static_cast<int32_t>(frame.layer);
-  for (int64_t v = 0; v < frame.step; ++v) {
-    Component(voxel, others[1]) = static_cast<int32_t>((frame.first[1] + row) * frame.step + v);
-    for (int64_t u = 0; u < frame.step; ++u) {
-      Component(voxel, others[0]) =
-          static_cast<int32_t>((frame.first[0] + column) * frame.step + u);
-      const CellState state = map.At(voxel);
-      if (state == CellState::kOccupied) return state;
-      all_free = all_free && state == CellState::kFree;
-    }
+  VoxelIndex first{index.x * kBlockSide, index.y * kBlockSide, index.z * kBlockSide};
+  Component(first, frame.axis) = static_cast<int32_t>(frame.layer);
+  for (int i = 0; i < kBlockSide * kBlockSide; ++i) {
+    VoxelIndex voxel = first;
+    Component(voxel, others[0]) += i % kBlockSide;
+    Component(voxel, others[1]) += i / kBlockSide;
+    const CellState state = occupancy.At(OffsetInBlock(voxel));
+    if (state == CellState::kUnknown) continue;
+    const int64_t column = FloorDivide(Component(voxel, others[0]), frame.step) - frame.first[0];
+    const int64_t row = FloorDivide(Component(voxel, others[1]), frame.step) - frame.first[1];
+    const auto cell = static_cast<size_t>(row * frame.count[0] + column);
+    if (state == CellState::kOccupied || ++(*free_voxels)[cell] == frame.step * frame.step)
+      (*states)[cell] = static_cast<uint8_t>(state);
   }
-  return all_free ? CellState::kFree : CellState::kUnknown;
+}
+
+// Walks the blocks of the layer, so that the cost does not grow with the area.
+std::vector<uint8_t> StatesOf(const OccupancyMap& map, const SliceFrame& frame) {
+  const auto cells = static_cast<size_t>(frame.count[0] * frame.count[1]);
+  std::vector<uint8_t> states(cells, static_cast<uint8_t>(CellState::kUnknown));
+  std::vector<uint32_t> free_voxels(cells, 0);
+  const int64_t layer = FloorDivide(frame.layer, kBlockSide);
+  map.blocks().ForEach([&](BlockIndex index, const BlockOccupancy& occupancy) {
+    const std::array<int32_t, 3> place = {index.x, index.y, index.z};
+    if (place[static_cast<size_t>(frame.axis)] == layer)
+      EnterBlock(index, occupancy, frame, &free_voxels, &states);
+  });
+  return states;
+}
+
+// Lays the cells over what is known of the map. Returns the cells of the longer side.
+int64_t CoverKnown(OccupancyBox known, SliceFrame* frame) {
+  const std::array<int, 2> others = OtherAxes(frame->axis);
+  for (size_t i = 0; i < 2; ++i) {
+    frame->first[i] = FloorDivide(Component(known.min, others[i]), frame->step);
+    const int64_t last = FloorDivide(Component(known.max, others[i]) - 1, frame->step);
+    frame->count[i] = last - frame->first[i] + 1;
+  }
+  return std::max(frame->count[0], frame->count[1]);
+}
+
+std::string TooFine(const OccupancyBox& known, SliceFrame frame, double voxel) {
+  const double asked = static_cast<double>(frame.step) * voxel;
+  const int64_t cells = CoverKnown(known, &frame);
+  while (CoverKnown(known, &frame) > kMostSliceSide) ++frame.step;
+  return "res: a slice has at most " + std::to_string(kMostSliceSide) +
+         " cells along each side, and with cells of " + std::to_string(asked) + " m it has " +
+         std::to_string(cells) +
+         "; res=" + std::to_string(static_cast<double>(frame.step) * voxel) + " fits";
 }
 
 }  // namespace
@@ -75,7 +114,7 @@ Result<SliceQuestion> ReadSlice(const HttpTarget& target) {
   return question;
 }
 
-Slice CutSlice(const OccupancyMap& map, const SliceQuestion& question, size_t max_cells) {
+Result<Slice> CutSlice(const OccupancyMap& map, const SliceQuestion& question, size_t max_cells) {
   Slice slice;
   const double voxel = map.cell_size();
   SliceFrame frame{question.axis,
@@ -85,28 +124,20 @@ Slice CutSlice(const OccupancyMap& map, const SliceQuestion& question, size_t ma
                    {}};
   slice.layer = frame.layer;
   slice.cell_m = static_cast<double>(frame.step) * voxel;
-  std::optional<OccupancyBox> known = map.KnownCells();
+  const std::optional<OccupancyBox> known = map.KnownCells();
   if (!known || std::abs(frame.layer) > INT32_MAX / 2) return slice;
-  const std::array<int, 2> others = OtherAxes(question.axis);
   for (;; frame.step *= 2) {
-    for (size_t i = 0; i < 2; ++i) {
-      frame.first[i] = FloorDivide(Component(known->min, others[i]), frame.step);
-      const int64_t last = FloorDivide(Component(known->max, others[i]) - 1, frame.step);
-      frame.count[i] = last - frame.first[i] + 1;
-    }
+    const int64_t longest = CoverKnown(*known, &frame);
+    if (longest > kMostSliceSide && question.cell_m > 0) return Fail(TooFine(*known, frame, voxel));
     const double cells = static_cast<double>(frame.count[0]) * static_cast<double>(frame.count[1]);
-    if (cells <= static_cast<double>(max_cells)) break;
+    if (longest <= kMostSliceSide && cells <= static_cast<double>(max_cells)) break;
   }
   slice.cell_m = static_cast<double>(frame.step) * voxel;
   slice.width = static_cast<int>(frame.count[0]);
   slice.height = static_cast<int>(frame.count[1]);
   for (size_t i = 0; i < 2; ++i)
     slice.origin_m[i] = static_cast<double>(frame.first[i]) * slice.cell_m;
-  slice.states.reserve(static_cast<size_t>(frame.count[0] * frame.count[1]));
-  for (int64_t row = 0; row < frame.count[1]; ++row) {
-    for (int64_t column = 0; column < frame.count[0]; ++column)
-      slice.states.push_back(static_cast<uint8_t>(StateOf(map, frame, column, row)));
-  }
+  slice.states = StatesOf(map, frame);
   return slice;
 }
 
@@ -128,6 +159,26 @@ std::vector<uint8_t> EncodeSlice(const Slice& slice, const SliceQuestion& questi
       JsonHeader(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   bytes.insert(bytes.end(), slice.states.begin(), slice.states.end());
   return bytes;
+}
+
+HttpAnswer SliceAnswers::Get(const HttpTarget& target, const OccupancyMap& map,
+                             const FollowerPosition& position, double now) {
+  const Result<SliceQuestion> question = ReadSlice(target);
+  if (!question) return ErrorAnswer(400, question.error().message);
+  const Key key{position.map_id, position.revision, question->axis,
+                std::floor(question->at_m / map.cell_size()), question->cell_m};
+  if (!kept_ || *kept_ != key) {
+    tokens_ = std::min(kMostPerSecond, tokens_ + kMostPerSecond * std::max(0.0, now - filled_));
+    filled_ = now;
+    if (tokens_ < 1)
+      return ErrorAnswer(429, "more than 10 slices per second over all pages; try again");
+    tokens_ -= 1;
+    Result<Slice> slice = CutSlice(map, *question);
+    if (!slice) return ErrorAnswer(400, slice.error().message);
+    slice_ = std::move(*slice);
+    kept_ = key;
+  }
+  return {200, "application/octet-stream", EncodeSlice(slice_, *question, position), ""};
 }
 
 }  // namespace vismap

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/result.h"
@@ -29,12 +31,32 @@ struct Slice {
   int width = 0, height = 0;    ///< along the first and the second of the other axes
   std::vector<uint8_t> states;  ///< row by row, `height` rows of `width`
 };
-/// With more than `max_cells`, the cells get larger.
-Slice CutSlice(const OccupancyMap& map, const SliceQuestion& question,
-               size_t max_cells = size_t{1} << 22);
+constexpr int64_t kMostSliceSide = 4096;  ///< cells
+/// With more than `max_cells`, the cells get larger, and without a given size also when a side has
+/// more than kMostSliceSide. Fails when a given size needs longer sides. Costs as much as the map
+/// has blocks, and the 64 voxels of each block of the layer.
+Result<Slice> CutSlice(const OccupancyMap& map, const SliceQuestion& question,
+                       size_t max_cells = size_t{1} << 22);
 
 /// u32 size of a JSON, the JSON, the states.
 std::vector<uint8_t> EncodeSlice(const Slice& slice, const SliceQuestion& question,
                                  const FollowerPosition& position);
+
+/// Answers GET /api/slice. Keeps the last slice, since several pages look at the same one, and cuts
+/// at most 10 new ones per second.
+class SliceAnswers {
+ public:
+  static constexpr double kMostPerSecond = 10;
+  /// `now` in MonotonicSeconds.
+  HttpAnswer Get(const HttpTarget& target, const OccupancyMap& map,
+                 const FollowerPosition& position, double now);
+
+ private:
+  // map_id, revision, axis, layer, size of cells that was asked for
+  using Key = std::tuple<std::string, int64_t, int, double, double>;
+  std::optional<Key> kept_;
+  Slice slice_;  // belongs to kept_
+  double tokens_ = kMostPerSecond, filled_ = 0;
+};
 
 }  // namespace vismap

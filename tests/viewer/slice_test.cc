@@ -25,7 +25,7 @@ OccupancyMap SomeSpace() {
 Slice Cut(const char* target, size_t max_cells = 1 << 20) {
   const auto question = ReadSlice(*ParseTarget(target));
   EXPECT_TRUE(question) << target;
-  return CutSlice(SomeSpace(), *question, max_cells);
+  return *CutSlice(SomeSpace(), *question, max_cells);
 }
 
 TEST(Slice, EqualsTheVoxelsOfTheMap) {
@@ -68,7 +68,33 @@ TEST(Slice, CellsGrowUntilThePictureFits) {
 TEST(Slice, OutsideAndEmptyMapsGiveUnknownOrNothing) {
   const Slice slice = Cut("/api/slice?axis=z&at=-99999");
   EXPECT_THAT(slice.states, testing::Each(0));
-  EXPECT_TRUE(CutSlice(OccupancyMap(0.05), {}).states.empty());
+  EXPECT_TRUE(CutSlice(OccupancyMap(0.05), {})->states.empty());
+}
+
+TEST(Slice, LongSidesNeedLargerCells) {
+  OccupancyMap map(0.05);
+  map.Set({0, 0, 0}, BlockOccupancy(CellState::kFree));
+  map.Set({1023, 0, 0}, BlockOccupancy(CellState::kFree));  // a side of 8192 voxels
+  EXPECT_EQ(CutSlice(map, {2, 0, 0})->width, 4096);
+  const auto refused = CutSlice(map, {2, 0, 0.05});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("res=0.1"));
+  EXPECT_TRUE(CutSlice(map, {2, 0, 0.1}));
+}
+
+TEST(Slice, AtMostTenNewSlicesPerSecondAndTheLastOneIsKept) {
+  const OccupancyMap map = SomeSpace();
+  SliceAnswers answers;
+  const auto status = [&](int layer, double now, int64_t revision = 7) {
+    const std::string target = "/api/slice?at=" + std::to_string(0.05 * layer + 0.02);
+    return answers.Get(*ParseTarget(target), map, {"m", revision}, now).status;
+  };
+  for (int layer = 0; layer < 10; ++layer) EXPECT_EQ(status(layer, 100), 200);
+  EXPECT_EQ(status(10, 100), 429);
+  EXPECT_EQ(status(9, 100), 200) << "the last slice is kept";
+  EXPECT_EQ(status(9, 100, 8), 429) << "of another revision";
+  EXPECT_EQ(status(10, 100.11), 200);
+  EXPECT_EQ(status(11, 100.11), 429);
 }
 
 TEST(Slice, WrongArgumentsAreRefused) {
