@@ -21,6 +21,10 @@ Questions::Questions(Bus* bus) : bus_(bus) {
 }
 
 void Questions::Ask(const std::string& verb, const std::string& argument, Receiver receiver) {
+  for (auto& [id, open] : open_) {
+    if (open.request.verb == verb && open.request.argument == argument)
+      return open.receivers.push_back(std::move(receiver));
+  }
   const double now = MonotonicSeconds();
   if (now - second_ >= 1) {
     second_ = now;
@@ -40,7 +44,7 @@ void Questions::Ask(const std::string& verb, const std::string& argument, Receiv
   question.request.verb = verb;
   question.request.argument = argument;
   question.request.unknown = map_request_t::UNKNOWN_DEFAULT;
-  question.receiver = std::move(receiver);
+  question.receivers.push_back(std::move(receiver));
   question.repeat = MonotonicSeconds() + kRepeatQuestion;
   question.give_up = MonotonicSeconds() + kLongestWait;
   bus_->Publish(kMapRequestChannel, question.request);
@@ -72,9 +76,9 @@ void Questions::RepeatOrGiveUp() {
 }
 
 void Questions::Finish(int64_t id, const Answered& answer) {
-  const Receiver receiver = std::move(open_.at(id).receiver);
+  const std::vector<Receiver> receivers = std::move(open_.at(id).receivers);
   open_.erase(id);
-  receiver(answer);
+  for (const Receiver& receiver : receivers) receiver(answer);
 }
 
 }  // namespace vismap

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
 
@@ -16,7 +17,9 @@ namespace vismap {
 /// which the server notices, and given up after ten.
 class Questions {
  public:
-  static constexpr size_t kMost = 16;
+  /// Fewer than the map server takes of one source, which asks also for what the viewer itself
+  /// has missed.
+  static constexpr size_t kMost = 4;
   static constexpr int kMostPerSecond = 10;
   static constexpr double kLongestWait = 10;  // [s]
   /// Why there is no answer.
@@ -30,14 +33,14 @@ class Questions {
 
   /// `bus` must outlive it.
   explicit Questions(Bus* bus);
-  /// Calls `receiver` once, now or later.
+  /// Calls `receiver` once, now or later. Joins an open question that is equal.
   void Ask(const std::string& verb, const std::string& argument, Receiver receiver);
   size_t size() const { return open_.size(); }
 
  private:
   struct Question {
     map_request_t request;
-    Receiver receiver;
+    std::vector<Receiver> receivers;
     double repeat = 0, give_up = 0;  // MonotonicSeconds
   };
   void OnReply(const map_reply_t& reply);
