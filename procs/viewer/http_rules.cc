@@ -138,6 +138,15 @@ Result<void> CheckOrigin(std::optional<std::string_view> origin, std::string_vie
               "', and only pages of '" + PrintableText(host, kMostShownText) + "' may send it");
 }
 
+Result<void> CheckSite(std::string_view fetch_site, std::optional<std::string_view> origin,
+                       std::string_view host) {
+  const std::string site = Lower(fetch_site);
+  if (site == "cross-site" || site == "same-site")
+    return Fail("the request comes from a page of another place, and only pages of '" +
+                PrintableText(host, kMostShownText) + "' may send it");
+  return CheckOrigin(origin, host);
+}
+
 Result<HttpTarget> ParseTarget(std::string_view target) {
   if (!target.starts_with('/')) return Fail("the address must begin with '/'");
   const size_t question = target.find('?');

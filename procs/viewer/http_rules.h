@@ -33,6 +33,11 @@ Result<void> CheckHost(std::string_view host, const std::string& computer,
 /// that of the Host header. Programs that are no browsers send none.
 Result<void> CheckOrigin(std::optional<std::string_view> origin, std::string_view host);
 
+/// Fails when a browser says that a page of another site sent the request. `fetch_site` is the
+/// header Sec-Fetch-Site, which programs that are no browsers do not send.
+Result<void> CheckSite(std::string_view fetch_site, std::optional<std::string_view> origin,
+                       std::string_view host);
+
 /// The target of a request, as in GET /api/slice?axis=z&at=1.0.
 struct HttpTarget {
   std::string path;

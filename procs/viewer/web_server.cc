@@ -308,19 +308,26 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
     const Result<HttpTarget> target = ParseTarget(View(request_.target()));
     if (!target) return Refuse(400, target.error().message);
     if (target->path == "/live") return OpenPage(host);
+    if (target->path.starts_with("/api/")) {
+      const std::string_view site = View(request_["Sec-Fetch-Site"]);
+      if (const auto checked = CheckSite(site, Origin(), host); !checked)
+        return Refuse(403, checked.error().message);
+    }
     stream_.expires_after(kAnswerTime);
     server_->handler_->OnGet(*target, [self = this->shared_from_this()](HttpAnswer answer) {
       self->Send(std::move(answer));
     });
   }
 
+  std::optional<std::string_view> Origin() const {
+    const auto header = request_.find(http::field::origin);
+    return header == request_.end() ? std::nullopt : std::optional(View(header->value()));
+  }
+
   void OpenPage(const std::string& host) {
     if (!websocket::is_upgrade(request_))
       return Refuse(426, "/live is for WebSocket connections only");
-    const auto header = request_.find(http::field::origin);
-    const auto origin =
-        header == request_.end() ? std::nullopt : std::optional(View(header->value()));
-    if (const auto checked = CheckOrigin(origin, host); !checked)
+    if (const auto checked = CheckOrigin(Origin(), host); !checked)
       return Refuse(403, checked.error().message);
     if (server_->pages_.size() >= static_cast<size_t>(server_->options_.max_pages))
       return Refuse(503, "there are " + std::to_string(server_->options_.max_pages) +

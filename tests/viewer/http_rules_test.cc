@@ -34,6 +34,14 @@ TEST(HttpRules, OriginMustBeTheHost) {
     EXPECT_FALSE(CheckOrigin(origin, "127.0.0.1:8080")) << origin;
 }
 
+TEST(HttpRules, PagesOfOtherSitesAreRefused) {
+  for (const char* site : {"", "none", "same-origin"})
+    EXPECT_TRUE(CheckSite(site, std::nullopt, "robot:8080")) << site;
+  for (const char* site : {"cross-site", "same-site", "Cross-Site"})
+    EXPECT_FALSE(CheckSite(site, std::nullopt, "robot:8080")) << site;
+  EXPECT_FALSE(CheckSite("", "http://evil.example", "robot:8080"));
+}
+
 TEST(HttpRules, TargetIsTakenApart) {
   const auto target = ParseTarget("/api/slice?axis=z&at=1.0&&name=a%20b+c&empty");
   ASSERT_TRUE(target);

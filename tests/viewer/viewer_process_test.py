@@ -198,11 +198,20 @@ class LiveTest(unittest.TestCase):
             self.assertEqual(status, expected, path)
             self.assertIn(" ", json.loads(body)["error"])
 
+    def test_pages_of_other_sites_may_not_ask(self):
+        for header in ("Sec-Fetch-Site: cross-site", "Sec-Fetch-Site: same-site", "Origin: http://evil.example"):
+            status, _, body = get(self.run_.address, "/api/map", headers=[header])
+            self.assertEqual(status, 403, header)
+            self.assertIn(" ", json.loads(body)["error"])
+        self.assertEqual(get(self.run_.address, "/api/map", headers=["Sec-Fetch-Site: same-origin"])[0], 200)
 
     def test_questions_to_the_map_server_are_bounded(self):
         time.sleep(1)
         answers = []
-        threads = [threading.Thread(target=lambda: answers.append(get(self.run_.address, "/api/cell?at=0,0,0")[0])) for _ in range(40)]
+        def ask(number):
+            answers.append(get(self.run_.address, f"/api/cell?at={number},0,0")[0])
+
+        threads = [threading.Thread(target=ask, args=(number,)) for number in range(40)]
         for thread in threads:
             thread.start()
         for thread in threads:
