@@ -1,12 +1,16 @@
 #include "viewer/board.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace vismap {
 
 void Board::Set(Topic topic, const std::string& text) {
-  posts_[static_cast<size_t>(topic)] = {
-      std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end()), next_++};
+  Post& post = posts_[static_cast<size_t>(topic)];
+  if (post.bytes && std::equal(post.bytes->begin(), post.bytes->end(), text.begin(), text.end(),
+                               [](uint8_t a, char b) { return a == static_cast<uint8_t>(b); }))
+    return;
+  post = {std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end()), next_++};
 }
 
 int64_t Board::SetPicture(int camera_id, std::vector<uint8_t> bytes) {

@@ -26,6 +26,7 @@ class Board {
   static constexpr size_t kMostPositions = 1000000;
   static constexpr size_t kMostPictures = 16;  ///< cameras with a picture
 
+  /// An equal text is no change.
   void Set(Topic topic, const std::string& text);
   /// Takes the text away, as after a reset of the map.
   void Remove(Topic topic) { posts_[static_cast<size_t>(topic)] = {}; }

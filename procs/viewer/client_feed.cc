@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kMapPeriod = 1;        // of the text about the map [s]
 constexpr double kResyncPeriod = 2;     // [s]
+constexpr double kSortPeriod = 1;       // of the blocks around a new centre [s]
+constexpr double kCentreMoved = 0.5;    // from where blocks are sorted again [m]
 constexpr size_t kMostPathPart = 2000;  // positions in one text
 constexpr size_t kMostCameras = 64;
 constexpr size_t kMostPageMemory = 1 << 16;  // of the values in a text of a page [bytes]
@@ -125,8 +127,6 @@ Result<void> ClientFeed::ReadWant(const nlohmann::json& json) {
   const auto centre_W = ReadCentre(json["centre"]);
   if (!centre_W) return tl::unexpected(centre_W.error());
   centre_W_ = *centre_W;
-  dirty_.insert(batch_.begin(), batch_.end());
-  batch_.clear();
   return {};
 }
 
@@ -135,7 +135,19 @@ std::optional<OutFrame> ClientFeed::Next(double now) {
   if (allowance_ <= 0 || unacknowledged() >= kMostUnacknowledged) return std::nullopt;
   if (auto path = NextPath()) return path;
   if (auto picture = NextPicture()) return picture;
-  return wants_mesh_ ? NextBlock() : std::nullopt;
+  if (!wants_mesh_) return std::nullopt;
+  FollowCentre(now);
+  return NextBlock();
+}
+
+// Sorting all that waits is expensive, and a page may move its centre often.
+void ClientFeed::FollowCentre(double now) {
+  const bool moved = centre_W_.has_value() != sorted_centre_W_.has_value() ||
+                     (centre_W_ && (*centre_W_ - *sorted_centre_W_).norm() > kCentreMoved);
+  if (batch_.empty() || !moved || now < next_sort_) return;
+  next_sort_ = now + kSortPeriod;
+  dirty_.insert(batch_.begin(), batch_.end());
+  batch_.clear();
 }
 
 std::optional<OutFrame> ClientFeed::NextText(double now) {
@@ -210,6 +222,7 @@ std::optional<OutFrame> ClientFeed::NextBlock() {
 void ClientFeed::FillBatch() {
   batch_.assign(dirty_.begin(), dirty_.end());
   dirty_.clear();
+  sorted_centre_W_ = centre_W_;
   const double edge = std::max(map_->block_edge_m(), 1e-3);
   const Eigen::Vector3d centre =
       centre_W_ ? Eigen::Vector3d(*centre_W_ / edge) : Eigen::Vector3d::Zero();

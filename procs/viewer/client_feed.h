@@ -77,6 +77,7 @@ class ClientFeed {
   std::optional<OutFrame> NextPath();
   std::optional<OutFrame> NextPicture();
   std::optional<OutFrame> NextBlock();
+  void FollowCentre(double now);
   void FillBatch();
   OutFrame Count(FrameBytes bytes);
 
@@ -93,7 +94,9 @@ class ClientFeed {
 
   bool wants_mesh_ = true, wants_processes_ = true;
   std::set<int> pictures_wanted_;
-  std::optional<Eigen::Vector3d> centre_W_;  // [m] blocks near it come first
+  std::optional<Eigen::Vector3d> centre_W_;         // [m] blocks near it come first
+  std::optional<Eigen::Vector3d> sorted_centre_W_;  // [m] by which the batch is sorted
+  double next_sort_ = 0;
 
   // A block is in one of them or in both; those of the batch are sent first, from its end.
   tsl::robin_set<BlockIndex, BlockIndexHash> dirty_;

@@ -152,7 +152,7 @@ TEST_F(ClientFeedTest, PageThatNeverReadsTakesMemoryForTheNumberOfBlocksOnly) {
   for (int revision = 2; revision <= 500; ++revision) {
     Change(revision);
     silent.feed.AddNotice("info", "a sentence");
-    board.Set(Board::Topic::kProcesses, std::string(1000, ' '));
+    board.Set(Board::Topic::kProcesses, std::string(1000, ' ') + std::to_string(revision));
     most = std::max(most, silent.feed.bytes());
   }
   EXPECT_LE(silent.feed.waiting(), 216u);
@@ -200,6 +200,36 @@ TEST_F(ClientFeedTest, BlocksNearTheCentreComeFirst) {
   feed.Drain(0, 3);
   ASSERT_EQ(feed.page.blocks.size(), 1u);
   EXPECT_EQ(feed.page.blocks.begin()->first, (BlockIndex{9, 0, 0}));
+}
+
+TEST_F(ClientFeedTest, BlocksAreSortedAgainAtMostOncePerSecond) {
+  Apply(SomeUpdate("a", -1, 1,
+                   {SomeBlock(0, 0, 0, 1), SomeBlock(4, 0, 0, 1), SomeBlock(9, 0, 0, 1),
+                    SomeBlock(20, 0, 0, 1)}));
+  const auto want = [](Feed& feed, double x, double now) {
+    const std::string text = "{\"kind\":\"want\",\"centre\":[" + std::to_string(x) + ",0,0]}";
+    ASSERT_TRUE(feed.feed.OnText(text, now));
+  };
+  Feed feed(&map, &board);
+  feed.Drain(10, 3);  // near the origin
+  want(feed, 10.2, 10);
+  feed.Drain(10, 1);
+  EXPECT_TRUE(feed.page.blocks.contains({20, 0, 0}));
+  want(feed, 0.2, 10.5);
+  want(feed, 4.7, 10.6);
+  want(feed, 0.2, 10.7);
+  feed.Drain(10.9, 1);
+  EXPECT_TRUE(feed.page.blocks.contains({9, 0, 0})) << "still sorted by the earlier centre";
+}
+
+TEST(Board, EqualTextIsNoChange) {
+  Board board;
+  board.Set(Board::Topic::kObjects, "one");
+  const int64_t first = board.Get(Board::Topic::kObjects).number;
+  board.Set(Board::Topic::kObjects, "one");
+  EXPECT_EQ(board.Get(Board::Topic::kObjects).number, first);
+  board.Set(Board::Topic::kObjects, "two");
+  EXPECT_GT(board.Get(Board::Topic::kObjects).number, first);
 }
 
 TEST_F(ClientFeedTest, AnotherMapResetsThePage) {
