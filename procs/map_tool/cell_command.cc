@@ -2,10 +2,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/class_names.h"
-#include "base/json_text.h"
 #include "exports/explain_cell.h"
 #include "map_tool/commands.h"
 #include "map_tool/live_map.h"
+#include "map_tool/print_answer.h"
 #include "requests/request_argument.h"
 
 // The subcommand `cell` of vismap-map.
@@ -57,20 +57,7 @@ void PrintCell(const nlohmann::json& json) {
 }  // namespace
 
 Outcome RunCell(const MapToolArguments& arguments, ProcessContext& context) {
-  const auto text = ExplainOf(arguments, context);
-  if (!text) return tl::unexpected(text.error());
-  if (arguments.json) {
-    std::printf("%s\n", text->c_str());
-    return {};
-  }
-  const Result<nlohmann::json> json = ParseJson(*text);
-  if (!json) return ExitWith(ExitCode::kFailed, "the answer: " + json.error().message);
-  try {
-    PrintCell(*json);
-  } catch (const nlohmann::json::exception& error) {
-    return ExitWith(ExitCode::kFailed, "the answer lacks something: " + std::string(error.what()));
-  }
-  return {};
+  return PrintAnswer(arguments, ExplainOf(arguments, context), PrintCell);
 }
 
 }  // namespace vismap

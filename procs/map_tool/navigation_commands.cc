@@ -1,9 +1,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "base/json_text.h"
 #include "map_tool/commands.h"
 #include "map_tool/live_map.h"
+#include "map_tool/print_answer.h"
 #include "map_tool/space_request.h"
 #include "requests/navigation_answers.h"
 
@@ -77,33 +77,16 @@ void PrintFrontiers(const nlohmann::json& json) {
   }
 }
 
-Outcome Print(const MapToolArguments& arguments, const tl::expected<std::string, ExitFailure>& text,
-              void (*print)(const nlohmann::json&)) {
-  if (!text) return tl::unexpected(text.error());
-  if (arguments.json) {
-    std::printf("%s\n", text->c_str());
-    return {};
-  }
-  const Result<nlohmann::json> json = ParseJson(*text);
-  if (!json) return ExitWith(ExitCode::kFailed, "the answer: " + json.error().message);
-  try {
-    print(*json);
-  } catch (const nlohmann::json::exception& error) {
-    return ExitWith(ExitCode::kFailed, "the answer lacks something: " + std::string(error.what()));
-  }
-  return {};
-}
-
 }  // namespace
 
 Outcome RunClearance(const MapToolArguments& arguments, ProcessContext& context) {
-  return Print(arguments, AskForJson(arguments, context, "clearance", AnswerClearance),
-               PrintClearance);
+  return PrintAnswer(arguments, AskForJson(arguments, context, "clearance", AnswerClearance),
+                     PrintClearance);
 }
 
 Outcome RunFrontiers(const MapToolArguments& arguments, ProcessContext& context) {
-  return Print(arguments, AskForJson(arguments, context, "frontiers", AnswerFrontiers),
-               PrintFrontiers);
+  return PrintAnswer(arguments, AskForJson(arguments, context, "frontiers", AnswerFrontiers),
+                     PrintFrontiers);
 }
 
 }  // namespace vismap
