@@ -9,7 +9,7 @@ namespace vismap {
 namespace {
 
 constexpr std::array kLossless = {kRgbdFrameChannel, kDetectionsChannel, kSegmentedFrameChannel,
-                                  kMapCommitChannel, kMapRequestChannel, kMapReplyChannel};
+                                  kMapCommitChannel, kMapReplyChannel};
 constexpr std::array kLatest = {kStatusChannel,     kObjectsChannel,       kOctomapChannel,
                                 kOctomapRawChannel, kOctomapCoarseChannel, kOctomapInflatedChannel,
                                 kNavigationChannel, kGridChannel};
@@ -50,6 +50,7 @@ QueuePolicy ChannelPolicies::Of(const std::string& on_bus) {
   if (match(lossless_)) return QueuePolicy::kLossless;
   if (match(latest_)) return QueuePolicy::kLatest;
   if (match(drop_newest_)) return QueuePolicy::kDropNewest;
+  if (channel == kMapRequestChannel.name) return QueuePolicy::kFewPerSender;
   if (Contains(kLossless, channel)) return QueuePolicy::kLossless;
   return Contains(kLatest, channel) ? QueuePolicy::kLatest : QueuePolicy::kDropNewest;
 }

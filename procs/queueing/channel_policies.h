@@ -13,6 +13,9 @@ enum class QueuePolicy {
   kLossless,    ///< no message is dropped: when the queue is full, the publisher has to wait
   kLatest,      ///< a new message replaces the waiting one of the same source
   kDropNewest,  ///< when the queue is full, new messages are dropped
+  /// At most MessageQueue::kMostOfSender messages of one sender wait; more are dropped. For
+  /// requests, which their senders repeat: one that sends too many does not delay the others.
+  kFewPerSender,
 };
 
 /// Patterns of the channels whose policy differs from the default. They match the name on the bus,
@@ -23,7 +26,8 @@ struct PolicyLists {
 };
 
 /// The queue policy of every channel. The defaults are: kLossless for the data from which the map
-/// is built (frames, detections, segmented frames, commits) and for requests and replies; kLatest
+/// is built (frames, detections, segmented frames, commits) and for replies; kFewPerSender for
+/// requests; kLatest
 /// for messages that each replace the previous one (status, objects, octrees); kDropNewest for all
 /// others, so that their readers never delay a publisher. Among the others are map and mesh deltas,
 /// whose readers request missed updates again.

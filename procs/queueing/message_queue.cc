@@ -40,11 +40,12 @@ double MessageQueue::OldestSeconds() const {
 MessageQueue::Added MessageQueue::Add(const RoutedMessage& message, bool sender_waits) {
   size_t* bytes = BytesOf(message);
   const bool latest = message.policy == QueuePolicy::kLatest;
+  const Key key(message.channel, message.source);
   const size_t size = message.record->size() + kEntryBytes;
   if (latest) {
     // Keep the place of the older message in the queue. At the end of the queue, a message that is
     // renewed often would never be sent.
-    const auto older = latest_.find({message.channel, message.source});
+    const auto older = latest_.find(key);
     if (older != latest_.end()) {
       Entry& entry = *older->second;
       *bytes += message.record->size() - entry.message.record->size();
@@ -53,16 +54,21 @@ MessageQueue::Added MessageQueue::Add(const RoutedMessage& message, bool sender_
       return Added::kReplacedOlder;
     }
   }
+  const bool few = message.policy == QueuePolicy::kFewPerSender;
+  if (const auto waiting = few_.find(key);
+      few && waiting != few_.end() && waiting->second >= kMostOfSender)
+    return Added::kDropped;
   const bool lossless = message.policy == QueuePolicy::kLossless;
   const bool no_room = *bytes > 0 && *bytes + size > limits_.max_bytes;
   if (!(lossless && sender_waits) && (no_room || (lossless && full()))) return Added::kDropped;
   entries_.push_back({message, MonotonicSeconds()});
   *bytes += size;
   if (latest) {
-    latest_[{message.channel, message.source}] = std::prev(entries_.end());
+    latest_[key] = std::prev(entries_.end());
   } else {
     TimesOf(message)->push_back(entries_.back().since);
   }
+  if (few) ++few_[key];
   return Added::kQueued;
 }
 
@@ -74,6 +80,10 @@ MessageQueue::Entry MessageQueue::Pop() {
     latest_.erase({first.message.channel, first.message.source});
   } else {
     TimesOf(first.message)->pop_front();
+  }
+  if (first.message.policy == QueuePolicy::kFewPerSender) {
+    const auto waiting = few_.find({first.message.channel, first.message.source});
+    if (--waiting->second == 0) few_.erase(waiting);
   }
   return first;
 }

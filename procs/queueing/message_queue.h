@@ -19,7 +19,9 @@ struct RoutedMessage {
   std::string channel;
   RecordBytes record;  ///< the whole tcpq record
   QueuePolicy policy = QueuePolicy::kDropNewest;
-  std::string source;  ///< for kLatest: name of the publisher; "" if the message has no vismap head
+  /// Whose message it is, for kLatest ("" = the message has no vismap head) and kFewPerSender. A
+  /// hub adds the number of the connection.
+  std::string source;
 };
 
 /// Determines policy and source of a received message.
@@ -40,6 +42,7 @@ class MessageQueue {
   /// Memory of an entry besides its message, which counts as well, so that a queue of empty
   /// messages is bounded [bytes].
   static constexpr size_t kEntryBytes = 256;
+  static constexpr int kMostOfSender = 256;  ///< messages of kFewPerSender
 
   explicit MessageQueue(const QueueLimits& limits) : limits_(limits) {}
 
@@ -71,6 +74,7 @@ class MessageQueue {
   QueueLimits limits_;
   std::list<Entry> entries_;
   std::map<Key, std::list<Entry>::iterator> latest_;  // the queued messages of kLatest
+  std::map<Key, int> few_;                            // number of queued messages of kFewPerSender
   size_t lossless_bytes_ = 0, other_bytes_ = 0;
   std::deque<double> lossless_since_,
       other_since_;  // times of queueing, ascending, without kLatest

@@ -187,6 +187,36 @@ TEST(DropNewestChannel, StatusCountsDroppedMessagesByChannelAndClient) {
   EXPECT_EQ(counters["held_back"], 0);
 }
 
+TEST(FewPerSenderChannel, ManyRequestsOfOneClientDoNotDelayThoseOfAnother) {
+  RunningHub hub(SmallQueues());
+  auto flood = Join(hub, "flood"), other = Join(hub, "other"), slow = Join(hub, "slow");
+  std::map<std::string, std::vector<int64_t>> got;
+  slow->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
+    got[request.source].push_back(request.request_id);
+  });
+  Introduce(slow.get());
+  Settle(slow.get());
+  const auto send = [](Bus* bus, int64_t id) {
+    map_request_t request{};
+    request.request_id = id;
+    request.verb = std::string(1000, 'v');
+    EXPECT_TRUE(bus->Publish(kMapRequestChannel, request));
+  };
+  for (int i = 0; i < 20'000; ++i) send(flood.get(), i);
+  Settle(flood.get());
+  send(other.get(), 7);
+  Settle(other.get());
+  EXPECT_TRUE(SpinUntil(slow.get(), [&] { return !got["other"].empty(); }));
+  hub.Stop();
+  // Besides those in the queue of the hub, some wait in the buffers of the connection.
+  EXPECT_LT(got["flood"].size(), 2000U);
+  EXPECT_GE(got["flood"].size(), static_cast<size_t>(MessageQueue::kMostOfSender));
+  EXPECT_TRUE(std::is_sorted(got["flood"].begin(), got["flood"].end()));
+  EXPECT_EQ(got["other"].front(), 7);
+  EXPECT_EQ(hub.counters().held_back, 0) << "the client that sends too many need not wait";
+  EXPECT_GT(hub.counters().dropped_by_channel.of("MAP_REQUEST"), 10'000);
+}
+
 TEST(ChannelPolicies, ConfiguredListsOverrideTheDefaults) {
   auto policies = ChannelPolicies::Make({{"MY_.*"}, {"RGBD_FRAME"}, {"STATUS", "MY_LOG"}});
   ASSERT_TRUE(policies);
@@ -195,6 +225,8 @@ TEST(ChannelPolicies, ConfiguredListsOverrideTheDefaults) {
   EXPECT_EQ(policies->Of("STATUS"), QueuePolicy::kDropNewest);
   EXPECT_EQ(policies->Of("DETECTIONS"), QueuePolicy::kLossless);
   EXPECT_EQ(policies->Of("OBJECTS"), QueuePolicy::kLatest);
+  EXPECT_EQ(policies->Of("MAP_REQUEST"), QueuePolicy::kFewPerSender);
+  EXPECT_EQ(policies->Of("MAP_REPLY"), QueuePolicy::kLossless);
   EXPECT_EQ(policies->Of("MAP_DELTA"), QueuePolicy::kDropNewest);
   EXPECT_EQ(policies->Of("vismap/DETECTIONS"), QueuePolicy::kLossless);
   EXPECT_EQ(policies->Of("vismap/RGBD_FRAME"), QueuePolicy::kLatest);
