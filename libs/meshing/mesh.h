@@ -17,6 +17,8 @@ struct MeshVertex {
   SegmentLabel segment = SegmentLabel::kNone;  ///< alive label
   InstanceId instance = InstanceId::kNone;
   ClassId class_id = ClassId::kUnknown;  ///< of the instance
+  /// Number of frames that observed the surface here; 255 = 255 or more, 0 = not known.
+  uint8_t seen = 0;
 };
 
 /// Triangles over shared vertices; counter-clockwise seen from free space.

@@ -19,7 +19,7 @@ namespace vismap {
 // Every kernel names its twin: plain code for one voxel, cell or vertex in tests/support/naive,
 // mesh_block.cc or vertex_look.cc. The tests in tests/meshing/naive_mesh_test.cc hold the two
 // equal, bit for bit: MeshBlocks.EqualsTheNaiveOneAfterEveryFrame (triangles and positions),
-// MeshBlocks.NormalsEqualTheNaiveOnes, MeshBlocks.ColoursAndLabelsEqualTheNaiveOnes.
+// MeshBlocks.NormalsEqualTheNaiveOnes, MeshBlocks.ColoursLabelsAndCountsEqualTheNaiveOnes.
 
 /// Which voxels of a block are observed well enough, and which lie behind the surface: bit x of
 /// byte y of word z. Voxels behind are observed.

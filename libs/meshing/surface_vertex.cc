@@ -31,9 +31,11 @@ uint32_t EntriesOf(const CellGrid::Place& place) {
   return FourBytes(place, offsetof(SurfaceVoxels, slot_label)) & 0xFFFFFF;
 }
 
-// Colours and votes lie all over a block, so that reading them without prefetching would stall.
+// Counts, colours and votes lie all over a block, so that reading them without prefetching would
+// stall.
 void PrefetchVoxel(const CellGrid::Place& place) {
   if (place.voxels == nullptr) return;
+  PrefetchLine(&place.voxels->observations[static_cast<size_t>(place.offset)]);
   PrefetchLine(&place.voxels->color[static_cast<size_t>(place.offset)]);
   PrefetchLine(&place.voxels->slot_label[static_cast<size_t>(place.offset)]);
   PrefetchLine(&place.voxels->slot_votes[static_cast<size_t>(place.offset)]);
@@ -151,7 +153,16 @@ inline MeshVertex VertexMaker::VertexAt(size_t lane) const {
            static_cast<uint8_t>(color >> 16)},
           label.segment,
           label.instance,
-          label.class_id};
+          label.class_id,
+          SeenOf(lane)};
+}
+
+inline uint8_t VertexMaker::SeenOf(size_t lane) const {
+  const uint32_t nearer = lanes_.nearer_end[lane];
+  CellGrid::Place place = grid_.PlaceOfEnd(nearer);
+  if (place.voxels == nullptr)
+    place = grid_.PlaceOfEnd(lanes_.lower_end[lane] ^ lanes_.upper_end[lane] ^ nearer);
+  return place.voxels->observations[static_cast<size_t>(place.offset)];
 }
 
 inline ShownLabel VertexMaker::LabelOf(size_t lane) const {

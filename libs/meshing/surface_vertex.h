@@ -13,6 +13,7 @@ namespace vismap {
 /// Makes the vertices of a block, one per edge of its cells that the surface crosses. The position
 /// is where the distance, linear between the two voxels, is zero, but at least 1 % off either, so
 /// that no triangle collapses. The normal is the interpolated gradient, the colour is interpolated.
+/// `seen` is that of the nearer voxel, or of the farther one where the nearer is in a free block.
 /// The label is that of the nearer voxel if it has votes, else of the farther one, else the most
 /// frequent label among the voxels that share a face with the two, else among those that share a
 /// corner; ties go to the lower label. A vertex depends only on voxels around its edge, so that all
@@ -36,6 +37,7 @@ class VertexMaker {
   void LoadColors(size_t lane);
   MeshVertex VertexAt(size_t lane) const;
   ShownLabel LabelOf(size_t lane) const;
+  uint8_t SeenOf(size_t lane) const;
   SegmentLabel LabelAt(const CellGrid::Place& place) const;
   /// The label of a voxel with votes, of which `entries` are the palette entries, one per byte. The
   /// label may be merged.

@@ -58,7 +58,7 @@ void PutVertices(const mesh_block_t& block, std::vector<uint8_t>* bytes) {
     for (const int8_t step : {block.nx[i], block.ny[i], block.nz[i], int8_t{0}}) Put(step, bytes);
   }
   for (size_t i = 0; i < count; ++i) {
-    for (const uint8_t level : {block.red[i], block.green[i], block.blue[i], uint8_t{0}})
+    for (const uint8_t level : {block.red[i], block.green[i], block.blue[i], block.seen[i]})
       Put(level, bytes);
   }
   for (const int32_t segment : block.segment) Put(segment, bytes);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <vector>
+#include <vismap/mesh_block_v1_t.hpp>
 
 #include "base/digest.h"
+#include "wire/envelope.h"
 
 namespace vismap {
 
@@ -11,11 +13,15 @@ uint64_t MeshDigest::HashOf(const mesh_block_t& block) {
   if (block.n_vertices == 0) return 0;
   std::vector<uint8_t> bytes(static_cast<size_t>(block.getEncodedSize()));
   block.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return HashOf(bytes);
+  return HashOf(bytes, static_cast<size_t>(block.n_vertices));
 }
 
-uint64_t MeshDigest::HashOf(std::span<const uint8_t> encoded_block) {
-  return std::max<uint64_t>(1, Checksum64(encoded_block));
+// `seen` stands last; without it a block is one of the first version, but for its fingerprint.
+uint64_t MeshDigest::HashOf(std::span<const uint8_t> encoded_block, size_t vertices) {
+  const auto hashed = encoded_block.first(encoded_block.size() - vertices);
+  std::vector<uint8_t> bytes(hashed.begin(), hashed.end());
+  envelope::WriteBigEndian(mesh_block_v1_t::getHash(), bytes.data());
+  return std::max<uint64_t>(1, Checksum64(bytes));
 }
 
 void MeshDigest::Set(BlockIndex index, uint64_t hash) {
@@ -42,6 +48,7 @@ FollowOutcome MeshFollower::Apply(const mesh_delta_t& message, double now) {
   for (const mesh_block_t& block : message.blocks) {
     const auto size = static_cast<size_t>(block.n_vertices == 0 ? 0 : block.getEncodedSize());
     received.blocks.push_back({{block.index[0], block.index[1], block.index[2]},
+                               static_cast<size_t>(block.n_vertices),
                                static_cast<size_t>(block.n_triangles),
                                size});
     bytes += size;
@@ -83,7 +90,7 @@ void MeshFollower::Clear() {
 }
 
 void MeshFollower::Set(const Part::Block& block, std::span<const uint8_t> bytes) {
-  digest_.Set(block.index, bytes.empty() ? 0 : MeshDigest::HashOf(bytes));
+  digest_.Set(block.index, bytes.empty() ? 0 : MeshDigest::HashOf(bytes, block.vertices));
   if (bytes.empty()) {
     const auto known = blocks_.find(block.index);
     if (known == blocks_.end()) return;

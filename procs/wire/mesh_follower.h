@@ -13,14 +13,15 @@
 
 namespace vismap {
 
-/// Digest of a surface, computed from its encoded blocks. Equal surfaces have equal digests,
-/// independent of the order of the updates that produced them.
+/// Digest of a surface, computed from its encoded blocks without `seen`. Equal surfaces have equal
+/// digests, independent of the order of the updates that produced them. A block that is only seen
+/// once more keeps its digest, and messages of the first version have the same one.
 class MeshDigest {
  public:
   /// Hash of the surface of one block; 0 when the block has no surface.
   static uint64_t HashOf(const mesh_block_t& block);
-  /// The same for an encoded block that has a surface.
-  static uint64_t HashOf(std::span<const uint8_t> encoded_block);
+  /// The same for an encoded block with so many vertices, at least one.
+  static uint64_t HashOf(std::span<const uint8_t> encoded_block, size_t vertices);
   /// Sets the hash of a block and replaces its old one; 0 removes the block.
   void Set(BlockIndex index, uint64_t hash);
   void Clear() { *this = {}; }
@@ -72,7 +73,7 @@ class MeshFollower {
   struct Part {
     struct Block {
       BlockIndex index;
-      size_t triangles = 0;
+      size_t vertices = 0, triangles = 0;
       size_t size = 0;  // [bytes]; 0 = the block has no surface
     };
     std::vector<Block> blocks;

@@ -55,6 +55,7 @@ void EncodeVertices(const BlockMesh& block, double block_size, mesh_block_t* mes
   Fill(vertices, &message->segment, [](const MeshVertex& v) { return Raw(v.segment); });
   Fill(vertices, &message->instance, [](const MeshVertex& v) { return Raw(v.instance); });
   Fill(vertices, &message->class_id, [](const MeshVertex& v) { return Raw(v.class_id); });
+  Fill(vertices, &message->seen, [](const MeshVertex& v) { return v.seen; });
   message->n_vertices = static_cast<int32_t>(vertices.size());
 }
 
@@ -86,6 +87,7 @@ MeshVertex DecodeVertex(const mesh_block_t& message, const Eigen::Vector3d& corn
   vertex.segment = static_cast<SegmentLabel>(message.segment[i]);
   vertex.instance = static_cast<InstanceId>(message.instance[i]);
   vertex.class_id = static_cast<ClassId>(message.class_id[i]);
+  vertex.seen = message.seen[i];
   return vertex;
 }
 

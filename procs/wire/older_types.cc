@@ -4,6 +4,7 @@
 #include <array>
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
+#include <vismap/mesh_delta_t.hpp>
 #include <vismap/octree_t.hpp>
 #include <vismap/process_status_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
@@ -13,6 +14,7 @@
 
 #include "wire/envelope.h"
 #include "wire/older_frame.h"
+#include "wire/older_mesh.h"
 #include "wire/older_octree.h"
 
 namespace vismap {
@@ -60,14 +62,15 @@ Result<std::vector<uint8_t>> Convert(std::span<const uint8_t> bytes, size_t max_
 }
 
 std::span<const OlderType> OlderTypes() {
-  static const std::array<OlderType, 6> kTypes = {
+  static const std::array<OlderType, 7> kTypes = {
       OlderType{static_cast<int64_t>(0xdfd3012ff7311f8a), process_status_t::getHash(), AddFindings},
       OlderType{rgbd_frame_v1_t::getHash(), rgbd_frame_t::getHash(), Convert<rgbd_frame_v1_t>},
       OlderType{segmented_frame_v1_t::getHash(), segmented_frame_t::getHash(),
                 ConvertSegmentedFrame},
       OlderType{octree_v1_t::getHash(), octree_t::getHash(), Convert<octree_v1_t>},
       OlderType{map_request_v1_t::getHash(), map_request_t::getHash(), Convert<map_request_v1_t>},
-      OlderType{map_reply_v1_t::getHash(), map_reply_t::getHash(), Convert<map_reply_v1_t>}};
+      OlderType{map_reply_v1_t::getHash(), map_reply_t::getHash(), Convert<map_reply_v1_t>},
+      OlderType{mesh_delta_v1_t::getHash(), mesh_delta_t::getHash(), Convert<mesh_delta_v1_t>}};
   return kTypes;
 }
 

@@ -161,13 +161,13 @@ void VoteAtRandom(double chance, int voxel, SurfaceVoxels* voxels, RandomNumbers
 std::unique_ptr<SurfaceVoxels> RandomVoxels(RandomNumbers* random) {
   auto voxels = std::make_unique<SurfaceVoxels>();
   voxels->weight.fill(128);
-  voxels->observations.fill(2);
   for (uint32_t label = 1; label <= 6; ++label) voxels->palette.push_back(SegmentLabel{label});
   const double chance = random->Chance(0.3) ? 0 : random->Real(0, 0.3);
   for (int i = 0; i < kBlockVoxels; ++i) {
     const auto at = static_cast<size_t>(i);
     // Mostly before the surface: a cell's edges then seldom share a voxel.
     voxels->distance[at] = static_cast<int16_t>(random->Whole(-12000, 30000));
+    voxels->observations[at] = static_cast<uint8_t>(1 + i * 37 % 255);
     const auto byte = [&] { return static_cast<uint8_t>(random->Whole(0, 255)); };
     voxels->color[at] = {byte(), byte(), byte()};
     VoteAtRandom(chance, i, voxels.get(), random);
@@ -219,7 +219,7 @@ TEST(MeshBlocks, NormalsEqualTheNaiveOnes) {
   EXPECT_GT(vertices, 1000u);
 }
 
-TEST(MeshBlocks, ColoursAndLabelsEqualTheNaiveOnes) {
+TEST(MeshBlocks, ColoursLabelsAndCountsEqualTheNaiveOnes) {
   size_t unlabelled = 0, beyond_the_ends = 0;
   for (uint64_t seed = 1; seed <= 2; ++seed) {
     const SemanticMap map = RandomVotes(seed);
@@ -230,6 +230,8 @@ TEST(MeshBlocks, ColoursAndLabelsEqualTheNaiveOnes) {
       for (const MeshVertex& vertex : block.mesh.vertices) {
         const naive::VertexEdge edge = naive::EdgeOf(vertex, map);
         ASSERT_EQ(vertex.color, naive::ColorAt(edge, map)) << vertex.position_W.transpose();
+        ASSERT_EQ(vertex.seen, naive::SeenAt(edge, map)) << vertex.position_W.transpose();
+        ASSERT_GT(vertex.seen, 0);
         const SegmentLabel label = naive::LabelAt(edge, map);
         ASSERT_EQ(vertex.segment, label) << vertex.position_W.transpose();
         unlabelled += label == SegmentLabel::kNone ? 1 : 0;

@@ -17,7 +17,7 @@ def block(index, vertices=3, edge=0.5, **changed):
                   nx=np.zeros(vertices, np.int8), ny=np.zeros(vertices, np.int8), nz=np.full(vertices, 127, np.int8),
                   red=bytes(vertices), green=bytes([1]) * vertices, blue=bytes([2]) * vertices, segment=n + 10, instance=n % 2,
                   class_id=np.full(vertices, -1, np.int16), a=[0] if vertices else [], b=[1] if vertices else [],
-                  c=[2] if vertices else [])
+                  c=[2] if vertices else [], seen=bytes(range(1, vertices + 1)))
     return TYPES["vismap.mesh_block_t"](**{**fields, **changed})
 
 
@@ -41,13 +41,33 @@ class FollowerTest(unittest.TestCase):
         self.assertEqual((mesh.segment.tolist(), mesh.instance.tolist()), ([10, 11, 12, 1, 2, 3, 4], [0, 1, 0, 0, 1, 0, 1]))
         self.assertEqual((mesh.class_id.tolist(), mesh.colors[0].tolist()), ([65535] * 7, [0, 1, 2]))
         np.testing.assert_allclose(mesh.normals, [[0, 0, 1]] * 7)
+        self.assertEqual(mesh.seen.tolist(), [1, 2, 3, 1, 2, 3, 4])
         # position_W = (index - 0.5 + 2 * x / 65535) * edge_m, with x as an unsigned number
         np.testing.assert_allclose(mesh.vertices[4], [(2 - 0.5 + 2 / 65535) * 0.5, (-0.5 + 2 * 65535 / 65535) * 0.5, (-1.5 + 2 / 65535) * 0.5], atol=1e-6)
         self.assertEqual((mesh.map_id, mesh.revision, mesh.utime), ("m", 1, 1001))
 
+    def test_a_surface_that_is_only_seen_once_more_keeps_its_digest(self):
+        self.apply(delta(1, -1, [block((0, 0, 0))]))
+        digest = self.follower.digest
+        self.apply(delta(2, 1, [block((0, 0, 0), seen=bytes([7, 8, 9]))]))
+        self.assertEqual((self.follower.digest, self.follower.mesh().seen.tolist()), (digest, [7, 8, 9]))
+        self.apply(delta(3, 2, [block((0, 0, 0), red=bytes([1, 0, 0]))]))
+        self.assertNotEqual(self.follower.digest, digest)
+
+    def test_logs_of_both_versions_have_the_same_surface(self):
+        kept = {}
+        for name in ("meshes_v1", "meshes_v2"):
+            follower = vismap.MeshFollower()
+            data = (support.ROOT / f"tests/logs/{name}.lcmlog").read_bytes()
+            self.assertTrue(follower.apply(data[data.index(b"MESH_DELTA") + 10:], 0.0))
+            kept[name] = (follower.digest, follower.mesh().vertices.tolist())
+            self.assertEqual(follower.mesh().seen.tolist(), [0] * 9 if name == "meshes_v1" else [1, 2, 3, 4, 5, 1, 2, 3, 4])
+        self.assertEqual(kept["meshes_v1"], kept["meshes_v2"])
+
     def test_part_of_an_object(self):
         self.apply(delta(1, -1, [block((0, 0, 0), 4, instance=[5, 5, 5, 6], a=[0, 0], b=[1, 1], c=[2, 3])]))
         part = self.follower.mesh().of_instance(5)
+        self.assertEqual(part.seen.tolist(), [1, 2, 3])
         self.assertEqual((len(part.vertices), part.faces.tolist(), part.instance.tolist()), (3, [[0, 1, 2]], [5, 5, 5]))
 
     def test_updates_replace_and_delete_blocks(self):

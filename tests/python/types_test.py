@@ -76,10 +76,10 @@ class TypesTest(unittest.TestCase):
     def test_decoded_fields_have_the_types_of_python_and_numpy(self):
         mesh = vismap.types["vismap.mesh_block_t"](index=np.array([1, -2, 3]), x=[1, 2], y=[3, 4], z=[5, -6], nx=[0, 0],
                                                    ny=[0, 0], nz=[1, 1], red=b"ab", green=b"cd", blue=b"ef",
-                                                   segment=[7, 8], instance=[9, 0], class_id=[1, 2])
+                                                   segment=[7, 8], instance=[9, 0], class_id=[1, 2], seen=b"\x01\xff")
         found = type(mesh).decode(mesh.encode())
         self.assertEqual(found.index.tolist(), [1, -2, 3])
-        self.assertEqual((found.z.dtype, found.z.tolist(), found.n_vertices, found.red), (np.int16, [5, -6], 2, b"ab"))
+        self.assertEqual((found.z.dtype, found.z.tolist(), found.n_vertices, found.red, found.seen), (np.int16, [5, -6], 2, b"ab", b"\x01\xff"))
         self.assertTrue(found.z.dtype.isnative)
         self.assertEqual(len(found.a), 0)
 
@@ -93,7 +93,7 @@ class TypesTest(unittest.TestCase):
                     setattr(message, name, [0])
                 for name in ("nx", "ny", "nz", "segment", "instance", "class_id"):
                     setattr(message, name, [0])
-                message.red = message.green = message.blue = b"0"
+                message.red = message.green = message.blue = message.seen = b"0"
             with self.assertRaisesRegex(vismap.MessageError, words):
                 message.encode()
         with self.assertRaisesRegex(vismap.MessageError, "no field speed"):

@@ -77,7 +77,8 @@ inline void AppendTriangles(const Mesh& mesh, TriangleSet* set) {
 
 inline bool SameVertex(const MeshVertex& a, const MeshVertex& b) {
   return a.position_W == b.position_W && a.normal_W == b.normal_W && a.color == b.color &&
-         a.segment == b.segment && a.instance == b.instance && a.class_id == b.class_id;
+         a.segment == b.segment && a.instance == b.instance && a.class_id == b.class_id &&
+         a.seen == b.seen;
 }
 inline bool SameMesh(const Mesh& a, const Mesh& b) {
   return a.triangles == b.triangles && std::equal(a.vertices.begin(), a.vertices.end(),

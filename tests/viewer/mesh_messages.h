@@ -29,6 +29,7 @@ inline mesh_block_t SomeBlock(int x, int y, int z, int triangles, int look = 0) 
     block.segment.push_back(100000 + i);
     block.instance.push_back(7);
     block.class_id.push_back(62);
+    block.seen.push_back(static_cast<uint8_t>(200 + i));
   }
   for (int i = 0; i < triangles; ++i) {
     block.a.push_back(3 * i);

@@ -41,6 +41,7 @@ TEST(PageMessages, BlockHasHeaderAndArraysAtMultiplesOfFour) {
   EXPECT_EQ(At<uint16_t>(bytes, positions + 8), 40001);
   EXPECT_EQ(At<int8_t>(bytes, normals), -127);
   EXPECT_EQ(At<uint8_t>(bytes, colors + 4), 11);
+  EXPECT_EQ(At<uint8_t>(bytes, colors + 7), 201) << "how often it was seen";
   EXPECT_EQ(At<uint32_t>(bytes, segments + 8), 100002u);
   EXPECT_EQ(At<uint32_t>(bytes, instances), 7u);
   EXPECT_EQ(At<uint16_t>(bytes, classes + 4), 62);

@@ -154,6 +154,7 @@ TEST(MeshUpdate, PositionsAreExactToAHundredthOfAVoxelAndIdsExactly) {
     vertex.segment = SegmentLabel{123456};
     vertex.instance = InstanceId{70000};
     vertex.class_id = ClassId{62};
+    vertex.seen = static_cast<uint8_t>(253 + i);
     block.mesh.vertices.push_back(vertex);
   }
   block.mesh.triangles.push_back({0, 1, 2});
@@ -169,6 +170,7 @@ TEST(MeshUpdate, PositionsAreExactToAHundredthOfAVoxelAndIdsExactly) {
     EXPECT_EQ(a.segment, b.segment);
     EXPECT_EQ(a.instance, b.instance);
     EXPECT_EQ(a.class_id, b.class_id);
+    EXPECT_EQ(a.seen, b.seen);
   }
   mesh_delta_t bad = message;
   bad.blocks[0].c[0] = 3;

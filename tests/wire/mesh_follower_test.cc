@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -23,7 +24,8 @@ BlockMesh RandomBlock(BlockIndex index, testing_support::RandomNumbers* random) 
                                    {static_cast<uint8_t>(i), 2, 3},
                                    static_cast<SegmentLabel>(random->Whole(0, 9)),
                                    static_cast<InstanceId>(random->Whole(0, 9)),
-                                   static_cast<ClassId>(random->Whole(0, 9))});
+                                   static_cast<ClassId>(random->Whole(0, 9)),
+                                   static_cast<uint8_t>(random->Whole(0, 255))});
   }
   const auto corner = [&] { return static_cast<uint32_t>(random->Whole(0, count - 1)); };
   for (int i = count == 0 ? 0 : random->Whole(1, 300); i > 0; --i)
@@ -50,7 +52,7 @@ mesh_delta_t RandomUpdate(int64_t revision, testing_support::RandomNumbers* rand
 bool Same(const MeshVertex& a, const MeshVertex& b) {
   return a.position_W == b.position_W && a.normal_W == b.normal_W && a.color.r == b.color.r &&
          a.color.g == b.color.g && a.color.b == b.color.b && a.segment == b.segment &&
-         a.instance == b.instance && a.class_id == b.class_id;
+         a.instance == b.instance && a.class_id == b.class_id && a.seen == b.seen;
 }
 
 // The naive reference: the state that a follower must have.
@@ -100,6 +102,32 @@ TEST(MeshFollower, EqualsTheUpdatesAppliedNaively) {
     expected.Compare(follower);
   }
   EXPECT_GT(expected.blocks.size(), 10u);
+}
+
+TEST(MeshFollower, HowOftenASurfaceWasSeenReachesTheCopyButNotTheDigest) {
+  testing_support::RandomNumbers random(4);
+  MeshFollower follower;
+  mesh_delta_t update = RandomUpdate(7, &random);  // the whole surface
+  ASSERT_EQ(follower.Apply(update), FollowOutcome::kApplied);
+  const std::string digest = follower.Digest();
+  const auto block = std::find_if(update.blocks.begin(), update.blocks.end(),
+                                  [](const mesh_block_t& one) { return one.n_vertices > 0; });
+  ASSERT_NE(block, update.blocks.end());
+  for (uint8_t& seen : block->seen) seen = 77;
+  update.full = false;
+  update.base_revision = 7;
+  update.revision = 8;
+  ASSERT_EQ(follower.Apply(update), FollowOutcome::kApplied);
+  EXPECT_EQ(follower.Digest(), digest);
+  const Mesh joined = follower.Joined();
+  EXPECT_GE(std::count_if(joined.vertices.begin(), joined.vertices.end(),
+                          [](const MeshVertex& vertex) { return vertex.seen == 77; }),
+            block->n_vertices);
+  block->red[0] ^= 1;
+  update.base_revision = 8;
+  update.revision = 9;
+  ASSERT_EQ(follower.Apply(update), FollowOutcome::kApplied);
+  EXPECT_NE(follower.Digest(), digest);
 }
 
 TEST(MeshFollower, InconsistentUpdateChangesNothing) {

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from .bus import Bus
 from .errors import MapError
+from .messages import types
 from .native import checksum64, digest128
 from .updates import BlockIndex, Follower, Live, Part
 
@@ -28,13 +29,16 @@ class Mesh:
     map_id: str = ""
     revision: int = -1  # of the map: the number of its frames; -1 = there is no map yet
     utime: int = 0  # of the newest frame in the map [us]
+    # (N,) number of frames that observed the surface there; 255 = 255 or more, 0 = not known
+    seen: npt.NDArray[np.uint8] = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def of_instance(self, instance: int) -> Mesh:
         """The part of the surface that belongs to one object: the faces of which all corners do."""
         kept = self.faces[np.all(self.instance[self.faces] == instance, axis=1)]
         used, faces = np.unique(kept, return_inverse=True)
         return Mesh(self.vertices[used], self.normals[used], self.colors[used], self.segment[used], self.instance[used],
-                    self.class_id[used], faces.reshape(-1, 3).astype(np.int32), self.map_id, self.revision, self.utime)
+                    self.class_id[used], faces.reshape(-1, 3).astype(np.int32), self.map_id, self.revision, self.utime,
+                    self.seen[used] if len(self.seen) else self.seen)
 
 
 @dataclass(frozen=True)
@@ -44,11 +48,12 @@ class _Block:
     colors: npt.NDArray[np.uint8]
     ids: npt.NDArray[np.int32]  # (n, 3): segment, instance, class
     faces: npt.NDArray[np.int32]
+    seen: npt.NDArray[np.uint8]
     hash: int
 
     @property
     def bytes(self) -> int:
-        return 500 + 39 * len(self.vertices) + 12 * len(self.faces)
+        return 500 + 40 * len(self.vertices) + 12 * len(self.faces)
 
 
 def _columns(*arrays: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -75,15 +80,26 @@ def _decode_block(message: Any) -> _Block:
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     np.divide(normals, lengths, out=normals, where=lengths > 0)
     colors = _columns(*(np.frombuffer(plane, np.uint8) for plane in (message.red, message.green, message.blue)))
+    seen = np.frombuffer(message.seen, np.uint8) if hasattr(message, "seen") else np.zeros(message.n_vertices, np.uint8)
     classes = message.class_id.view(np.uint16).astype(np.int32)
     return _Block(_restore(message), normals, colors, _columns(message.segment, message.instance, classes), faces,
-                  max(1, checksum64(message.encode()) or 0))
+                  seen, _hash_of(message))
+
+
+def _hash_of(message: Any) -> int:
+    """That of the block as the first version of its type has it: without `seen`, which stands last."""
+    encoded = message.encode()
+    if hasattr(message, "seen"):
+        fingerprint = types["vismap.mesh_block_v1_t"].FINGERPRINT.to_bytes(8, "big")
+        encoded = fingerprint + encoded[8:len(encoded) - message.n_vertices]
+    return max(1, checksum64(encoded) or 0)
 
 
 class MeshFollower(Follower[_Block, Mesh]):
     """A copy of the surface, made of the messages of MESH_DELTA; see Follower. mesh() is its present state."""
 
     TYPE = "vismap.mesh_delta_t"
+    OLDER = ("vismap.mesh_delta_v1_t",)
     WHAT = "surface"
 
     @property
@@ -122,7 +138,8 @@ class MeshFollower(Follower[_Block, Mesh]):
         return Mesh(stacked([block.vertices for block in parts], np.float32),
                     stacked([block.normals for block in parts], np.float32),
                     stacked([block.colors for block in parts], np.uint8), ids[:, 0].copy(), ids[:, 1].copy(),
-                    ids[:, 2].astype(np.uint16), faces, self.map_id, self.revision, self.utime)
+                    ids[:, 2].astype(np.uint16), faces, self.map_id, self.revision, self.utime,
+                    np.concatenate([block.seen for block in parts]) if parts else np.zeros(0, np.uint8))
 
 
 class LiveMap(Live[_Block, Mesh]):

@@ -35,6 +35,7 @@ class Follower(abc.ABC, Generic[Content, Copied]):
     """
 
     TYPE: str  # of the messages
+    OLDER: tuple[str, ...] = ()  # versions of it that old logs hold and that the follower understands, too
     WHAT: str  # is copied, for sentences
 
     def __init__(self, max_bytes: int = 2 << 30, max_wait_s: float = 30.0) -> None:
@@ -64,7 +65,8 @@ class Follower(abc.ABC, Generic[Content, Copied]):
     def apply(self, data: bytes, now: float) -> bool:
         """Adds the bytes of an update at a time [s]. Returns whether the copy has advanced. Raises MapError or
         MessageError on inconsistent bytes; the copy stays as it was."""
-        message = messages.decode(data, messages.types[self.TYPE])
+        kinds = {messages.types[name].FINGERPRINT: messages.types[name] for name in self.OLDER}
+        message = messages.decode(data, kinds.get(int.from_bytes(data[:8], "big"), messages.types[self.TYPE]))
         if not 0 <= message.part < message.parts:
             raise MapError(f"{self._name(message)}: it is part {message.part} of {message.parts}")
         if not self._wanted(message, now):

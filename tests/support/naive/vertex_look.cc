@@ -135,6 +135,19 @@ Rgb8 ColorAt(const VertexEdge& edge, const SemanticMap& map) {
   return {mix(lower->r, upper->r), mix(lower->g, upper->g), mix(lower->b, upper->b)};
 }
 
+uint8_t SeenAt(const VertexEdge& edge, const SemanticMap& map) {
+  const auto count = [&](VoxelIndex voxel) {
+    uint8_t frames = 0;
+    WithVoxel(map, voxel, [&](const SurfaceVoxels& voxels, int offset) {
+      frames = voxels.observations[static_cast<size_t>(offset)];
+    });
+    return frames;
+  };
+  const bool lower_first = edge.t <= 0.5F;
+  const uint8_t nearer = count(lower_first ? edge.lower : edge.upper);
+  return nearer != 0 ? nearer : count(lower_first ? edge.upper : edge.lower);
+}
+
 Eigen::Vector3f NormalAt(const VertexEdge& edge, const SemanticMap& map,
                          const MeshingOptions& options) {
   const Eigen::Vector3f g = Gradient(edge.lower, map.voxels, options) * (1 - edge.t) +

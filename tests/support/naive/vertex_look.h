@@ -18,6 +18,10 @@ VertexEdge EdgeOf(const MeshVertex& vertex, const SemanticMap& map);
 /// The colour there: between those of the two voxels, in 256ths; free blocks have none.
 Rgb8 ColorAt(const VertexEdge& edge, const SemanticMap& map);
 
+/// How many frames observed the surface there: by the nearer voxel, or by the other one when the
+/// nearer is in a free block.
+uint8_t SeenAt(const VertexEdge& edge, const SemanticMap& map);
+
 /// The normal there: the gradient of the distance at the two voxels, interpolated and normalised;
 /// one-sided differences where a neighbour is not observed. Along the edge toward free space where
 /// the gradient is at most one step per voxel.

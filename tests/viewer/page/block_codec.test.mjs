@@ -93,7 +93,7 @@ test("The block that the viewer's own test writes is decoded", async () => {
   for (let v = 0; v < 6; ++v) {
     assert.deepEqual([...block.positions.subarray(4 * v, 4 * v + 4)], [40000 + v, 2 * v, 0, 0]);
     assert.deepEqual([...block.normals.subarray(4 * v, 4 * v + 3)], [-127 + v, v, 0]);
-    assert.deepEqual([...block.colours.subarray(4 * v, 4 * v + 3)], [10 + v, 20, 30]);
+    assert.deepEqual([...block.colours.subarray(4 * v, 4 * v + 4)], [10 + v, 20, 30, 200 + v]);
     assert.deepEqual([block.segments[v], block.instances[v], block.classes[v]], [100000 + v, 7, 62]);
   }
 });
