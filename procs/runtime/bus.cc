@@ -173,10 +173,13 @@ void Bus::TrackSequence(Route& route, std::span<const uint8_t> bytes) {
   const int64_t lost = head->seq - entry->second - 1;
   if (!first && lost > 0 && lost <= kLargestGap) {
     counters_[route.channel.name].lost += lost;
-    LogWarningRateLimited(std::string("lost ") + route.channel.name,
-                          std::string(route.channel.name) + ": " + FormatCount(lost, "message") +
-                              " of " + head->source + " were lost before sequence number " +
-                              std::to_string(head->seq));
+    // A hub replaces a waiting status by the newer one of the same process, so nothing is missing.
+    if (route.channel.name != std::string_view(kStatusChannel.name)) {
+      LogWarningRateLimited(std::string("lost ") + route.channel.name,
+                            std::string(route.channel.name) + ": " + FormatCount(lost, "message") +
+                                " of " + head->source + (lost == 1 ? " was" : " were") +
+                                " lost before sequence number " + std::to_string(head->seq));
+    }
   }
   entry->second = head->seq;
 }
