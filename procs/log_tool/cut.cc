@@ -5,9 +5,7 @@
 #include "logs/log_writer.h"
 
 namespace vismap {
-namespace {
 
-// `own`: the name of our channel of the event, without its prefix.
 bool Keeps(const CutOptions& options, const LogEvent& event, const std::string& own,
            int64_t start) {
   // Compare whole microseconds, as double, which cannot overflow.
@@ -17,8 +15,6 @@ bool Keeps(const CutOptions& options, const LogEvent& event, const std::string& 
          (options.channels.empty() || options.channels.contains(event.channel) ||
           options.channels.contains(own));
 }
-
-}  // namespace
 
 Result<CutResult> CutLog(LogReader& reader, const CutOptions& options,
                          const std::filesystem::path& out) {

@@ -18,6 +18,10 @@ struct CutOptions {
   std::set<std::string> channels;  ///< channels to keep; empty = all
 };
 
+/// Whether `options` keep an event; `own` = the name of our channel without its prefix, `start` =
+/// the time of the first event of the log [us].
+bool Keeps(const CutOptions& options, const LogEvent& event, const std::string& own, int64_t start);
+
 struct CutResult {
   int64_t kept = 0, left_out = 0;
   uint64_t damaged_bytes = 0;  ///< damaged part of the log, which is not copied

@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "base/format.h"
+#include "base/printable.h"
 #include "log_tool/convert.h"
 #include "log_tool/cut.h"
+#include "log_tool/to_mcap.h"
 #include "log_tool/verify.h"
 #include "logs/recording.h"
 #include "settings/settings.h"
@@ -20,6 +22,7 @@ struct Arguments {
   std::string input, out, format, detections;
   bool json = false;
   CutOptions cut;
+  MapTopicOptions map;
   std::vector<std::string> channels;
   std::optional<int> camera;
   DatasetOptions frames;
@@ -32,7 +35,8 @@ struct Arguments {
 Outcome Unreadable(const Error& error) { return ExitWith(ExitCode::kUnreadable, error.message); }
 
 Outcome Verify(const Arguments& arguments) {
-  Result<LogReader> reader = LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
+  Result<LogReader> reader =
+      LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
   if (!reader) return Unreadable(reader.error());
   const Result<LogReport> report = VerifyLog(*reader);
   if (!report) return Unreadable(report.error());
@@ -46,7 +50,8 @@ Outcome Verify(const Arguments& arguments) {
 }
 
 Outcome Cut(const Arguments& arguments) {
-  Result<LogReader> reader = LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
+  Result<LogReader> reader =
+      LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
   if (!reader) return Unreadable(reader.error());
   CutOptions options = arguments.cut;
   options.channels.insert(arguments.channels.begin(), arguments.channels.end());
@@ -116,6 +121,48 @@ Outcome FromDataset(Arguments arguments) {
                      arguments.out);
 }
 
+// What is told of an MCAP file besides its topics.
+void WarnOfLosses(const Arguments& arguments, const McapExport& written) {
+  if (written.damaged_bytes > 0)
+    LogWarning(arguments.input + ": left out a damaged part of " +
+               FormatBytes(written.damaged_bytes));
+  if (written.unusable.total() > 0)
+    LogWarning(arguments.input + ": " + FormatCount(written.unusable.total(), "message") +
+               " cannot be used: " + written.unusable.Text());
+  for (const std::string& remark : written.remarks) LogWarning(remark);
+}
+
+void PrintTopics(const Arguments& arguments, const McapExport& written) {
+  int64_t messages = 0;
+  for (const auto& [topic, count] : written.topics) messages += count;
+  std::printf("wrote %s with %s, %s\n", arguments.out.c_str(),
+              FormatCount(messages, "message").c_str(), FormatBytes(written.bytes).c_str());
+  for (const auto& [topic, count] : written.topics)
+    std::printf("  %-28s %8s\n", topic.c_str(), FormatCount(count).c_str());
+  if (written.repeated > 0)
+    std::printf("left out %s that were sent again\n",
+                FormatCount(written.repeated, "message").c_str());
+  for (const auto& [channel, count] : written.other_octrees)
+    std::printf("left out %s of %s: /map/occupied and /map/free have their content\n",
+                FormatCount(count, "message").c_str(), PrintableText(channel).c_str());
+  for (const auto& [channel, count] : written.without_counterpart)
+    std::printf("left out %s of %s, which has no counterpart\n",
+                FormatCount(count, "message").c_str(), PrintableText(channel).c_str());
+}
+
+Outcome ToMcap(const Arguments& arguments) {
+  Result<LogReader> reader =
+      LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
+  if (!reader) return Unreadable(reader.error());
+  McapExportOptions options{arguments.cut, arguments.map};
+  options.cut.channels.insert(arguments.channels.begin(), arguments.channels.end());
+  const Result<McapExport> written = WriteMcap(*reader, options, arguments.out);
+  if (!written) return Unreadable(written.error());
+  WarnOfLosses(arguments, *written);
+  PrintTopics(arguments, *written);
+  return {};
+}
+
 CommandLine Add(CommandLine& line, Arguments* arguments, const char* name, const char* help,
                 const std::function<Outcome(const Arguments&)>& run) {
   return line.Command(name, help, [arguments, run] { arguments->run = run; });
@@ -129,6 +176,30 @@ void AddCut(CommandLine& line, Arguments* arguments) {
   cut.Option("--from", &arguments->cut.from, "Begin: seconds after the first message");
   cut.Option("--to", &arguments->cut.to, "End (exclusive): seconds after the first message");
   cut.Option("--channels", &arguments->channels, "Keep only these channels: NAME,NAME");
+}
+
+void AddToMcap(CommandLine& line, Arguments* arguments) {
+  CommandLine to = Add(line, arguments, "to-mcap",
+                       "Write a run as an MCAP file with Foxglove's schemas, which Foxglove, "
+                       "Lichtblick and Rerun open",
+                       ToMcap);
+  to.Option("LOG", &arguments->input, "Log of LCM messages").Required();
+  to.Option("--out", &arguments->out, "MCAP file to write").Required();
+  to.Option("--from", &arguments->cut.from, "Begin: seconds after the first message");
+  to.Option("--to", &arguments->cut.to, "End (exclusive): seconds after the first message");
+  to.Option("--channels", &arguments->channels, "Use only these channels: NAME,NAME");
+  to.Option("--changes-every", &arguments->map.changes_s,
+            "Write changes of the surface at most once in so many seconds")
+      .AtLeast(0);
+  to.Option("--whole-every", &arguments->map.whole_s,
+            "Write the whole surface as points, and free space, at most once in so many seconds")
+      .AtLeast(0);
+  to.Choice("--coloring", &arguments->map.coloring,
+            {{"instance", Coloring::kInstance},
+             {"class", Coloring::kClass},
+             {"segment", Coloring::kSegment},
+             {"rgb", Coloring::kRgb}},
+            "Colours of the triangles");
 }
 
 void AddFromDataset(CommandLine& line, Arguments* arguments) {
@@ -184,6 +255,7 @@ void AddCommands(CommandLine& line, Arguments* arguments) {
   to.Option("--out", &arguments->out, "Folder to write").Required();
   to.Option("--camera", &arguments->camera, "Camera id to use if the log has several cameras");
 
+  AddToMcap(line, arguments);
   AddFromDataset(line, arguments);
   AddConvert(line, arguments);
 }

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/reason_counts.h"
+#include "log_tool/cut.h"
+#include "logs/log_reader.h"
+#include "mcap/map_topics.h"
+
+namespace vismap {
+
+/// What of a log becomes an MCAP file, and how.
+struct McapExportOptions {
+  CutOptions cut;  ///< the map is followed from the beginning of the log, whatever its `from`
+  MapTopicOptions map;
+};
+
+struct McapExport {
+  std::map<std::string, int64_t> topics;  ///< number of messages of each topic
+  uint64_t bytes = 0;                     ///< of the file
+  /// Messages for which Foxglove has no counterpart, by channel.
+  std::map<std::string, int64_t> without_counterpart;
+  /// Octrees whose content is in /map/occupied and /map/free, by channel.
+  std::map<std::string, int64_t> other_octrees;
+  int64_t repeated = 0;              ///< frames, grids and trees that were sent again
+  ReasonCounts unusable;             ///< messages that cannot be decoded, or not followed
+  uint64_t damaged_bytes = 0;        ///< damaged part of the log
+  std::vector<std::string> remarks;  ///< sentences
+};
+
+/// Writes the messages of a log as an MCAP file with Foxglove's schemas: log time = time of
+/// recording, publish time = utime of the message. Reads the log once; memory does not depend on
+/// its length. Fails when the log cannot be read, when nothing of it has a counterpart, and, naming
+/// the file, when it cannot be written.
+Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
+                             const std::filesystem::path& out);
+
+}  // namespace vismap
