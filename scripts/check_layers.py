@@ -26,6 +26,7 @@ LIBS = {
     "navigation": ["freespace"],
     "mapfile": ["map"],
     "exports": ["render", "freespace", "mapfile"],
+    "pictures": ["exports", "navigation"],
     "datasets": ["codecs"],
     "detection": ["datasets"],
     "simulation": ["datasets", "rectify"],
@@ -51,7 +52,7 @@ PROCS = {
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.
 # Tests of rooms that read a map may also include the makers, since they need maps to read.
-READERS = {"meshing", "objects", "exports", "freespace", "navigation", "mapfile", "render"}
+READERS = {"meshing", "objects", "exports", "freespace", "navigation", "mapfile", "render", "pictures"}
 OPEN_TESTS = {"process", "client", "quality", "oracle", "support", "bench", "fuzz", "hostile"}
 
 # Outside libraries that have a place: pattern of the include, folders that may, only in .cc files?, why.
@@ -61,7 +62,7 @@ OUTSIDE = [
     (r"octomap/(MCTables|octomap_types)\.h", ("libs/meshing/", "tests/meshing/", "tests/support/naive/"),
      True,
      "only meshing uses the marching cubes tables"),
-    (r"(octomap|dynamicEDT3D|fcl)/", ("tests/freespace/", "tests/exports/", "tests/navigation/", "tests/process/", "tests/client/", "tests/bench/",
+    (r"(octomap|dynamicEDT3D|fcl)/", ("tests/freespace/", "tests/exports/", "tests/pictures/", "tests/navigation/", "tests/process/", "tests/client/", "tests/bench/",
                                       "tests/quality/", "tests/support/planner_", "procs/examples/"),
      False, "only tests and examples use OctoMap and what builds on it"),
     (r"ompl/", ("procs/examples/",), False, "only examples plan"),

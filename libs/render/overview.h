@@ -7,6 +7,7 @@
 
 #include "base/class_names.h"
 #include "objects/objects.h"
+#include "render/drawing.h"
 #include "render/render_mesh.h"
 
 namespace vismap {
@@ -19,6 +20,9 @@ struct OverviewOptions {
   /// Upward direction in W, unit length; not set = estimated from the surface (EstimateUp).
   std::optional<Eigen::Vector3d> up_W = std::nullopt;
   bool name_objects = true;  ///< write the class names at the objects in the perspective view
+  /// What the colours mean when they are values (see PaintHeights); else there is a legend of the
+  /// classes.
+  std::optional<ColorScale> scale = std::nullopt;
 };
 
 /// One picture of a map: a perspective view on the left, a view from above on the right, and below
@@ -28,11 +32,14 @@ Image<Rgb8> RenderMapOverview(const Mesh& mesh, std::span<const ObjectSummary> o
                               const ClassNamer& class_name, const std::string& title,
                               const OverviewOptions& options = {});
 
-/// A line of a legend: a few swatches, then the text.
-struct LegendEntry {
-  std::vector<Rgb8> swatches;
-  std::string text;
-};
+/// What OverviewOptions says about the colours: a legend of classes or a scale.
+Caption CaptionOf(std::span<const ObjectSummary> objects, const ClassNamer& class_name,
+                  const std::string& title, const OverviewOptions& options);
+
+/// Writes the class name at the centre of each object of a picture, in dark letters with a light
+/// outline.
+void NameObjects(std::span<const ObjectSummary> objects, const ClassNamer& class_name,
+                 const View& view, Image<Rgb8>* image);
 
 /// The legend of a picture: one entry per class in ascending order, with the number of its objects
 /// and the first few of their colours; then instances without a class, discovered objects,

@@ -1,6 +1,7 @@
 #include "render/palette.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace vismap {
@@ -35,6 +36,23 @@ Rgb8 StrongColor(uint32_t id) {
 Rgb8 PaleColor(uint32_t id) {
   if (id == 0) return kUnsegmentedColor;
   return FromHsv(Hue(id), 0.16, 0.80 + 0.05 * (id / 5 % 3));
+}
+
+Rgb8 RampColor(double value) {
+  constexpr std::array<Rgb8, 6> kPoints{{{0, 34, 78},
+                                         {53, 69, 108},
+                                         {102, 105, 112},
+                                         {148, 142, 119},
+                                         {200, 184, 102},
+                                         {254, 232, 56}}};
+  const double at = value > 0 ? std::min(value, 1.0) * (kPoints.size() - 1) : 0;
+  const size_t left = std::min(static_cast<size_t>(at), kPoints.size() - 2);
+  const double share = at - static_cast<double>(left);
+  const auto mix = [&](uint8_t Rgb8::*channel) {
+    return static_cast<uint8_t>(
+        std::lround(kPoints[left].*channel * (1 - share) + kPoints[left + 1].*channel * share));
+  };
+  return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
 }
 
 Rgb8 VertexColor(const MeshVertex& vertex, Coloring coloring) {

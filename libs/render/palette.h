@@ -22,6 +22,16 @@ Rgb8 PaleColor(uint32_t id);
 /// The colour of a vertex in a picture with this colouring.
 Rgb8 VertexColor(const MeshVertex& vertex, Coloring coloring);
 
+/// The colour of a value in [0, 1]: the colour map "cividis", which reads the same for the
+/// colour-blind. Values outside, and NaN, get the nearest end.
+Rgb8 RampColor(double value);
+
+/// Free, occupied and unknown space: colours of Okabe and Ito, which the colour-blind tell apart.
+/// The viewer's page has the same.
+inline constexpr Rgb8 kFreeColor{86, 180, 233};
+inline constexpr Rgb8 kOccupiedColor{213, 94, 0};
+inline constexpr Rgb8 kNotSeenColor{120, 120, 120};
+
 /// The colour of surface without a segment.
 inline constexpr Rgb8 kUnsegmentedColor{150, 150, 150};
 

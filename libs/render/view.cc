@@ -73,6 +73,16 @@ double FittingDistance(const SceneBox& scene, const View& view, const Vector3d& 
 
 Eigen::Vector2d MiddleOf(int width, int height) { return {0.5 * (width - 1), 0.5 * (height - 1)}; }
 
+// A perspective view with its optics alone.
+View UnplacedView(int width, int height) {
+  View view;
+  view.width = width;
+  view.height = height;
+  view.scale = 1.2 * std::max(width, height);  // 45 degrees across
+  view.center = MiddleOf(width, height);
+  return view;
+}
+
 // The range of the values without the smallest and the largest 0.1 %.
 std::pair<double, double> UsualRange(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -167,15 +177,26 @@ SceneBox FrameScene(const Mesh& mesh, const Vector3d& up_W) {
 
 View PerspectiveView(const SceneBox& scene, double azimuth, double elevation, int width,
                      int height) {
-  View view;
-  view.width = width;
-  view.height = height;
-  view.scale = 1.2 * std::max(width, height);  // 45 degrees across
-  view.center = MiddleOf(width, height);
+  View view = UnplacedView(width, height);
   const Vector3d toward = Toward(scene, azimuth, elevation);
   const Vector3d eye = scene.center_W + toward * FittingDistance(scene, view, toward);
   view.T_V_W = ViewPose(eye, -toward, scene.up_W);
   return view;
+}
+
+std::vector<View> TurntableViews(const SceneBox& scene, int count, double elevation, int width,
+                                 int height) {
+  std::vector<View> views(static_cast<size_t>(count), UnplacedView(width, height));
+  const auto toward = [&](size_t i) {
+    const double turn = static_cast<double>(i) / static_cast<double>(count);
+    return Toward(scene, 2 * std::numbers::pi * turn, elevation);
+  };
+  double distance = 0;
+  for (size_t i = 0; i < views.size(); ++i)
+    distance = std::max(distance, FittingDistance(scene, views[i], toward(i)));
+  for (size_t i = 0; i < views.size(); ++i)
+    views[i].T_V_W = ViewPose(scene.center_W + toward(i) * distance, -toward(i), scene.up_W);
+  return views;
 }
 
 View TopDownView(const SceneBox& scene, int width, int height) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <vector>
 
 #include "geometry/pose.h"
 #include "meshing/mesh.h"
@@ -34,6 +35,10 @@ SceneBox FrameScene(const Mesh& mesh, const Eigen::Vector3d& up_W);
 /// It is as close as possible with the whole box in the picture. `width`, `height` [px].
 View PerspectiveView(const SceneBox& scene, double azimuth, double elevation, int width,
                      int height);
+
+/// `count` perspective views from all around, at one elevation [rad] and one distance.
+std::vector<View> TurntableViews(const SceneBox& scene, int count, double elevation, int width,
+                                 int height);
 
 /// An orthographic view from straight above, with the longer side of the scene along the longer
 /// side of the picture.

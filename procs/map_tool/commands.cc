@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "base/class_names.h"
 #include "base/file.h"
 #include "base/format.h"
 #include "base/json_text.h"
@@ -15,8 +14,6 @@
 #include "map_tool/live_map.h"
 #include "map_tool/map_diff.h"
 #include "mapfile/map_folder.h"
-#include "render/overview.h"
-#include "render/png.h"
 
 namespace vismap {
 namespace {
@@ -33,32 +30,6 @@ tl::expected<std::string, ExitFailure> Statistics(const MapToolArguments& argume
       LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
   if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
   return StatisticsJson(loaded->map, loaded->metadata);
-}
-
-Coloring ColoringOf(const std::string& name) {
-  if (name == "class") return Coloring::kClass;
-  if (name == "segment") return Coloring::kSegment;
-  if (name == "rgb") return Coloring::kRgb;
-  return Coloring::kInstance;
-}
-
-Image<Rgb8> Render(const MapToolArguments& arguments, const LoadedMap& loaded) {
-  const OutputOptions options = arguments.config;
-  const MapProducts products = MakeProducts(loaded.map, loaded.metadata, options);
-  const Eigen::Vector3d up_W = products.up.up_W;
-  const Coloring coloring = ColoringOf(arguments.coloring);
-  OverviewOptions overview;
-  overview.coloring = coloring;
-  overview.up_W = up_W;
-  if (arguments.view == "overview") {
-    return RenderMapOverview(products.mesh, products.objects, ClassName, loaded.metadata.map_id,
-                             overview);
-  }
-  const SceneBox scene = FrameScene(products.mesh, up_W);
-  const View view = arguments.view == "top" ? TopDownView(scene, overview.width, overview.height)
-                                            : BestPerspectiveView(products.mesh, scene,
-                                                                  overview.width, overview.height);
-  return RenderMesh(products.mesh, view, coloring);
 }
 
 // A fact as people read it: sizes with a unit, counts with groups of digits.
@@ -121,16 +92,6 @@ Outcome RunHash(const MapToolArguments& arguments, ProcessContext& context) {
   if (!statistics) return tl::unexpected(statistics.error());
   std::printf("%s\n",
               PrintableText(ParseJson(*statistics).value().at("hash").get<std::string>()).c_str());
-  return {};
-}
-
-Outcome RunRender(const MapToolArguments& arguments, ProcessContext&) {
-  const Result<LoadedMap> loaded =
-      LoadMap(arguments.map, MaxMapBytes(arguments.config.integration));
-  if (!loaded) return ExitWith(ExitCode::kUnreadable, loaded.error().message);
-  const Result<void> written = WritePng(arguments.out, Render(arguments, *loaded));
-  if (!written) return ExitWith(ExitCode::kFailed, written.error().message);
-  std::printf("wrote the picture %s\n", std::filesystem::absolute(arguments.out).c_str());
   return {};
 }
 

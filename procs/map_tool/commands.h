@@ -10,10 +10,14 @@ namespace vismap {
 
 /// The command line of vismap-map.
 struct MapToolArguments {
-  std::string map, other_map, out;    ///< files; `map` may be "live", the map of a running server
-  std::string coloring = "instance";  ///< for render
-  std::string view = "overview";      ///< for render
-  bool json = false;                  ///< print JSON
+  std::string map, other_map, out;  ///< files; `map` may be "live", the map of a running server
+  std::string coloring;             ///< for render; "" = as is usual for the view
+  std::string view = "overview";    ///< for render
+  std::string axis = "z";           ///< for render: across the slice
+  std::optional<double> at, below;  ///< for render: place of the slice, height of the cut [m]
+  std::optional<int> turntable;     ///< for render: number of views
+  int width = 1600, height = 900;   ///< for render [px]
+  bool json = false;                ///< print JSON
   std::optional<std::string> id, class_name, region;  ///< for objects and export: the selection
   std::string only;         ///< for export: the one thing that is written; "" = everything
   std::string grid;         ///< for export: where the 2-D grid is written, see WriteGridFiles

@@ -72,6 +72,46 @@ void AddOctree(CommandLine& line, Command* command) {
               "Ask the octomap exporter instead of the map server");
 }
 
+void AddRender(CommandLine& line, Command* command) {
+  MapToolArguments& arguments = command->arguments;
+  CommandLine render =
+      AddWithMap(line, command, "render", "Draw a picture of a map, or of an octree", RunRender,
+                 "Saved map (.vismap), 'live', or an octree (.bt, .ot) for --view octree");
+  render
+      .Option("--out", &arguments.out,
+              "PNG file; with --turntable also a folder, or a file that ends in .webp")
+      .Required();
+  render
+      .Option("--view", &arguments.view,
+              "overview (from the side and from above), perspective, top, slice through free and "
+              "occupied space, or octree")
+      .OneOf({"overview", "perspective", "top", "slice", "octree"});
+  render
+      .Option(
+          "--color", &arguments.coloring,
+          "Meaning of the colours of a surface: instance (if not given), class, segment, rgb (as "
+          "the camera saw it), height, or seen (by how many frames); of an octree: height (if "
+          "not given), class, or rgb (those of an .ot file)")
+      .OneOf({"instance", "class", "segment", "rgb", "height", "seen"});
+  render.Option("--axis", &arguments.axis, "Axis of the map across the slice")
+      .OneOf({"x", "y", "z"});
+  render.Option("--at", &arguments.at,
+                "Where the slice is on this axis [m]; if not given, in the middle of the map");
+  render.Option("--below", &arguments.below,
+                "Leave out what is above this height along the upward direction [m]");
+  render
+      .Option("--turntable", &arguments.turntable,
+              "Draw this number of views from all around, of the surface or of the octree")
+      .Range(2, 720);
+  render
+      .Option(
+          "--res", &arguments.resolution_m,
+          "Edge of a leaf of the octree [m], 2 to 64 times the voxel size; 0 = as in the config")
+      .Range(0, 64);
+  render.Option("--width", &arguments.width, "Of the picture [px]").Range(320, 8192);
+  render.Option("--height", &arguments.height, "Of the picture [px]").Range(240, 8192);
+}
+
 /// Commands for maps in files.
 void AddFileCommands(CommandLine& line, Command* command) {
   MapToolArguments& arguments = command->arguments;
@@ -90,14 +130,6 @@ void AddFileCommands(CommandLine& line, Command* command) {
                "of the config says how it is made");
   AddChoiceOfObjects(files, "--object", &arguments);
   AddWithout(files, &arguments);
-
-  CommandLine render =
-      AddWithMap(line, command, "render", "Render a picture of a saved map", RunRender, kFile);
-  render.Option("--out", &arguments.out, "PNG file").Required();
-  render.Option("--color", &arguments.coloring, "Meaning of the colours")
-      .OneOf({"instance", "class", "segment", "rgb"});
-  render.Option("--view", &arguments.view, "overview (with legend), perspective or top")
-      .OneOf({"overview", "perspective", "top"});
 
   AddWithMap(line, command, "diff", "Compare two saved maps; exit code 1 if they differ", RunDiff,
              kFile)
@@ -199,6 +231,7 @@ void AddCommands(CommandLine& line, Command* command) {
   objects.Flag("--json", &arguments.json, "Print JSON, including discovered segments");
   AddChoiceOfObjects(objects, "--id", &arguments);
   AddOctree(line, command);
+  AddRender(line, command);
   AddFileCommands(line, command);
   AddNavigationCommands(line, command);
   AddServerCommands(line, command);

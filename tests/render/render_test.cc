@@ -1,15 +1,21 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <span>
 
 #include "base/parallel.h"
 #include "objects/map_mesh.h"
 #include "render/overview.h"
+#include "render/paint.h"
 #include "render/png.h"
 #include "render/render_mesh.h"
+#include "render/webp.h"
 #include "support/analytic_map.h"
 #include "support/mesh_checks.h"
 
@@ -270,6 +276,142 @@ TEST(Png, DecodesToTheSamePixels) {
   ASSERT_EQ(decoded.rows, 2);
   EXPECT_EQ(decoded.at<cv::Vec3b>(1, 2), cv::Vec3b(30, 10, 255));
   EXPECT_FALSE(WritePng("/nonexistent/a.png", image));
+}
+
+TEST(Ramp, IsDarkThenBrightAndKeepsToItsEnds) {
+  const auto brightness = [](Rgb8 c) { return 0.3 * c.r + 0.59 * c.g + 0.11 * c.b; };
+  for (double value = 0; value < 0.99; value += 0.02)
+    EXPECT_LT(brightness(RampColor(value)), brightness(RampColor(value + 0.02)) + 1) << value;
+  EXPECT_EQ(RampColor(-5), RampColor(0));
+  EXPECT_EQ(RampColor(7), RampColor(1));
+  EXPECT_EQ(RampColor(std::numeric_limits<double>::quiet_NaN()), RampColor(0));
+}
+
+TEST(Paint, HeightsGoFromFloorToCeilingInAnyDirection) {
+  Mesh mesh = ExtractMesh(Room());
+  const ColorScale scale = PaintHeights(Vector3d::UnitZ(), &mesh);
+  EXPECT_EQ(scale.low, "0 m");
+  EXPECT_EQ(scale.high, "2 m");
+  for (const MeshVertex& vertex : mesh.vertices) {
+    const Rgb8 expected = RampColor(static_cast<double>(vertex.position_W.z()) / 2);
+    EXPECT_NEAR(vertex.color.g, expected.g, 6) << vertex.position_W.transpose();
+  }
+  EXPECT_EQ(PaintHeights(-Vector3d::UnitZ(), &mesh).low, "-2 m");
+}
+
+TEST(Paint, ObservationsAreThoseOfTheVoxels) {
+  SemanticMap map = Room();
+  Mesh mesh = ExtractMesh(map);
+  EXPECT_EQ(PaintObservations(map, &mesh).high, "255 or more");
+  std::map<uint8_t, size_t> counts;
+  for (const MeshVertex& vertex : mesh.vertices) ++counts[vertex.color.g];
+  // Every voxel of the computed map was seen as often.
+  EXPECT_EQ(counts.size(), 1u);
+  mesh.vertices[0].position_W = {50, 50, 50};
+  PaintObservations(map, &mesh);
+  EXPECT_EQ(mesh.vertices[0].color, kUnsegmentedColor);
+}
+
+TEST(Paint, WhatIsAboveTheCutIsGone) {
+  Mesh mesh = ExtractMesh(Room());
+  const size_t before = mesh.triangles.size();
+  CutAbove(Vector3d::UnitZ(), 1.0, &mesh);
+  EXPECT_LT(mesh.triangles.size(), before * 3 / 4);
+  EXPECT_GT(mesh.triangles.size(), before / 4);
+  for (const MeshVertex& vertex : mesh.vertices) EXPECT_LT(vertex.position_W.z(), 1.0F);
+  for (const auto& triangle : mesh.triangles)
+    for (const uint32_t corner : triangle) ASSERT_LT(corner, mesh.vertices.size());
+  CutAbove(Vector3d::UnitZ(), -100, &mesh);
+  EXPECT_TRUE(mesh.triangles.empty() && mesh.vertices.empty());
+}
+
+TEST(View, TurntableShowsTheWholeSceneFromAllAround) {
+  const Mesh mesh = ExtractMesh(Room());
+  const SceneBox scene = FrameScene(mesh, Vector3d::UnitZ());
+  const std::vector<View> views = TurntableViews(scene, 8, 0.6, 400, 300);
+  ASSERT_EQ(views.size(), 8u);
+  for (const View& view : views) {
+    for (const MeshVertex& vertex : mesh.vertices) {
+      const auto pixel = ProjectToView(view, vertex.position_W.cast<double>());
+      ASSERT_TRUE(pixel);
+      EXPECT_TRUE(pixel->x() > 0 && pixel->x() < 400 && pixel->y() > 0 && pixel->y() < 300);
+    }
+  }
+  const auto eye = [&](size_t i) -> Vector3d { return views[i].T_V_W.inverse().translation(); };
+  EXPECT_NEAR((eye(0) + eye(4) - 2 * scene.center_W).head<2>().norm(), 0, 1e-9);
+  EXPECT_NEAR(eye(0).z(), eye(3).z(), 1e-9);
+}
+
+TEST(Caption, HasLegendScaleAndBar) {
+  const Image<Rgb8> picture(600, 300, kBackground);
+  Caption caption;
+  const Image<Rgb8> bare = WithCaption(picture, caption, 420);
+  EXPECT_EQ(CountNot(bare, kBackground), 0u);
+  caption.scale = ColorScale{"height", "0 m", "1 m"};
+  const size_t scale = CountNot(WithCaption(picture, caption, 420), kBackground);
+  EXPECT_GT(scale, 260u * 16u);
+  caption.pixels_per_metre = 100;
+  const size_t bar = CountNot(WithCaption(picture, caption, 420), kBackground) - scale;
+  EXPECT_GT(bar, 100u * 3u);  // 1 m
+  EXPECT_LT(bar, 100u * 3u + 250u);
+  caption.legend.assign(100, {{{200, 0, 0}}, "one of very many"});
+  EXPECT_GT(CountNot(WithCaption(picture, caption, 420), kBackground), scale + bar);
+}
+
+TEST(Caption, LengthsAreRound) {
+  for (const double longest : {0.003, 0.1999, 0.2, 0.51, 1.0, 7.0, 49.9, 1234.5}) {
+    const double length = RoundLength(longest);
+    EXPECT_LE(length, longest * (1 + 1e-9));
+    EXPECT_GE(length, 0.4 * longest);
+    const double digit = length / std::pow(10, std::floor(std::log10(length * 1.0001)));
+    EXPECT_TRUE(std::abs(digit - 1) < 1e-6 || std::abs(digit - 2) < 1e-6 ||
+                std::abs(digit - 5) < 1e-6)
+        << longest << " " << length;
+  }
+  EXPECT_EQ(MetresText(1.5), "1.5 m");
+  EXPECT_EQ(MetresText(20), "20 m");
+  EXPECT_EQ(MetresText(-0.001), "0 m");
+}
+
+// The content of the chunks of an animation with this name.
+std::vector<std::vector<uint8_t>> Chunks(std::span<const uint8_t> file, const std::string& name) {
+  std::vector<std::vector<uint8_t>> found;
+  for (size_t at = 12; at + 8 <= file.size();) {
+    const size_t size = file[at + 4] + (file[at + 5] << 8) + (file[at + 6] << 16);
+    if (at + 8 + size > file.size()) return {};
+    if (std::equal(name.begin(), name.end(), file.begin() + static_cast<std::ptrdiff_t>(at)))
+      found.emplace_back(file.begin() + static_cast<std::ptrdiff_t>(at + 8),
+                         file.begin() + static_cast<std::ptrdiff_t>(at + 8 + size));
+    at += 8 + size + size % 2;
+  }
+  return found;
+}
+
+TEST(Webp, AnimationHasEachPictureWithItsTime) {
+  WebpAnimation animation(33, 20, 250, 90);
+  for (const uint8_t red : {uint8_t{20}, uint8_t{220}})
+    animation.Add(Image<Rgb8>(33, 20, Rgb8{red, 100, 60}));
+  EXPECT_THROW(animation.Add(Image<Rgb8>(32, 20)), std::logic_error);
+  const std::vector<uint8_t> file = animation.Finish();
+  const size_t size = file[4] + (file[5] << 8) + (file[6] << 16);
+  EXPECT_EQ(size + 8, file.size());
+  const auto heads = Chunks(file, "VP8X");
+  ASSERT_EQ(heads.size(), 1u);
+  EXPECT_EQ(heads[0], (std::vector<uint8_t>{2, 0, 0, 0, 32, 0, 0, 19, 0, 0}));
+  const auto frames = Chunks(file, "ANMF");
+  ASSERT_EQ(frames.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(frames[i][12], 250);  // ms
+    // The picture of a frame, as a file of its own.
+    std::vector<uint8_t> single{'R', 'I', 'F', 'F', 0, 0, 0, 0, 'W', 'E', 'B', 'P'};
+    single.insert(single.end(), frames[i].begin() + 16, frames[i].end());
+    const auto bytes = static_cast<uint32_t>(single.size() - 8);
+    for (size_t k = 0; k < 4; ++k) single[4 + k] = static_cast<uint8_t>(bytes >> (8 * k));
+    const cv::Mat decoded = cv::imdecode(single, cv::IMREAD_COLOR);
+    ASSERT_EQ(decoded.cols, 33);
+    ASSERT_EQ(decoded.rows, 20);
+    EXPECT_NEAR(decoded.at<cv::Vec3b>(10, 16)[2], i == 0 ? 20 : 220, 4);
+  }
 }
 
 }  // namespace

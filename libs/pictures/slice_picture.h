@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "freespace/slice.h"
+#include "render/drawing.h"
+
+/// The room `pictures` shows free space: slices and octrees.
+namespace vismap {
+
+struct SlicePictureOptions {
+  int width = 1600;  ///< [px]; >= 320
+  int height = 900;  ///< [px]; >= 240
+  /// Lines of equal distance from what is occupied in the slice, through what is free in it [m].
+  std::vector<double> contours_m = {0.1, 0.25, 0.5, 1, 2};
+};
+
+/// A slice in three colours (kFreeColor, kOccupiedColor, kNotSeenColor) with contours, axes in
+/// metres and a legend with the area of each state. The first of the slice's axes goes to the
+/// right, the second one up. A slice without cells gives a picture that says so.
+Image<Rgb8> RenderSlice(const Slice& slice, const SliceQuestion& question, const std::string& title,
+                        const SlicePictureOptions& options = {});
+
+/// The largest cell of a slice whose picture still has a pixel for each [m], for a map with these
+/// known cells; 0 = voxels.
+double SliceCellFor(const OccupancyMap& map, int axis, const SlicePictureOptions& options);
+
+}  // namespace vismap

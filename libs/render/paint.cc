@@ -1,0 +1,88 @@
+#include "render/paint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "map/surface_reader.h"
+#include "render/palette.h"
+
+namespace vismap {
+namespace {
+
+double HeightOf(const MeshVertex& vertex, const Eigen::Vector3d& up_W) {
+  return vertex.position_W.cast<double>().dot(up_W);
+}
+
+// The heights between which all vertices are but the lowest and the highest 1 %.
+std::pair<double, double> UsualHeights(const Mesh& mesh, const Eigen::Vector3d& up_W) {
+  std::vector<double> heights;
+  const size_t stride = mesh.vertices.size() / 100000 + 1;
+  for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    const double height = HeightOf(mesh.vertices[i], up_W);
+    if (std::isfinite(height)) heights.push_back(height);
+  }
+  if (heights.empty()) return {0, 1};
+  std::sort(heights.begin(), heights.end());
+  const size_t cut = heights.size() / 100;
+  const double low = heights[cut], high = heights[heights.size() - 1 - cut];
+  return {low, std::max(high, low + 0.01)};
+}
+
+// How many frames observed the voxel; 0 = it is not known.
+int ObservationsAt(const VoxelMap& voxels, const Eigen::Vector3f& p_W, SurfaceReader* reader) {
+  const Eigen::Vector3d place = p_W.cast<double>() / voxels.voxel_size();
+  if (!(place.cwiseAbs().maxCoeff() < 1e9)) return 0;
+  const VoxelIndex voxel{static_cast<int32_t>(std::floor(place.x())),
+                         static_cast<int32_t>(std::floor(place.y())),
+                         static_cast<int32_t>(std::floor(place.z()))};
+  const Block* block = voxels.Find(BlockOf(voxel));
+  const SurfaceVoxels* surface = block == nullptr ? nullptr : reader->Read(*block);
+  if (surface == nullptr) return 0;
+  return surface->observations[static_cast<size_t>(OffsetInBlock(voxel))];
+}
+
+}  // namespace
+
+ColorScale PaintHeights(const Eigen::Vector3d& up_W, Mesh* mesh) {
+  const auto [low, high] = UsualHeights(*mesh, up_W);
+  for (MeshVertex& vertex : mesh->vertices)
+    vertex.color = RampColor((HeightOf(vertex, up_W) - low) / (high - low));
+  return {"height in W", MetresText(low), MetresText(high)};
+}
+
+ColorScale PaintObservations(const SemanticMap& map, Mesh* mesh) {
+  SurfaceReader reader;
+  for (size_t i = 0; i < mesh->vertices.size(); ++i) {
+    MeshVertex& vertex = mesh->vertices[i];
+    const int count = ObservationsAt(map.voxels, vertex.position_W, &reader);
+    vertex.color = count == 0 ? kUnsegmentedColor : RampColor(std::log2(count) / 8);
+    if (i % 4096 == 0) reader.Trim();
+  }
+  return {"seen by frames", "1", "255 or more"};
+}
+
+void CutAbove(const Eigen::Vector3d& up_W, double height_m, Mesh* mesh) {
+  std::erase_if(mesh->triangles, [&](const std::array<uint32_t, 3>& triangle) {
+    return std::any_of(triangle.begin(), triangle.end(), [&](uint32_t corner) {
+      return !(HeightOf(mesh->vertices[corner], up_W) < height_m);
+    });
+  });
+  // The vertices of no triangle would count for the bounds of the scene.
+  constexpr uint32_t kUnused = UINT32_MAX;
+  std::vector<uint32_t> new_index(mesh->vertices.size(), kUnused);
+  std::vector<MeshVertex> kept;
+  for (auto& triangle : mesh->triangles) {
+    for (uint32_t& corner : triangle) {
+      if (new_index[corner] == kUnused) {
+        new_index[corner] = static_cast<uint32_t>(kept.size());
+        kept.push_back(mesh->vertices[corner]);
+      }
+      corner = new_index[corner];
+    }
+  }
+  mesh->vertices = std::move(kept);
+}
+
+}  // namespace vismap

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "map/semantic_map.h"
+#include "meshing/mesh.h"
+#include "render/drawing.h"
+
+namespace vismap {
+
+// Pictures of values: the colours of the vertices are replaced, and drawn with Coloring::kRgb.
+
+/// Colours by the height along `up_W` (unit length), from the lowest to the highest 1 %. Returns
+/// the scale, with heights in W [m].
+ColorScale PaintHeights(const Eigen::Vector3d& up_W, Mesh* mesh);
+
+/// Colours by how many frames observed the voxel in which a vertex lies, logarithmically from 1 to
+/// 255. Vertices without one become grey (kUnsegmentedColor). Returns the scale.
+ColorScale PaintObservations(const SemanticMap& map, Mesh* mesh);
+
+/// Removes the triangles that are not wholly below this height along `up_W` [m].
+void CutAbove(const Eigen::Vector3d& up_W, double height_m, Mesh* mesh);
+
+}  // namespace vismap
