@@ -9,6 +9,7 @@
 #include "base/printable.h"
 #include "log_tool/convert.h"
 #include "log_tool/cut.h"
+#include "log_tool/map_to_mcap.h"
 #include "log_tool/to_mcap.h"
 #include "log_tool/verify.h"
 #include "logs/recording.h"
@@ -23,6 +24,7 @@ struct Arguments {
   bool json = false;
   CutOptions cut;
   MapTopicOptions map;
+  bool with_map = false;
   std::vector<std::string> channels;
   std::optional<int> camera;
   DatasetOptions frames;
@@ -150,13 +152,33 @@ void PrintTopics(const Arguments& arguments, const McapExport& written) {
                 FormatCount(count, "message").c_str(), PrintableText(channel).c_str());
 }
 
-Outcome ToMcap(const Arguments& arguments) {
+Result<McapExport> WriteSequence(const Arguments& arguments) {
+  if (arguments.cut.from != 0 || arguments.cut.to || !arguments.channels.empty())
+    return Fail(
+        "--from, --to and --channels are for logs that are written without --map; "
+        "vismap-log cut selects a part of a log");
+  const Result<Sequence> input = OpenInput(arguments);
+  if (!input) return tl::unexpected(input.error());
+  return WriteMcap({*input->recording.dataset, input->detections.get(), arguments.with_map},
+                   arguments.config, arguments.map, arguments.out);
+}
+
+// Writes a log as it is, or the sequence of which a map is to be made.
+Result<McapExport> WriteMcapOf(const Arguments& arguments) {
+  if (arguments.with_map || !IsLog(arguments.input)) return WriteSequence(arguments);
   Result<LogReader> reader =
       LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
-  if (!reader) return Unreadable(reader.error());
+  if (!reader) return tl::unexpected(reader.error());
+  const Result<bool> foreign = HasForeignFramesOnly(*reader, arguments.config.adapter);
+  if (!foreign) return tl::unexpected(foreign.error());
+  if (*foreign) return WriteSequence(arguments);
   McapExportOptions options{arguments.cut, arguments.map};
   options.cut.channels.insert(arguments.channels.begin(), arguments.channels.end());
-  const Result<McapExport> written = WriteMcap(*reader, options, arguments.out);
+  return WriteMcap(*reader, options, arguments.out);
+}
+
+Outcome ToMcap(const Arguments& arguments) {
+  const Result<McapExport> written = WriteMcapOf(arguments);
   if (!written) return Unreadable(written.error());
   WarnOfLosses(arguments, *written);
   PrintTopics(arguments, *written);
@@ -183,8 +205,12 @@ void AddToMcap(CommandLine& line, Arguments* arguments) {
                        "Write a run as an MCAP file with Foxglove's schemas, which Foxglove, "
                        "Lichtblick and Rerun open",
                        ToMcap);
-  to.Option("LOG", &arguments->input, "Log of LCM messages").Required();
+  to.Option("LOG", &arguments->input,
+            "Log of LCM messages, also one of DimOS, Drake or bot_core; or any other sequence")
+      .Required();
   to.Option("--out", &arguments->out, "MCAP file to write").Required();
+  to.Flag("--map", &arguments->with_map,
+          "Write only the frames and detections of the log, and map them; for logs without a map");
   to.Option("--from", &arguments->cut.from, "Begin: seconds after the first message");
   to.Option("--to", &arguments->cut.to, "End (exclusive): seconds after the first message");
   to.Option("--channels", &arguments->channels, "Use only these channels: NAME,NAME");

@@ -7,6 +7,7 @@
 
 #include "codecs/label_codec.h"
 #include "log_tool/status_topics.h"
+#include "logs/foreign_dataset.h"
 #include "logs/recorded_run.h"
 #include "mcap/frame_topics.h"
 #include "navigation/tree_leaves.h"
@@ -299,6 +300,15 @@ Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options
     return tl::unexpected(finished.error());
   result.bytes = file->bytes();
   return result;
+}
+
+Result<bool> HasForeignFramesOnly(const LogReader& reader, const AdapterOptions& adapter) {
+  const Result<std::set<std::string>> channels = OwnChannelsOf(reader);
+  if (!channels) return tl::unexpected(channels.error());
+  for (const Channel& channel : {kRgbdFrameChannel, kSegmentedFrameChannel, kMeshDeltaChannel,
+                                 kMapDeltaChannel, kObjectsChannel})
+    if (channels->contains(channel.name)) return false;
+  return HasForeignImages(reader.path(), adapter);
 }
 
 }  // namespace vismap

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/reason_counts.h"
+#include "config/process_options.h"
 #include "log_tool/cut.h"
 #include "logs/log_reader.h"
 #include "mcap/map_topics.h"
@@ -38,5 +39,9 @@ struct McapExport {
 /// the file, when it cannot be written.
 Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
                              const std::filesystem::path& out);
+
+/// Whether a log has no frame, surface, free space or objects of ours, but images of other robots'
+/// programs: such a log is written as a sequence, see map_to_mcap.h.
+Result<bool> HasForeignFramesOnly(const LogReader& reader, const AdapterOptions& adapter);
 
 }  // namespace vismap

@@ -27,8 +27,8 @@ std::vector<CloudPoint> PointsOf(const Mesh& mesh) {
   std::vector<CloudPoint> points;
   points.reserve(mesh.vertices.size());
   for (const MeshVertex& vertex : mesh.vertices)
-    points.push_back(
-        {vertex.position_W, vertex.color, vertex.segment, vertex.instance, vertex.class_id});
+    points.push_back({vertex.position_W, vertex.color, vertex.segment, vertex.instance,
+                      vertex.class_id, vertex.seen});
   return points;
 }
 

@@ -201,7 +201,8 @@ FoxgloveMessage SurfaceCloudMessage(std::span<const CloudPoint> points, int64_t 
   fields.AddColor();
   fields.Add("segment", Field::UINT32, 4);
   fields.Add("instance", Field::UINT32, 4);
-  fields.Add("class", Field::UINT32, 4);
+  fields.Add("class", Field::UINT16, 2);
+  fields.Add("seen", Field::UINT16, 2);
   cloud.set_point_stride(fields.stride());
   std::string* data = cloud.mutable_data();
   data->reserve(points.size() * fields.stride());
@@ -210,7 +211,8 @@ FoxgloveMessage SurfaceCloudMessage(std::span<const CloudPoint> points, int64_t 
     AppendColor(point.color, 255, data);
     AppendNumber(Raw(point.segment), data);
     AppendNumber(Raw(point.instance), data);
-    AppendNumber(uint32_t{Raw(point.class_id)}, data);
+    AppendNumber(Raw(point.class_id), data);
+    AppendNumber(uint16_t{point.seen}, data);
   }
   return EncodeFoxglove(cloud);
 }

@@ -31,9 +31,10 @@ struct CloudPoint {
   SegmentLabel segment = SegmentLabel::kNone;
   InstanceId instance = InstanceId::kNone;
   ClassId class_id = ClassId::kUnknown;
+  uint8_t seen = 0;  ///< number of frames, see MeshVertex
 };
 
-/// foxglove.PointCloud with x, y, z, red, green, blue, alpha, segment, instance and class.
+/// foxglove.PointCloud with x, y, z, red, green, blue, alpha, segment, instance, class and seen.
 FoxgloveMessage SurfaceCloudMessage(std::span<const CloudPoint> points, int64_t utime);
 
 /// All objects as foxglove.SceneUpdate, which replaces all earlier ones: each has the id "object

@@ -178,6 +178,21 @@ TEST(SceneMessages, BlocksAreEntitiesThatReplaceOrDelete) {
   EXPECT_EQ(update.entities(0).triangles(0).colors(0).r(), StrongColor(7).r / 255.0);
 }
 
+TEST(SceneMessages, PointsHaveColoursAndIds) {
+  CloudPoint point{{1, 2, 3}, {10, 20, 30}, SegmentLabel{70000}, InstanceId{80000}, ClassId{62}, 9};
+  const auto cloud =
+      Parsed<foxglove::PointCloud>(SurfaceCloudMessage(std::vector{CloudPoint{}, point}, 5));
+  const size_t stride = cloud.point_stride();
+  EXPECT_EQ(cloud.data().size(), 2 * stride);
+  EXPECT_EQ(FieldAt<float>(cloud, "z", 1, stride), 3);
+  EXPECT_EQ(FieldAt<uint8_t>(cloud, "green", 1, stride), 20);
+  EXPECT_EQ(FieldAt<uint8_t>(cloud, "alpha", 1, stride), 255);
+  EXPECT_EQ(FieldAt<uint32_t>(cloud, "segment", 1, stride), 70000u);
+  EXPECT_EQ(FieldAt<uint32_t>(cloud, "instance", 1, stride), 80000u);
+  EXPECT_EQ(FieldAt<uint16_t>(cloud, "class", 1, stride), 62);
+  EXPECT_EQ(FieldAt<uint16_t>(cloud, "seen", 1, stride), 9);
+}
+
 TEST(SceneMessages, ObjectsAreBoxesWithTexts) {
   ObjectList list{5, "map", 3, {}};
   ObjectSummary chair;
