@@ -87,6 +87,8 @@ struct ViewerOptions {
   double budget_mb_s = 20;    ///< for the surface and pictures of all pages together
   double max_picture_hz = 5;  ///< pictures of a camera per second
   int max_map_mb = 1024;      ///< of the copy of the surface, and again of that of space
+  int evidence_mb = 64;       ///< of frames kept to show objects in them; 0 = none is kept
+  double evidence_hz = 2;     ///< frames per second that are looked at for this
 };
 
 struct SensorReplayOptions {

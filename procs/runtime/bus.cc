@@ -321,6 +321,7 @@ std::vector<int> Bus::FileDescriptors() const {
   for (const Transport* transport : {transport_.get(), urgent_.get()}) {
     if (transport != nullptr && transport->connected()) descriptors.push_back(transport->fd());
   }
+  for (const auto& entry : watched_) descriptors.push_back(entry.first);
   return descriptors;
 }
 

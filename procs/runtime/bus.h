@@ -95,7 +95,7 @@ class Bus {
   /// messages and timers that are due. Returns true when it handled a message.
   bool Spin(double timeout);
 
-  /// Readable when a message arrives. For loops of other libraries: call Spin(0), again while it
+  /// Readable when a message arrives, or a watched file is. For loops of other libraries: call Spin(0), again while it
   /// returns true, and ask anew afterwards, since the bus may have connected again.
   std::vector<int> FileDescriptors() const;
 

@@ -60,8 +60,9 @@ void Api::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
                          reply);
   reply(ErrorAnswer(404, "there is no '" + PrintableText(path, 100) +
                              "'; there are /api/map, /api/objects, /api/processes, "
-                             "/api/slice?axis=z&at=1.0, /api/cell?at=x,y,z and "
-                             "/api/object/ID.ply"));
+                             "/api/slice?axis=z&at=1.0, /api/cell?at=x,y,z, "
+                             "/api/object/ID.ply, /api/evidence?id=ID and "
+                             "/api/frame/CAMERA/UTIME.jpg"));
 }
 
 void Api::GetObjects(const HttpTarget& target, const WebHandler::Reply& reply) {

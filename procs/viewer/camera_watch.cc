@@ -24,20 +24,6 @@ constexpr int kMostRounds = 8;                      // of reading at a time
 
 using PictureJson = nlohmann::ordered_json;
 
-// The colour as JPEG, also when it came in another encoding.
-Result<std::vector<uint8_t>> JpegOf(const rgbd_frame_t& frame) {
-  if (frame.color_encoding == rgbd_frame_t::COLOR_NONE) return Fail("the frame has no colour");
-  if (frame.color_encoding == rgbd_frame_t::COLOR_JPEG && frame.color.size() <= kMostJpeg)
-    return frame.color;
-  const Result<SensorFrame> sensor = DecodeWithoutDepth(frame);
-  if (!sensor) return tl::unexpected(sensor.error());
-  const camera_t& camera = CameraOf(frame);
-  const auto image =
-      DecodeColor(sensor->color_encoding, sensor->color, camera.width, camera.height);
-  if (!image) return tl::unexpected(image.error());
-  return EncodeJpeg(*image, kQuality);
-}
-
 // [value, length, value, length, ...] row by row over every step-th pixel.
 PictureJson RunsOf(const SegmentImage& image, int step, int width, int height) {
   PictureJson runs = PictureJson::array();
@@ -90,6 +76,19 @@ Result<PictureJson> SegmentsOf(const segmented_frame_t& message) {
 
 }  // namespace
 
+Result<std::vector<uint8_t>> JpegOf(const rgbd_frame_t& frame) {
+  if (frame.color_encoding == rgbd_frame_t::COLOR_NONE) return Fail("the frame has no colour");
+  if (frame.color_encoding == rgbd_frame_t::COLOR_JPEG && frame.color.size() <= kMostJpeg)
+    return frame.color;
+  const Result<SensorFrame> sensor = DecodeWithoutDepth(frame);
+  if (!sensor) return tl::unexpected(sensor.error());
+  const camera_t& camera = CameraOf(frame);
+  const auto image =
+      DecodeColor(sensor->color_encoding, sensor->color, camera.width, camera.height);
+  if (!image) return tl::unexpected(image.error());
+  return EncodeJpeg(*image, kQuality);
+}
+
 std::vector<uint8_t> MakePicture(const segmented_frame_t& message) {
   const camera_t& camera = CameraOf(message.frame);
   PictureJson json{{"camera_id", message.frame.camera_id},
@@ -106,8 +105,8 @@ std::vector<uint8_t> MakePicture(const segmented_frame_t& message) {
                        jpeg ? *jpeg : std::vector<uint8_t>());
 }
 
-CameraWatch::CameraWatch(BusOptions bus_options, double max_hz, Board* board)
-    : bus_options_(std::move(bus_options)), period_(1 / max_hz), board_(board) {
+CameraWatch::CameraWatch(BusOptions bus_options, Rates rates, Board* board, Sink sink)
+    : bus_options_(std::move(bus_options)), rates_(rates), board_(board), sink_(std::move(sink)) {
   bus_options_.connect_timeout = kJoinTime;
 }
 
@@ -123,22 +122,40 @@ void CameraWatch::Join(double now) {
 }
 
 void CameraWatch::Poll(double now, bool pages, const std::set<int>& pictures) {
-  pictures_ = pictures;
-  if (!pages) {
-    bus_.reset();
-    board_->RemovePictures();
-    return;
+  if (!pages) board_->RemovePictures();
+  if (pages && !std::exchange(had_pages_, pages)) next_read_ = 0;
+  had_pages_ = pages;
+  const double hz = pages ? rates_.page_hz : rates_.idle_hz;
+  if (hz <= 0 || (bus_ != nullptr && !bus_->connected())) bus_.reset();
+  if (hz <= 0) return;
+  if (bus_ == nullptr) {
+    Join(now);
+  } else if (now >= next_read_) {
+    next_read_ = now + 1 / hz;
+    Read();
   }
-  if (bus_ != nullptr && !bus_->connected()) bus_.reset();
-  if (bus_ == nullptr) return Join(now);
-  if (now < next_read_) return;
-  next_read_ = now + period_;
-  for (int round = 0; round < kMostRounds && bus_->Spin(0); ++round) {
-  }
+  // Also of frames that came before a page wanted them.
+  MakePictures(pictures);
   if (!std::exchange(changed_, false)) return;
   std::vector<CameraView> views;
-  for (const auto& entry : cameras_) views.push_back(entry.second);
+  for (const auto& entry : cameras_) views.push_back(entry.second.view);
   board_->Set(Board::Topic::kCameras, CamerasText(views));
+}
+
+void CameraWatch::Read() {
+  for (int round = 0; round < kMostRounds && bus_->Spin(0); ++round) {
+  }
+}
+
+void CameraWatch::MakePictures(const std::set<int>& pictures) {
+  for (auto& [id, camera] : cameras_) {
+    if (camera.newest == nullptr || !pictures.contains(id)) continue;
+    const bool has_it = camera.pictured_utime == camera.newest->utime;
+    if (has_it && board_->pictures().contains(id)) continue;
+    camera.view.picture = board_->SetPicture(id, MakePicture(*camera.newest));
+    camera.pictured_utime = camera.newest->utime;
+    changed_ = true;
+  }
 }
 
 Result<void> CameraWatch::OnFrame(const segmented_frame_t& message) {
@@ -147,13 +164,15 @@ Result<void> CameraWatch::OnFrame(const segmented_frame_t& message) {
   const int id = message.frame.camera_id;
   if (!cameras_.contains(id) && cameras_.size() >= kMostCameras)
     return Fail("more than 64 cameras");
-  CameraView& view = cameras_[id];
-  view.header = *header;
-  view.had_detections = message.had_detections != 0;
-  view.detections = static_cast<size_t>(
+  Camera& camera = cameras_[id];
+  camera.view.header = *header;
+  camera.view.had_detections = message.had_detections != 0;
+  camera.view.detections = static_cast<size_t>(
       std::count_if(message.segments.begin(), message.segments.end(),
                     [](const frame_segment_t& segment) { return segment.detection >= 0; }));
-  if (pictures_.contains(id)) view.picture = board_->SetPicture(id, MakePicture(message));
+  const auto shared = std::make_shared<const segmented_frame_t>(message);
+  if (cameras_.size() <= Board::kMostPictures) camera.newest = shared;
+  if (sink_) sink_(shared);
   changed_ = true;
   return {};
 }

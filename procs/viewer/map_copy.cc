@@ -116,6 +116,13 @@ std::vector<BlockIndex> MapCopy::SortedIndices() const {
   return indices;
 }
 
+std::vector<SurfaceBlock> MapCopy::Blocks() const {
+  std::vector<SurfaceBlock> blocks;
+  blocks.reserve(blocks_.size());
+  for (const auto& entry : blocks_) blocks.push_back({entry.first, entry.second.bytes});
+  return blocks;
+}
+
 MapSummary MapCopy::Summary() const {
   MapSummary summary;
   summary.map_id = position().map_id;

@@ -7,6 +7,7 @@
 #include <vector>
 #include <vismap/mesh_delta_t.hpp>
 
+#include "viewer/object_mask.h"
 #include "viewer/page_messages.h"
 #include "wire/update_sequence.h"
 
@@ -45,6 +46,8 @@ class MapCopy {
   const Held* Find(BlockIndex index) const;
   /// All blocks with a surface, ascending.
   std::vector<BlockIndex> SortedIndices() const;
+  /// All blocks with a surface, in any order.
+  std::vector<SurfaceBlock> Blocks() const;
   /// Without age_s and voxel_size_m.
   MapSummary Summary() const;
   bool in_sync() const { return sequence_.in_sync(); }

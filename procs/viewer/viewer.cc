@@ -35,7 +35,10 @@ MapViewer::MapViewer(const ViewerOptions& options, BusOptions pictures, std::str
       space_(LimitsOf(options)),
       questions_(bus),
       api_(&board_, &space_, &processes_, &questions_),
-      cameras_(std::move(pictures), options.max_picture_hz, &board_),
+      evidence_(options, bus, &surface_, status),
+      cameras_(std::move(pictures),
+               {options.max_picture_hz, evidence_.enabled() ? options.evidence_hz : 0}, &board_,
+               [this](const auto& frame) { evidence_.Offer(frame); }),
       mesh_catch_up_(bus, "mesh"),
       space_catch_up_(bus, "snapshot") {
   bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel,
@@ -120,6 +123,7 @@ Result<void> MapViewer::OnObjects(const object_list_t& message) {
   std::string text = ObjectsText(message);
   if (text.size() > kMostText) return Fail("the list of objects is larger than 32 MB");
   board_.Set(Board::Topic::kObjects, text);
+  evidence_.SetObjects(message);
   return {};
 }
 
@@ -134,6 +138,7 @@ void MapViewer::GiveUpParts() {
 }
 
 void MapViewer::OnGet(const HttpTarget& target, Reply reply) {
+  if (Evidence::Answers(target.path)) return evidence_.Get(target, reply);
   if (target.path.starts_with("/api/")) return api_.Get(target, reply);
   reply(ReadPageFile(page_folder_, target.path));
 }
@@ -186,6 +191,7 @@ void MapViewer::TellChanges() {
   if (changes.reset && !map_id_.empty() && map_id_ != surface_.position().map_id) {
     Notice("info", "another map has taken the place of the one that was shown");
     board_.Remove(Board::Topic::kObjects);
+    evidence_.ForgetFrames();
   }
   map_id_ = surface_.position().map_id;
   if (!changes.reset && changes.blocks.empty()) return;

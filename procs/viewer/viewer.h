@@ -16,6 +16,7 @@
 #include "viewer/board.h"
 #include "viewer/camera_watch.h"
 #include "viewer/client_feed.h"
+#include "viewer/evidence.h"
 #include "viewer/map_copy.h"
 #include "viewer/process_list.h"
 #include "viewer/questions.h"
@@ -71,6 +72,7 @@ class MapViewer : public WebHandler {
   ProcessList processes_;
   Questions questions_;
   Api api_;
+  Evidence evidence_;
   CameraWatch cameras_;
   CatchUp mesh_catch_up_, space_catch_up_;
   std::map<PageId, ClientFeed> feeds_;

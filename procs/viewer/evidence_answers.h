@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "viewer/evidence_finder.h"
+#include "viewer/http_rules.h"
+
+namespace vismap {
+
+/// An object as pages name it: 7 = an instance, s12 = what has no instance and the segment 12.
+struct ObjectName {
+  bool is_segment = false;
+  uint32_t number = 0;
+};
+std::optional<ObjectName> ParseObjectName(const std::string& text);
+
+/// GET /api/frame/CAMERA/UTIME.jpg or .png, with the arguments id, color and width.
+struct PictureQuestion {
+  CameraId camera{0};
+  int64_t utime = 0;
+  bool png = false;
+  std::string object;         ///< whose mask is drawn; empty = none
+  std::optional<Rgb8> color;  ///< of the mask
+  int width = 0;              ///< about, of a smaller picture [px]; 0 = as it came
+};
+Result<PictureQuestion> ReadPictureQuestion(const HttpTarget& target);
+
+/// The answer of /api/evidence about an object with this name. Says why when there is no view.
+HttpAnswer EvidenceList(const std::string& name, const EvidenceQuestion& question,
+                        EvidenceFinder* finder);
+/// `object` is nullptr when no mask is drawn.
+HttpAnswer EvidencePicture(const PictureQuestion& picture, const EvidenceQuestion* object,
+                           EvidenceFinder* finder);
+
+}  // namespace vismap
