@@ -144,6 +144,24 @@ class BrowserTest(unittest.TestCase):
         self.assertEqual(link, f"api/object/{table['instance']}.ply")
         self.browser.do('await page.keyboard.press("Escape")')
 
+    def test_frames_of_an_object_are_those_of_the_server(self):
+        do = self.browser.do
+        objects = [o for o in self.get_json("/api/objects")["objects"] if o["state"] == "present"]
+        name = max(objects, key=lambda o: o["points"])
+        server = self.get_json(f"/api/evidence?id={name['instance']}")["frames"]
+        self.assertTrue(server)
+        do(f'await page.getByRole("button", {{name: "{name["class_name"]} {name["instance"]}", exact: true}}).click(); '
+           'await page.waitForSelector(".thumbnails button")')
+        self.assertEqual(do('return await page.locator(".thumbnails li").count()'), len(server))
+        do('await page.locator(".thumbnails button").first().click(); '
+           'await page.waitForFunction(() => document.querySelector("#evidence img").naturalWidth === 160)')
+        self.assertIn(f"{server[0]['utime'] / 1e6:.2f} s", self.browser.text("#evidence figcaption"))
+        do('await page.keyboard.press("l"); await page.waitForTimeout(800)')
+        camera = self.browser.state("camera")
+        for axis in range(3):
+            self.assertAlmostEqual(camera[axis], server[0]["T_W_C"][4 * axis + 3], delta=0.02)
+        do('await page.keyboard.press("Escape")')
+
     def test_slice_and_cell_are_as_the_programs_say(self):
         do = self.browser.do
         do('await page.keyboard.press("r"); await page.click("#tab-space"); await page.getByLabel("Horizontal slice").first().check()')

@@ -42,6 +42,11 @@ await shoot(wide, "objects");
 await wide.selectOption("#colouring", "rgb");
 await wide.keyboard.press("n");
 await shoot(wide, "selected");
+if (await wide.locator(".thumbnails button").count()) {
+  await wide.locator(".thumbnails button").first().click();
+  await shoot(wide, "frame");
+  await wide.keyboard.press("Escape");
+}
 await wide.keyboard.press("Escape");
 await wide.keyboard.press("r");
 await wide.keyboard.press("h");

@@ -107,11 +107,68 @@ test("An object is picked by its pixel: selected, boxed with its sizes, with a l
   assert.match(await page.textContent("#details"), /chair 7.*83 %/s);
   assert.deepEqual(await page.locator(".size-label:visible").allTextContents(), ["0.40 m", "0.40 m", "0.10 m"]);
   assert.equal(await page.getByRole("link", { name: "Download as PLY" }).getAttribute("href"), "api/object/7.ply");
-  await page.waitForFunction(() => document.querySelector("#details").textContent.includes("not available"), null, kWait);
   await page.keyboard.press("Escape");
   assert.equal(await state("selected"), null);
   await clickAt(-1.4, 1.0, 0.6);
   assert.equal(await state("selected"), "s12", "a discovered thing is picked by its segment");
+});
+
+/** Waits until the large picture is loaded; answers its colour in the middle. */
+async function largePicture() {
+  await page.waitForFunction(() => {
+    const image = document.querySelector("#evidence img");
+    return image.complete && image.naturalWidth > 0;
+  }, null, kWait);
+  return page.evaluate(() => {
+    const image = document.querySelector("#evidence img");
+    const canvas = new OffscreenCanvas(1, 1).getContext("2d");
+    canvas.drawImage(image, 100, 100, 1, 1, 0, 0, 1, 1);
+    return [...canvas.getImageData(0, 0, 1, 1).data].slice(0, 3);
+  });
+}
+
+test("Frames in which an object was seen: small pictures, a large one with and without mask, keys, and a look from there", async () => {
+  await page.getByRole("button", { name: "chair 7" }).click();
+  await page.waitForSelector(".thumbnails button", kWait);
+  assert.equal(await page.locator(".thumbnails li").count(), 3);
+  await page.waitForFunction(() => document.querySelector(".thumbnails").textContent.includes("no longer kept"), null, kWait);
+  assert.equal(await page.getByAltText(/chair 7 in the frame of camera 0, 90\.00 s/).count(), 1);
+  await page.locator(".thumbnails button").first().click();
+  assert.deepEqual(await largePicture(), [200, 30, 30]);
+  assert.match(await page.textContent("#evidence figcaption"), /camera 0, 90\.00 s.*92 %.*chair 91 %/);
+  await page.keyboard.press("m");
+  assert.deepEqual(await largePicture(), [120, 120, 120]);
+  await page.getByRole("checkbox", { name: "mask", exact: true }).check();
+  await page.keyboard.press("ArrowRight");
+  assert.match(await page.textContent("#evidence h2"), /chair 7, frame 2 of 3/);
+  assert.match(await page.textContent("#evidence figcaption"), /camera 1/);
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => document.querySelector("#evidence [role=status]").textContent.includes("not kept"), null, kWait);
+  await page.keyboard.press("ArrowRight");
+  assert.match(await page.textContent("#evidence h2"), /frame 1 of 3/);
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#evidence").isVisible(), false);
+  assert.equal(await state("selected"), "7", "Escape closes the picture alone");
+  await page.locator(".thumbnails button").nth(1).click();
+  await page.getByRole("button", { name: "Look from here" }).click();
+  await page.waitForTimeout(700);
+  const camera = await state("camera");
+  assert.ok(Math.hypot(camera[0] - 0.2, camera[1] + 3, camera[2] - 0.6) < 0.05, `the view is at ${camera}`);
+  await page.getByRole("button", { name: "thing s12" }).click();
+  await page.waitForFunction(() => document.querySelector("#details").textContent.includes("no frame is kept yet"), null, kWait);
+  assert.deepEqual(problems, []);
+});
+
+test("On a phone the picture of a frame fits", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.getByRole("button", { name: "chair 7" }).click();
+  await page.locator(".thumbnails button").first().click();
+  await largePicture();
+  const frame = await page.locator("#evidence").boundingBox();
+  assert.ok(frame.x >= 0 && frame.x + frame.width <= 390, JSON.stringify(frame));
+  assert.ok((await page.locator("#evidence img").boundingBox()).height < 400);
+  for (const name of ["‹ Previous", "Next ›", "Look from here", "Close"])
+    assert.ok(await page.locator("#evidence").getByRole("button", { name }).isVisible(), name);
 });
 
 test("A click in the list flies there", async () => {

@@ -1,4 +1,5 @@
 // What the mock server answers to GET /api/...
+import { deflateSync } from "node:zlib";
 
 const json = (status, value) => ({ status, type: "application/json", body: JSON.stringify(value) });
 
@@ -38,7 +39,58 @@ function cell(query) {
     labels: [{ label: 5, votes: 12, instance: 7, class: 62, class_name: "chair" }, { label: 1, votes: 3, instance: 0, class: 0, class_name: "" }], last_utime: 97000000 });
 }
 
+/** The checksum of a PNG's chunk. */
+function crc32(bytes) {
+  let crc = ~0;
+  for (const byte of bytes) {
+    crc ^= byte;
+    for (let bit = 0; bit < 8; ++bit) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+  }
+  return ~crc >>> 0;
+}
+
+/** A picture of one colour as PNG. */
+function png(width, height, colour) {
+  const row = Buffer.concat([Buffer.from([0]), Buffer.alloc(3 * width, Buffer.from(colour))]);
+  const chunk = (name, data) => {
+    const body = Buffer.concat([Buffer.from(name), data]);
+    const bytes = Buffer.alloc(body.length + 8);
+    bytes.writeUInt32BE(data.length);
+    body.copy(bytes, 4);
+    bytes.writeUInt32BE(crc32(body), body.length + 4);
+    return bytes;
+  };
+  const head = Buffer.alloc(13);
+  head.writeUInt32BE(width);
+  head.writeUInt32BE(height, 4);
+  head.set([8, 2], 8);
+  const pixels = deflateSync(Buffer.concat(Array(height).fill(row)));
+  return Buffer.concat([Buffer.from("\x89PNG\r\n\x1a\n", "latin1"), chunk("IHDR", head), chunk("IDAT", pixels), chunk("IEND", Buffer.alloc(0))]);
+}
+
+/** Three frames of the chair, the last of which is no longer kept. */
+function evidence(id) {
+  if (id === "s12") return json(200, { id, frames: [], why: "no frame is kept yet" });
+  if (id !== "7") return json(404, { error: `the map has no surface of the object ${id}` });
+  const frames = [0, 1, 2].map((at) => ({
+    camera_id: at === 1 ? 1 : 0, utime: (90 + at) * 1e6, pixels: 5200 - 1000 * at, share: 0.92 - 0.1 * at, width: 640, height: 480,
+    T_W_C: [1, 0, 0, 0.2, 0, 0, -1, -2 - at, 0, 1, 0, 0.6, 0, 0, 0, 1], // looks along +y
+    ...(at === 0 ? { detection: { class: 62, class_name: "chair", score: 0.91, overlap: 0.8 } } : {}),
+    url: `/api/frame/${at === 1 ? 1 : 0}/${(90 + at) * 1e6}.jpg?id=7`,
+  }));
+  return json(200, { id, map_id: "mock-1", revision: 1, frames, kept: { frames: 3, megabytes: 0.2 } });
+}
+
+/** Red with the mask, grey without. */
+function frame(url) {
+  if (url.pathname.endsWith("/92000000.jpg")) return json(404, { error: "the frame of camera 0 and utime 92000000 is not kept, or no longer" });
+  const width = Number(url.searchParams.get("width") ?? 640);
+  const colour = url.searchParams.has("id") ? [200, 30, 30] : [120, 120, 120];
+  return { status: 200, type: "image/png", body: png(width, (width * 3) / 4, colour) };
+}
+
 export async function answer(map, url) {
+  if (url.pathname.startsWith("/api/frame/")) return frame(url);
   switch (url.pathname) {
     case "/api/objects":
       return json(200, { map_id: map.mapId, up: { direction: map.up, reason: "mock" }, objects: map.objects, discovered: [], structure: map.structure, removed: [] });
@@ -49,7 +101,7 @@ export async function answer(map, url) {
     case "/api/leaves":
       return json(200, { leaves: [[-1, -1, 1, 0.8, 1], [-1, 1, 1, 0.4, 1], [2.05, 0, 1, 0.1, 2]] });
     case "/api/evidence":
-      return json(404, { error: "This server keeps no frames." });
+      return evidence(url.searchParams.get("id"));
     default:
       return json(404, { error: `There is no ${url.pathname}.` });
   }

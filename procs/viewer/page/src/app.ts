@@ -4,6 +4,8 @@ import { CameraPanel } from "./camera_panel";
 import { CameraScene, sightOf } from "./camera_scene";
 import { makeCommands, makeToggles } from "./commands";
 import { byId } from "./dom";
+import { EvidenceDialog } from "./evidence_dialog";
+import { EvidenceStrip } from "./evidence_strip";
 import { FreeSpacePanel } from "./free_space_panel";
 import { fillHelp, listenForKeys } from "./help";
 import { Latency } from "./latency";
@@ -51,8 +53,13 @@ const filter = byId("filter", HTMLInputElement);
 const list = new ObjectList(byId("object-lists", HTMLElement), filter, byId("found", HTMLElement), (id) => {
   selection.select(selection.id === id ? null : id, true);
 });
+const evidenceDialog = new EvidenceDialog(byId("evidence", HTMLDialogElement), (frame) => {
+  const { position, target } = sightOf(frame);
+  view.lookFrom(position, target);
+});
 const card = new ObjectCard(
   byId("details", HTMLElement),
+  new EvidenceStrip((object, frames, at) => evidenceDialog.open(object, frames, at)),
   (id) => status.hello?.classNames[String(id)] ?? `class ${id}`,
   () => selection.select(null, false),
   () => selection.flyToChosen(),

@@ -100,7 +100,7 @@ export class CameraScene {
 }
 
 /** Where a camera is and a point that it looks at [m]. */
-export function sightOf(camera: CameraState): { position: THREE.Vector3; target: THREE.Vector3 } {
+export function sightOf(camera: { pose: number[] }): { position: THREE.Vector3; target: THREE.Vector3 } {
   const p = camera.pose;
   const position = new THREE.Vector3(p[3], p[7], p[11]);
   const forward = new THREE.Vector3(p[2], p[6], p[10]);

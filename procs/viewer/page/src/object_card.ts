@@ -1,12 +1,9 @@
 /** What is known of the selected object, with its PLY and the frames that it was seen in. */
-import { getJson } from "./api";
 import { css } from "./colours";
 import { count, el } from "./dom";
-import { asList, asNumber, asObject, asText } from "./json";
+import type { EvidenceStrip } from "./evidence_strip";
 import { colourOfObject } from "./object_list";
 import { ageText, sizeText, type MapObject } from "./objects";
-
-const kMostFrames = 12;
 
 function lastSeen(utime: number, now: number): string {
   const age = ageText(utime, now);
@@ -15,10 +12,10 @@ function lastSeen(utime: number, now: number): string {
 
 export class ObjectCard {
   private shownId: string | null = null;
-  private evidence = el("div", { class: "faint" });
 
   constructor(
     private readonly parent: HTMLElement,
+    private readonly evidence: EvidenceStrip,
     private readonly className: (id: number) => string,
     private readonly onClose: () => void,
     private readonly onFly: () => void,
@@ -34,10 +31,9 @@ export class ObjectCard {
     const other = object.id !== this.shownId;
     this.shownId = object.id;
     if (other) {
-      this.evidence = el("div", { class: "faint" });
-      this.parent.replaceChildren(this.head(object), el("div"), this.links(object), this.evidence);
-      if (object.group !== "removed") void this.showEvidence(object.id, this.evidence);
+      this.parent.replaceChildren(this.head(object), el("div"), this.links(object), this.evidence.element);
     }
+    this.evidence.show(object, other);
     this.parent.children[1]!.replaceChildren(this.facts(object, now));
   }
 
@@ -72,23 +68,5 @@ export class ObjectCard {
     const file = `${object.name.replace(/\W+/g, "_")}_${object.id}.ply`;
     const ply = el("a", { href: `api/object/${encodeURIComponent(object.id)}.ply`, download: file }, "Download as PLY");
     return el("div", { class: "row" }, fly, ply);
-  }
-
-  private async showEvidence(id: string, where: HTMLElement): Promise<void> {
-    where.textContent = "Frames: asking …";
-    const answer = await getJson(`api/evidence?id=${encodeURIComponent(id)}`);
-    if (answer.error !== null) {
-      where.textContent = "Frames that it was seen in: not available from this server.";
-      where.title = answer.error;
-      return;
-    }
-    const frames = asList(asObject(answer.value).frames).slice(0, kMostFrames).map(asObject);
-    const pictures = frames.map((frame) => {
-      const text = `camera ${asNumber(frame.camera_id)}, time ${(asNumber(frame.utime) / 1e6).toFixed(2)} s`;
-      const image = el("img", { src: asText(frame.url).replace(/^\//, ""), alt: `Frame of ${text}`, title: text, loading: "lazy" });
-      return el("li", {}, image);
-    });
-    if (pictures.length === 0) where.textContent = "Frames that it was seen in: none are kept.";
-    else where.replaceChildren("Frames that it was seen in", el("ul", { class: "thumbnails" }, ...pictures));
   }
 }
