@@ -41,6 +41,8 @@ constexpr size_t kMostPageMessage = 4096;                 // [bytes]
 constexpr int kMostControlFrames = 50;   // pings and the like of a page, per second
 constexpr int kSendBuffer = 1 << 19;     // [bytes]
 constexpr size_t kMoreConnections = 32;  // besides those of pages
+// Bodies of answers that are not sent yet, in sum; smaller ones are always sent.
+constexpr size_t kMostAnswering = 192 << 20, kSmallAnswer = 1 << 16;
 
 constexpr const char* kPolicy =
     "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'; base-uri 'none'; "
@@ -74,6 +76,20 @@ Result<tcp::endpoint> ParseListen(const std::string& listen) {
   const asio::ip::address address = asio::ip::make_address(host, error);
   if (error || failed != std::errc() || stop != end) return wrong();
   return tcp::endpoint(address, port);
+}
+
+// The other end of a connection; "none" becomes 0.0.0.0.
+asio::ip::address CallerOf(const tcp::socket& socket) {
+  ErrorCode error;
+  const asio::ip::address address = socket.remote_endpoint(error).address();
+  if (error) return {};
+  const bool mapped = address.is_v6() && address.to_v6().is_v4_mapped();
+  return mapped ? asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()) : address;
+}
+
+// Programs of this computer may take all places.
+bool IsHere(const asio::ip::address& address) {
+  return address == asio::ip::address_v4::loopback() || address == asio::ip::address_v6::loopback();
 }
 
 template <typename Response>
@@ -125,6 +141,35 @@ class WebServer::Impl {
  private:
   class Connection;
   class Page;
+  struct Caller {
+    size_t pages = 0, connections = 0;
+  };
+  // Counts a page or a connection of an address as long as it exists.
+  class Place {
+   public:
+    Place(Impl* server, const asio::ip::address& address, size_t Caller::*kind)
+        : server_(server), address_(address), kind_(kind) {
+      ++(server_->callers_[address_].*kind_);
+    }
+    ~Place() {
+      const auto caller = server_->callers_.find(address_);
+      --(caller->second.*kind_);
+      if (caller->second.pages == 0 && caller->second.connections == 0)
+        server_->callers_.erase(caller);
+    }
+    Place(const Place&) = delete;
+    Place& operator=(const Place&) = delete;
+    const asio::ip::address& address() const { return address_; }
+
+   private:
+    Impl* server_;
+    asio::ip::address address_;
+    size_t Caller::*kind_;
+  };
+  // How many of `most` places one address may have, so that others find one, too.
+  static size_t MostOfOne(const asio::ip::address& address, size_t most) {
+    return IsHere(address) ? most : std::max<size_t>(1, most - std::max<size_t>(1, most / 4));
+  }
 
   void Accept();
   void Take(tcp::socket socket);
@@ -135,7 +180,10 @@ class WebServer::Impl {
   WebServerOptions options_;
   WebHandler* handler_;
   const std::string computer_ = ComputerName();
-  size_t connections_ = 0;  // of HTTP; those that io_ ends count themselves here
+  // Those that io_ ends count themselves here:
+  size_t connections_ = 0;  // of HTTP
+  size_t answering_ = 0;    // bodies of answers that are not sent yet [bytes]
+  std::map<asio::ip::address, Caller> callers_;
   asio::io_context io_{1};
   tcp::acceptor acceptor_;
   asio::steady_timer tick_, retry_;
@@ -151,7 +199,8 @@ class WebServer::Impl {
 // A page that is connected by a WebSocket. At most one message is on its way to it.
 class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
  public:
-  Page(Impl* server, beast::tcp_stream stream) : server_(server), socket_(std::move(stream)) {
+  Page(Impl* server, beast::tcp_stream stream, const asio::ip::address& caller)
+      : server_(server), place_(server, caller, &Caller::pages), socket_(std::move(stream)) {
     beast::get_lowest_layer(socket_).expires_never();
     websocket::stream_base::timeout limits{};
     limits.handshake_timeout = kRequestTime;
@@ -251,6 +300,7 @@ class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
   }
 
   Impl* server_;
+  Place place_;
   websocket::stream<beast::tcp_stream, false> socket_;  // without compression
   beast::flat_buffer buffer_{kMostPageMessage};
   OutFrame sending_;
@@ -262,7 +312,10 @@ class WebServer::Impl::Page : public std::enable_shared_from_this<Page> {
 // A connection of HTTP, with one request at a time.
 class WebServer::Impl::Connection : public std::enable_shared_from_this<Connection> {
  public:
-  Connection(Impl* server, tcp::socket socket) : server_(server), stream_(std::move(socket)) {
+  Connection(Impl* server, tcp::socket socket)
+      : server_(server),
+        place_(server, CallerOf(socket), &Caller::connections),
+        stream_(std::move(socket)) {
     ++server_->connections_;
   }
   ~Connection() { --server_->connections_; }
@@ -276,6 +329,9 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
         stream_, buffer_, *parser_,
         [self = this->shared_from_this()](ErrorCode error, size_t) { self->OnRead(error); });
   }
+
+  const asio::ip::address& address() const { return place_.address(); }
+  size_t OfItsAddress() const { return server_->callers_.at(address()).connections; }
 
   // Answers before a request was read.
   void RefuseAtOnce(int status, const std::string& sentence) {
@@ -332,7 +388,12 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
     if (server_->pages_.size() >= static_cast<size_t>(server_->options_.max_pages))
       return Refuse(503, "there are " + std::to_string(server_->options_.max_pages) +
                              " pages already (viewer.max_clients); close one of them");
-    const auto page = std::make_shared<Page>(server_, std::move(stream_));
+    const size_t most =
+        MostOfOne(place_.address(), static_cast<size_t>(server_->options_.max_pages));
+    if (server_->callers_[place_.address()].pages >= most)
+      return Refuse(503, "there are " + std::to_string(most) +
+                             " pages of your address already; close one of them");
+    const auto page = std::make_shared<Page>(server_, std::move(stream_), place_.address());
     page->id_ = server_->next_page_++;
     server_->pages_.emplace(page->id_, page);
     page->Open(request_);
@@ -345,10 +406,32 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
     Send(ErrorAnswer(status, sentence));
   }
 
+  // The body of an answer, as long as it is on its way.
+  struct Answer {
+    explicit Answer(Impl* server, size_t size) : server_(server), size_(size) {
+      server_->answering_ += size_;
+    }
+    ~Answer() { server_->answering_ -= size_; }
+    Answer(const Answer&) = delete;
+    Answer& operator=(const Answer&) = delete;
+    http::response<http::vector_body<uint8_t>> response_;
+
+   private:
+    Impl* server_;
+    size_t size_;
+  };
+
   void Send(HttpAnswer answer) {
-    const auto response = std::make_shared<http::response<http::vector_body<uint8_t>>>();
+    if (answer.body.size() > kSmallAnswer &&
+        server_->answering_ + answer.body.size() > kMostAnswering) {
+      ++server_->refused_;
+      answer = ErrorAnswer(503, "answers of " + std::to_string(server_->answering_ >> 20) +
+                                    " MB wait for browsers that read slowly; try again later");
+    }
+    const auto kept = std::make_shared<Answer>(server_, answer.body.size());
+    auto* response = &kept->response_;
     response->result(static_cast<unsigned>(answer.status));
-    SetCommonHeaders(request_, response.get());
+    SetCommonHeaders(request_, response);
     response->set(http::field::content_type, answer.content_type);
     if (!answer.file_name.empty())
       response->set(http::field::content_disposition,
@@ -358,14 +441,15 @@ class WebServer::Impl::Connection : public std::enable_shared_from_this<Connecti
     if (request_.method() != http::verb::head) response->body() = std::move(answer.body);
     stream_.expires_after(kAnswerTime);
     http::async_write(stream_, *response,
-                      [self = this->shared_from_this(), response](ErrorCode error, size_t) {
-                        if (!error && response->keep_alive()) return self->Read();
+                      [self = this->shared_from_this(), kept](ErrorCode error, size_t) {
+                        if (!error && kept->response_.keep_alive()) return self->Read();
                         ErrorCode ignored;
                         self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
                       });
   }
 
   Impl* server_;
+  Place place_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{kMostHeader + kMostBody + 1024};
   std::optional<http::request_parser<http::string_body>> parser_;
@@ -400,6 +484,8 @@ void WebServer::Impl::Take(tcp::socket socket) {
   socket.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
   const auto connection = std::make_shared<Connection>(this, std::move(socket));
   if (connections_ > most) return connection->RefuseAtOnce(503, "there are too many connections");
+  if (connection->OfItsAddress() > MostOfOne(connection->address(), most))
+    return connection->RefuseAtOnce(503, "there are too many connections of your address");
   connection->Read();
 }
 

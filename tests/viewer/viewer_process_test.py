@@ -389,6 +389,51 @@ class HostileTest(unittest.TestCase):
             page.close()
         wait_until(lambda: self.try_page(), "a free place")
 
+    def page_from(self, address):
+        """The status that a page gets that connects from this address."""
+        with socket.create_connection(("127.0.0.1", int(self.address.rsplit(":", 1)[1])), 30, (address, 0)) as link:
+            host = self.address.removeprefix("http://")
+            link.sendall(f"GET /live HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode())
+            head = link.recv(4096)
+            self.open_links.append(link.dup())
+            return int(head.split()[1]), head
+
+    def test_one_address_cannot_take_all_places(self):
+        self.open_links = []
+        wait_until(lambda: self.try_page(), "a free place")
+        self.assertEqual([self.page_from("127.0.0.2")[0] for _ in range(5)], [101] * 4 + [503])
+        self.assertIn(b"pages of your address", self.page_from("127.0.0.2")[1])
+        self.assertEqual(self.page_from("127.0.0.3")[0], 101, "another address finds a place")
+        for link in self.open_links:
+            link.close()
+        wait_until(lambda: self.try_page(), "a free place")
+        wait_until(lambda: self.page_from("127.0.0.2")[0] == 101, "a place for the address again")
+        self.open_links[-1].close()
+        # Connections that send nothing do not keep others out, either.
+        port = int(self.address.rsplit(":", 1)[1])
+        links = [socket.create_connection(("127.0.0.1", port), 30, ("127.0.0.2", 0)) for _ in range(60)]
+        self.assertEqual(get(self.address, "/")[0], 200)
+        for link in links:
+            link.close()
+
+    def test_memory_of_answers_that_are_not_read_is_bounded(self):
+        (pathlib.Path(self.run_.folder) / "page" / "large.bin").write_bytes(bytes(60 << 20))
+        host = self.address.removeprefix("http://")
+        links = []
+        for _ in range(6):
+            links.append(connect(self.address))
+            links[-1].sendall(f"GET /large.bin HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+            time.sleep(0.3)
+        refused = [link for link in links if link.recv(12, socket.MSG_PEEK) == b"HTTP/1.1 503"]
+        self.assertEqual(len(refused), 3)
+        self.assertIn(b"read slowly", refused[0].recv(4096))
+        self.assertLess(memory_mb(self.run_.processes.running["viewer"].pid), 320)
+        self.assertEqual(get(self.address, "/")[0], 200, "small answers are sent all the same")
+        for link in links:
+            link.close()
+        wait_until(lambda: get(self.address, "/large.bin", method="HEAD")[0] == 200, "memory for a large answer")
+
     def try_page(self):
         page = WebSocket(self.address)
         page.close()
