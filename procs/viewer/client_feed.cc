@@ -131,6 +131,7 @@ Result<void> ClientFeed::ReadWant(const nlohmann::json& json) {
 }
 
 std::optional<OutFrame> ClientFeed::Next(double now) {
+  if (!wants_mesh_ || waiting() == 0) text_debt_ = 0;
   if (auto text = NextText(now)) return text;
   if (allowance_ <= 0 || unacknowledged() >= kMostUnacknowledged) return std::nullopt;
   if (auto path = NextPath()) return path;
@@ -171,6 +172,12 @@ std::optional<OutFrame> ClientFeed::NextTopic() {
     const Board::Post& post = board_->Get(topic);
     if (topic == Board::Topic::kProcesses && !wants_processes_) continue;
     if (post.number == 0 || post.number == sent_topics_[i]) continue;
+    const auto size = static_cast<double>(post.bytes->size());
+    if (post.bytes->size() > kSmallText) {
+      if (allowance_ <= 0 || text_debt_ > 0) continue;
+      text_debt_ = size;
+    }
+    allowance_ -= size;
     sent_topics_[i] = post.number;
     return OutFrame{post.bytes, true};
   }
@@ -238,6 +245,7 @@ void ClientFeed::FillBatch() {
 OutFrame ClientFeed::Count(FrameBytes bytes) {
   sent_bytes_ += static_cast<int64_t>(bytes->size());
   allowance_ -= static_cast<double>(bytes->size());
+  text_debt_ -= static_cast<double>(bytes->size());
   return {std::move(bytes), false};
 }
 

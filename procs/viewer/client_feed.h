@@ -41,6 +41,9 @@ class ClientFeed {
   /// ... where one that acknowledges so many bytes does not count.
   static constexpr int64_t kFreeAcknowledgement = 1 << 16;
   static constexpr size_t kMostNotices = 16;
+  /// Larger texts about objects and the like wait until they may be sent, and take at most half of
+  /// what is sent while blocks wait.
+  static constexpr size_t kSmallText = 1 << 16;
 
   /// Both must outlive it.
   ClientFeed(const MapCopy* map, const Board* board, std::string hello);
@@ -103,6 +106,7 @@ class ClientFeed {
   std::vector<BlockIndex> batch_;
 
   double allowance_ = 0;  // [bytes]; negative after a large message
+  double text_debt_ = 0;  // bytes of other data that are due before the next large text
   int64_t sent_bytes_ = 0, acknowledged_ = 0;
   double second_ = 0;  // when the counted messages of the page began
   int messages_ = 0;

@@ -102,6 +102,39 @@ class ClientFeedTest : public testing::Test {
   std::vector<Feed*> feeds;
 };
 
+TEST_F(ClientFeedTest, LargeTextsAreInsideTheBudgetAndLeaveHalfOfItToTheSurface) {
+  const std::string large(300000, ' ');
+  Feed feed(&map, &board);
+  feeds = {&feed};
+  board.Set(Board::Topic::kProcesses, "{\"kind\":\"processes\"}");
+  board.Set(Board::Topic::kObjects, "{\"kind\":\"objects\"}" + large);
+  while (const auto frame = feed.feed.Next(1)) feed.page.Take(*frame);
+  EXPECT_THAT(feed.page.Kinds(), testing::ElementsAre("hello", "map", "processes"));
+  feed.feed.Allow(1e5);
+  while (const auto frame = feed.feed.Next(1)) feed.page.Take(*frame);
+  EXPECT_THAT(feed.page.Kinds(), testing::ElementsAre("hello", "map", "processes", "objects"));
+  // The list changes each time, and many blocks wait.
+  int64_t text_bytes = 0;
+  for (int revision = 1; revision <= 60; ++revision) {
+    std::vector<mesh_block_t> blocks;
+    for (int i = 0; i < 8; ++i) blocks.push_back(SomeBlock(i, revision, 0, 400, revision));
+    Apply(SomeUpdate("a", revision == 1 ? -1 : revision - 1, revision, blocks));
+    board.Set(Board::Topic::kObjects,
+              "{\"kind\":\"objects\",\"n\":" + std::to_string(revision) + "}" + large);
+    feed.feed.Allow(1e5);
+    while (const auto frame = feed.feed.Next(1)) {
+      if (frame->is_text) text_bytes += static_cast<int64_t>(frame->bytes->size());
+      feed.page.Take(*frame);
+      const nlohmann::json ack{{"kind", "ack"}, {"bytes", feed.page.binary_bytes}};
+      ASSERT_TRUE(feed.feed.OnText(ack.dump(), feed.clock += 1));
+    }
+  }
+  const int64_t all = text_bytes + feed.page.binary_bytes;
+  EXPECT_LT(all, 60 * 1e5 + 4e5);
+  EXPECT_GT(feed.page.binary_bytes, 0.4 * static_cast<double>(all));
+  EXPECT_GT(text_bytes, 0.3 * static_cast<double>(all));
+}
+
 TEST_F(ClientFeedTest, BeginsWithHelloAndTheMap) {
   Feed feed(&map, &board);
   feed.Drain(1);
