@@ -6,7 +6,7 @@
 #include "freespace/slice.h"
 #include "render/drawing.h"
 
-/// The room `pictures` shows free space: slices and octrees.
+/// The room `pictures` shows free space and whole runs: slices, octrees, reports.
 namespace vismap {
 
 struct SlicePictureOptions {

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "map/surface_reader.h"
 #include "render/palette.h"
 
 namespace vismap {
@@ -30,19 +29,6 @@ std::pair<double, double> UsualHeights(const Mesh& mesh, const Eigen::Vector3d& 
   return {low, std::max(high, low + 0.01)};
 }
 
-// How many frames observed the voxel; 0 = it is not known.
-int ObservationsAt(const VoxelMap& voxels, const Eigen::Vector3f& p_W, SurfaceReader* reader) {
-  const Eigen::Vector3d place = p_W.cast<double>() / voxels.voxel_size();
-  if (!(place.cwiseAbs().maxCoeff() < 1e9)) return 0;
-  const VoxelIndex voxel{static_cast<int32_t>(std::floor(place.x())),
-                         static_cast<int32_t>(std::floor(place.y())),
-                         static_cast<int32_t>(std::floor(place.z()))};
-  const Block* block = voxels.Find(BlockOf(voxel));
-  const SurfaceVoxels* surface = block == nullptr ? nullptr : reader->Read(*block);
-  if (surface == nullptr) return 0;
-  return surface->observations[static_cast<size_t>(OffsetInBlock(voxel))];
-}
-
 }  // namespace
 
 ColorScale PaintHeights(const Eigen::Vector3d& up_W, Mesh* mesh) {
@@ -52,14 +38,9 @@ ColorScale PaintHeights(const Eigen::Vector3d& up_W, Mesh* mesh) {
   return {"height in W", MetresText(low), MetresText(high)};
 }
 
-ColorScale PaintObservations(const SemanticMap& map, Mesh* mesh) {
-  SurfaceReader reader;
-  for (size_t i = 0; i < mesh->vertices.size(); ++i) {
-    MeshVertex& vertex = mesh->vertices[i];
-    const int count = ObservationsAt(map.voxels, vertex.position_W, &reader);
-    vertex.color = count == 0 ? kUnsegmentedColor : RampColor(std::log2(count) / 8);
-    if (i % 4096 == 0) reader.Trim();
-  }
+ColorScale PaintSeen(Mesh* mesh) {
+  for (MeshVertex& vertex : mesh->vertices)
+    vertex.color = vertex.seen == 0 ? kUnsegmentedColor : RampColor(std::log2(vertex.seen) / 8);
   return {"seen by frames", "1", "255 or more"};
 }
 

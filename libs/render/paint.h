@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include "map/semantic_map.h"
 #include "meshing/mesh.h"
 #include "render/drawing.h"
 
@@ -14,9 +13,9 @@ namespace vismap {
 /// the scale, with heights in W [m].
 ColorScale PaintHeights(const Eigen::Vector3d& up_W, Mesh* mesh);
 
-/// Colours by how many frames observed the voxel in which a vertex lies, logarithmically from 1 to
-/// 255. Vertices without one become grey (kUnsegmentedColor). Returns the scale.
-ColorScale PaintObservations(const SemanticMap& map, Mesh* mesh);
+/// Colours by MeshVertex::seen, logarithmically from 1 to 255. Vertices of which it is not known
+/// become grey (kUnsegmentedColor). Returns the scale.
+ColorScale PaintSeen(Mesh* mesh);
 
 /// Removes the triangles that are not wholly below this height along `up_W` [m].
 void CutAbove(const Eigen::Vector3d& up_W, double height_m, Mesh* mesh);

@@ -29,6 +29,7 @@ struct MapToolArguments {
   std::string without;      ///< for questions about free space: objects that are left out
   bool color = false;       ///< for octree: a ColorOcTree
   std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]; for cell: "x,y,z"
+  std::string truth;        ///< for report: the ground truth; "" = none
   bool from_exporter = false;  ///< for octree: ask the octomap exporter
   VismapConfig config;
 };
@@ -43,6 +44,7 @@ Outcome RunClearance(const MapToolArguments& arguments, ProcessContext& context)
 Outcome RunFrontiers(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunOctree(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunRender(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunReport(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDiff(const MapToolArguments& arguments, ProcessContext& context);
 /// Here `map` and `other_map` are logs.
 Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext& context);

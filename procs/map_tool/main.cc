@@ -112,6 +112,20 @@ void AddRender(CommandLine& line, Command* command) {
   render.Option("--height", &arguments.height, "Of the picture [px]").Range(240, 8192);
 }
 
+void AddReport(CommandLine& line, Command* command) {
+  MapToolArguments& arguments = command->arguments;
+  CommandLine report = AddWithMap(
+      line, command, "report",
+      "Write one HTML page of a run: map to turn, objects, trajectory, stage times, free space",
+      RunReport,
+      "Saved map (.vismap), folder of vismap-offline-mapper, 'live', or what is mapped first: a "
+      "log or a sequence");
+  report.Option("--out", &arguments.out, "HTML file").Required();
+  report.Option("--page", &arguments.config.viewer.page_folder,
+                "Folder of the viewer's page, with report.js; if not given, beside the program");
+  report.Option("--truth", &arguments.truth, "Ground truth for scores, see vismap-evaluate --gt");
+}
+
 /// Commands for maps in files.
 void AddFileCommands(CommandLine& line, Command* command) {
   MapToolArguments& arguments = command->arguments;
@@ -232,6 +246,7 @@ void AddCommands(CommandLine& line, Command* command) {
   AddChoiceOfObjects(objects, "--id", &arguments);
   AddOctree(line, command);
   AddRender(line, command);
+  AddReport(line, command);
   AddFileCommands(line, command);
   AddNavigationCommands(line, command);
   AddServerCommands(line, command);

@@ -91,7 +91,7 @@ Model SurfaceModel(const MapToolArguments& arguments, const LoadedMap& loaded) {
   if (arguments.below) CutAbove(products.up.up_W, *arguments.below, &products.mesh);
   if (arguments.coloring == "height")
     options.scale = PaintHeights(products.up.up_W, &products.mesh);
-  if (arguments.coloring == "seen") options.scale = PaintObservations(loaded.map, &products.mesh);
+  if (arguments.coloring == "seen") options.scale = PaintSeen(&products.mesh);
   Caption caption = CaptionOf(products.objects, ClassName, loaded.metadata.map_id, options);
   return {std::move(products.mesh), std::move(products.objects), options.coloring,
           std::move(caption), products.up.up_W};

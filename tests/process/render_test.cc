@@ -14,8 +14,8 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-constexpr char kShortRoom[] = "synthetic:room?frames=12&width=160";
-constexpr char kCoarse[] = "grid { voxel_size_m: 0.02 }\n";
+constexpr char kRenderedRoom[] = "synthetic:room?frames=12&width=160";
+constexpr char kRenderedVoxels[] = "grid { voxel_size_m: 0.02 }\n";
 
 /// Mapped once for all tests below.
 class RenderedRoom {
@@ -30,10 +30,10 @@ class RenderedRoom {
 
  private:
   RenderedRoom() {
-    folder_.Write("coarse.txtpb", kCoarse);
+    folder_.Write("coarse.txtpb", kRenderedVoxels);
     ChildProcess mapper(
         "offline-mapper",
-        {"--dataset", kShortRoom, "--config", File("coarse.txtpb"), "--out", File("out")},
+        {"--dataset", kRenderedRoom, "--config", File("coarse.txtpb"), "--out", File("out")},
         folder_.path());
     EXPECT_EQ(mapper.WaitForExit(), 0) << mapper.StandardError();
   }

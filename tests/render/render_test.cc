@@ -299,17 +299,14 @@ TEST(Paint, HeightsGoFromFloorToCeilingInAnyDirection) {
   EXPECT_EQ(PaintHeights(-Vector3d::UnitZ(), &mesh).low, "-2 m");
 }
 
-TEST(Paint, ObservationsAreThoseOfTheVoxels) {
-  SemanticMap map = Room();
-  Mesh mesh = ExtractMesh(map);
-  EXPECT_EQ(PaintObservations(map, &mesh).high, "255 or more");
-  std::map<uint8_t, size_t> counts;
-  for (const MeshVertex& vertex : mesh.vertices) ++counts[vertex.color.g];
-  // Every voxel of the computed map was seen as often.
-  EXPECT_EQ(counts.size(), 1u);
-  mesh.vertices[0].position_W = {50, 50, 50};
-  PaintObservations(map, &mesh);
+TEST(Paint, OftenSeenSurfaceIsBrighter) {
+  Mesh mesh = OneTriangle();
+  mesh.vertices[1].seen = 1;
+  mesh.vertices[2].seen = 255;
+  PaintSeen(&mesh);
   EXPECT_EQ(mesh.vertices[0].color, kUnsegmentedColor);
+  EXPECT_EQ(mesh.vertices[1].color, RampColor(0));
+  EXPECT_NEAR(mesh.vertices[2].color.r, RampColor(1).r, 3);
 }
 
 TEST(Paint, WhatIsAboveTheCutIsGone) {

@@ -41,6 +41,12 @@ const result = await build({
   legalComments: "none",
   logLevel: "warning",
 });
+// The script of `vismap-map report`, which stands in the report itself: one classic script, with the licences in it.
+const report = { absWorkingDir: here, entryPoints: ["src/report.ts"], bundle: true, minify: true, format: "iife", target: "es2022",
+  metafile: true, legalComments: "none", logLevel: "warning", write: false };
+const reportPackages = packagesOf((await build(report)).metafile);
+const banner = (await Promise.all(reportPackages.map(licenceOf))).join("\n").replaceAll("*/", "* /");
+await build({ ...report, write: true, outfile: join(out, "report.js"), banner: { js: `/*\n${banner}*/` } });
 const charts = await readFile(join(here, "node_modules/uplot/dist/uPlot.min.css"), "utf8");
 const style = await readFile(join(here, "style.css"), "utf8");
 await writeFile(join(out, "style.css"), `${charts}\n${style}`);

@@ -15,12 +15,15 @@ test("The page's TypeScript has no error of types", () => {
 
 test("The built page is complete, loads nothing from elsewhere and has the licences of what it contains", () => {
   execFileSync(process.execPath, [join(page, "build.mjs"), out], { stdio: "pipe" });
-  assert.deepEqual(readdirSync(out).sort(), ["LICENSES.txt", "app.js", "index.html", "style.css", "worker.js"]);
+  assert.deepEqual(readdirSync(out).sort(), ["LICENSES.txt", "app.js", "index.html", "report.js", "style.css", "worker.js"]);
   for (const file of ["index.html", "style.css"]) {
     assert.doesNotMatch(readFileSync(join(out, file), "utf8"), /(?:src|href)=["']?(?:https?:)?\/\/|url\(|@import/, file);
   }
   const licences = readFileSync(join(out, "LICENSES.txt"), "utf8");
   for (const name of ["three", "three-mesh-bvh", "uplot"]) assert.match(licences, new RegExp(`^${name} [0-9.]+ \\(MIT\\)$`, "m"));
+  const report = readFileSync(join(out, "report.js"), "utf8");
+  assert.match(report, /^\/\*\nthree [0-9.]+ \(MIT\)\n[^]*Permission is hereby granted/);
+  assert.doesNotMatch(report, /<\/script/); // it stands in a page
 });
 
 test("The lockfile names no registry", () => {

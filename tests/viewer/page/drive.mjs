@@ -14,6 +14,11 @@ const page = await browser.newPage({ viewport: { width: 1000, height: 640 }, red
 page.setDefaultTimeout(30000);
 const problems = []; // exceptions in the page
 page.on("pageerror", (error) => problems.push(error.message));
+if (process.argv[2].startsWith("file:")) {
+  // A file must need nothing else.
+  page.on("console", (message) => message.type() === "error" && problems.push(message.text()));
+  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || problems.push(request.url()));
+}
 await page.goto(process.argv[2]);
 
 const AsyncFunction = (async () => {}).constructor;

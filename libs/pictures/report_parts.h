@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "pictures/report.h"
+
+namespace vismap {
+
+// The parts of a report that need no pictures. Each returns HTML.
+
+/// JSON as tables within tables. Says so when it is not JSON.
+std::string JsonTables(const std::string& json);
+/// The durations of the stages in a report.json, with bars.
+std::string StageTimesHtml(const std::string& run_json);
+/// What a report.json found suspect.
+std::string FindingsHtml(const std::string& run_json);
+std::string ProcessesHtml(const ReportInput& input);
+/// A sentence in a paragraph.
+std::string Remark(const std::string& sentence);
+/// A number with so many digits behind the point; "" if it is not finite.
+std::string Digits(double value, int digits);
+
+}  // namespace vismap
