@@ -189,6 +189,7 @@ FoxgloveMessage PathMessage(std::span<const Pose> T_W_C, int64_t utime) {
 
 FoxgloveMessage DetectionsMessage(const DetectionSet& set, const ClassNamer& class_name) {
   foxglove::ImageAnnotations annotations;
+  SetTime(set.utime, annotations.mutable_timestamp());
   for (const Detection& detection : set.detections)
     if (!detection.mask.inside.empty())
       AddDetection(detection, set.utime, class_name, &annotations);

@@ -114,6 +114,7 @@ TEST(CameraMessages, DetectionsHaveOutlinesAndTexts) {
   const auto message = Parsed<foxglove::ImageAnnotations>(DetectionsMessage(set, ClassName));
   ASSERT_EQ(message.points_size(), 2);
   ASSERT_EQ(message.texts_size(), 2);
+  EXPECT_EQ(message.timestamp().nanos(), 1'000'000);
   const foxglove::PointsAnnotation& outline = message.points(0);
   EXPECT_EQ(outline.type(), foxglove::PointsAnnotation::LINE_LOOP);
   std::vector<std::pair<double, double>> corners;
