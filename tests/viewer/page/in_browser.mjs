@@ -162,6 +162,8 @@ test("Frames in which an object was seen: small pictures, a large one with and w
 test("On a phone the picture of a frame fits", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.getByRole("button", { name: "chair 7" }).click();
+  const small = await page.locator(".thumbnails img").first().boundingBox();
+  assert.ok(Math.abs(small.height - 0.75 * small.width) < 2, JSON.stringify(small));
   await page.locator(".thumbnails button").first().click();
   await largePicture();
   const frame = await page.locator("#evidence").boundingBox();

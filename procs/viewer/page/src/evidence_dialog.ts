@@ -93,7 +93,8 @@ export class EvidenceDialog {
     swatch.style.background = css(colourOfObject(this.object));
     this.title.replaceChildren(swatch, `${this.object.name} ${this.object.id}, frame ${this.at + 1} of ${this.frames.length}`);
     const said = frame.said === "" ? "" : ` The detector said ${frame.said} there (white line).`;
-    const seen = `${count(frame.pixels)} pixels, ${Math.round(100 * frame.share)} % of its part in the picture in sight.`;
+    const hidden = frame.share > 0.995 ? "nothing hides it" : `${Math.round(100 * frame.share)} % of it is not hidden`;
+    const seen = `${count(frame.pixels)} pixels, ${hidden}.`;
     setText(this.words, `${frameName(frame)}: ${seen}${said}`);
     this.showPicture();
   }
