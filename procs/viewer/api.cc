@@ -6,12 +6,21 @@
 
 #include "base/printable.h"
 #include "runtime/clock.h"
+#include "viewer/leaves.h"
+#include "viewer/slice_distances.h"
+#include "wire/channels.h"
+#include "wire/distance_update.h"
+#include "wire/envelope.h"
 
 namespace vismap {
 namespace {
 
 constexpr double kObjectsKept = 2;  // [s]
+constexpr double kTreeKept = 2;     // [s]
 constexpr size_t kMostPayload = 64 << 20;
+constexpr const char* kExporter = "octomap-exporter";
+constexpr const char* kNoExporter =
+    "no octomap exporter was heard in the last 3 s; start vismap-octomap-exporter";
 
 int StatusOf(Questions::Refusal reason) {
   switch (reason) {
@@ -35,6 +44,28 @@ HttpAnswer AnswerWith(const Questions::Answered& answer, const std::string& cont
   return {200, content_type, answer->payload, file_name};
 }
 
+HttpAnswer BytesAnswer(std::vector<uint8_t> bytes) {
+  return {200, "application/octet-stream", std::move(bytes), ""};
+}
+
+HttpAnswer LeavesAnswer(std::span<const uint8_t> tree, const FollowerPosition& position,
+                        const LeafQuestion& question) {
+  const Result<LeafCut> cut = CutLeaves(tree, question.axis, question.at_m);
+  return cut ? JsonAnswer(LeavesText(*cut, position)) : ErrorAnswer(504, cut.error().message);
+}
+
+Result<SliceDistances> DistancesIn(const Questions::Answered& answer, const Slice& slice,
+                                   const SliceQuestion& question,
+                                   const FollowerPosition& position) {
+  if (!answer) return Fail(answer.error().sentence);
+  if (answer->map_id != position.map_id) return Fail("the octomap exporter has another map");
+  const auto message = Unpack<distance_field_t>(answer->payload, kDistancesChannel.max_bytes);
+  if (!message) return tl::unexpected(message.error());
+  const Result<DistanceUpdate> update = Decode(*message);
+  if (!update) return tl::unexpected(update.error());
+  return DistancesOf(slice, question, *update);
+}
+
 // 7 or s12
 bool IsObjectName(const std::string& name) {
   const std::string digits = name.starts_with('s') ? name.substr(1) : name;
@@ -52,7 +83,8 @@ void Api::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
   if (path == "/api/processes")
     return reply(JsonAnswer(processes_->Text(MonotonicSeconds(), WallUtime())));
   if (path == "/api/objects") return GetObjects(target, reply);
-  if (path == "/api/slice") return reply(GetSlice(target));
+  if (path == "/api/slice") return GetSlice(target, reply);
+  if (path == "/api/leaves") return GetLeaves(target, reply);
   if (path == "/api/cell") return GetCell(target, reply);
   if (path.starts_with(kObject) && path.ends_with(kPly) &&
       path.size() > kObject.size() + kPly.size())
@@ -60,8 +92,8 @@ void Api::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
                          reply);
   reply(ErrorAnswer(404, "there is no '" + PrintableText(path, 100) +
                              "'; there are /api/map, /api/objects, /api/processes, "
-                             "/api/slice?axis=z&at=1.0, /api/cell?at=x,y,z, "
-                             "/api/object/ID.ply, /api/evidence?id=ID and "
+                             "/api/slice?axis=z&at=1.0, /api/leaves?axis=z&at=1.0, "
+                             "/api/cell?at=x,y,z, /api/object/ID.ply, /api/evidence?id=ID and "
                              "/api/frame/CAMERA/UTIME.jpg"));
 }
 
@@ -109,12 +141,49 @@ void Api::GetObjectFile(const std::string& name, const WebHandler::Reply& reply)
   });
 }
 
-HttpAnswer Api::GetSlice(const HttpTarget& target) {
-  if (const auto question = ReadSlice(target); !question)
-    return ErrorAnswer(400, question.error().message);
+void Api::GetSlice(const HttpTarget& target, const WebHandler::Reply& reply) {
+  const auto question = ReadSlice(target);
+  if (!question) return reply(ErrorAnswer(400, question.error().message));
   if (!space_->occupancy())
-    return ErrorAnswer(503, "nothing is known yet: no free space has come on MAP_DELTA");
-  return slices_.Get(target, *space_->occupancy(), space_->position(), MonotonicSeconds());
+    return reply(ErrorAnswer(503, "nothing is known yet: no free space has come on MAP_DELTA"));
+  const FollowerPosition& position = space_->position();
+  const auto found = slices_.Find(*question, *space_->occupancy(), position, MonotonicSeconds());
+  if (!found) return reply(found.error());
+  const Slice& slice = **found;
+  if (!AsksForDistances(target)) return reply(BytesAnswer(EncodeSlice(slice, *question, position)));
+  if (!processes_->IsAlive(kExporter, MonotonicSeconds()) || slice.states.empty()) {
+    const std::string problem = slice.states.empty() ? "nothing is known here" : kNoExporter;
+    return reply(BytesAnswer(EncodeSlice(slice, *question, position, nullptr, problem)));
+  }
+  questions_->Ask(DistanceRequest(slice, *question), [reply, slice, question = *question,
+                                                      position](const Questions::Answered& answer) {
+    const auto distances = DistancesIn(answer, slice, question, position);
+    reply(BytesAnswer(EncodeSlice(slice, question, position, distances ? &*distances : nullptr,
+                                  distances ? "" : distances.error().message)));
+  });
+}
+
+void Api::GetLeaves(const HttpTarget& target, const WebHandler::Reply& reply) {
+  const auto question = ReadLeafQuestion(target);
+  if (!question) return reply(ErrorAnswer(400, question.error().message));
+  const double now = MonotonicSeconds();
+  const bool same_tree = tree_.closed == question->closed && tree_.inflate_m == question->inflate_m;
+  const bool kept = same_tree && tree_.position.map_id == board_->map.map_id &&
+                    (now < tree_.until || tree_.position.revision == board_->map.revision);
+  if (kept) return reply(LeavesAnswer(tree_.bytes, tree_.position, *question));
+  if (!processes_->IsAlive(kExporter, now)) return reply(ErrorAnswer(503, kNoExporter));
+  questions_->Ask(TreeRequest(*question),
+                  [this, reply, question = *question](const Questions::Answered& answer) {
+                    if (!answer) return reply(AnswerWith(answer, "", ""));
+                    if (answer->payload.size() > kMostPayload)
+                      return reply(ErrorAnswer(413, "the octree is larger than 64 MB"));
+                    tree_ = {question.closed,
+                             question.inflate_m,
+                             {answer->map_id, answer->revision},
+                             answer->payload,
+                             MonotonicSeconds() + kTreeKept};
+                    reply(LeavesAnswer(tree_.bytes, tree_.position, question));
+                  });
 }
 
 }  // namespace vismap

@@ -25,7 +25,8 @@ class Api {
   void GetObjects(const HttpTarget& target, const WebHandler::Reply& reply);
   void GetCell(const HttpTarget& target, const WebHandler::Reply& reply);
   void GetObjectFile(const std::string& name, const WebHandler::Reply& reply);
-  HttpAnswer GetSlice(const HttpTarget& target);
+  void GetSlice(const HttpTarget& target, const WebHandler::Reply& reply);
+  void GetLeaves(const HttpTarget& target, const WebHandler::Reply& reply);
 
   const Board* board_;
   const MapFollower* space_;
@@ -37,6 +38,15 @@ class Api {
   std::string objects_map_id_;
   int64_t objects_revision_ = -1;
   double objects_until_ = 0;  // MonotonicSeconds
+  // The newest octree, so that a slider that moves does not ask for it again.
+  struct Tree {
+    bool closed = false;
+    double inflate_m = 0;
+    FollowerPosition position;
+    std::vector<uint8_t> bytes;
+    double until = 0;  // MonotonicSeconds
+  };
+  Tree tree_;
 };
 
 }  // namespace vismap

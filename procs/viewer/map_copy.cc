@@ -41,6 +41,7 @@ FollowOutcome MapCopy::Apply(const mesh_delta_t& message, double now) {
     return FollowOutcome::kTooLarge;
   }
   utime_ = message.utime;
+  revision_ = message.revision;
   return outcome;
 }
 
@@ -93,6 +94,7 @@ void MapCopy::Clear() {
   triangles_ = encoded_bytes_ = 0;
   hash_sum_ = 0;
   block_edge_m_ = 0;
+  revision_ = -1;
   changes_ = {true, {}};
 }
 
@@ -126,7 +128,7 @@ std::vector<SurfaceBlock> MapCopy::Blocks() const {
 MapSummary MapCopy::Summary() const {
   MapSummary summary;
   summary.map_id = position().map_id;
-  summary.revision = position().revision;
+  summary.revision = revision_;
   summary.utime = utime_;
   summary.blocks = blocks_.size();
   summary.triangles = triangles_;

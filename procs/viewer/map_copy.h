@@ -39,6 +39,9 @@ class MapCopy {
   /// Drops the parts of an update whose other parts do not come. Returns how many.
   size_t GiveUpStaleParts(double now) { return sequence_.GiveUpStaleParts(now); }
 
+  /// Only a snapshot can be applied next; until it comes, the copy stays as it is.
+  void RequireSnapshot() { sequence_.RequireSnapshot(); }
+
   /// What changed since the last call.
   SurfaceChanges ConsumeChanges();
 
@@ -79,7 +82,7 @@ class MapCopy {
   std::string map_id_;                                       // of the blocks
   size_t triangles_ = 0, encoded_bytes_ = 0;
   uint64_t hash_sum_ = 0;
-  int64_t utime_ = 0;
+  int64_t utime_ = 0, revision_ = -1;  // of the blocks
   double block_edge_m_ = 0;
   SurfaceChanges changes_;
 };

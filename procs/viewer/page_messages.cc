@@ -180,6 +180,8 @@ std::string MapText(const MapSummary& map, size_t waiting, bool reset) {
                 {"block_edge_m", map.block_edge_m},
                 {"age_s", map.age_s},
                 {"in_sync", map.in_sync},
+                {"server_start_utime", map.server_start_utime},
+                {"bytes", map.bytes},
                 {"waiting", waiting}};
   if (reset) json["reset"] = true;
   return Text(json);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -41,6 +42,8 @@ struct MapSummary {
   double voxel_size_m = 0, block_edge_m = 0;  ///< 0 = not known yet
   double age_s = 0;                           ///< since the map server was heard last
   bool in_sync = false;
+  std::map<std::string, int64_t> bytes;  ///< memory of the map by layer; empty = not known
+  int64_t server_start_utime = 0;        ///< when the map server was started [us]; 0 = not known
 };
 
 std::string HelloText(const std::string& version, const std::string& source);

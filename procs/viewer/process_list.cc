@@ -1,11 +1,16 @@
 #include "viewer/process_list.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace vismap {
 namespace {
 
 constexpr int64_t kShortestPeriod = 200000;  // between two STATUS that rates are made of [us]
+
+// Counters of Status that are percentiles of the durations of a stage in the last minute.
+constexpr std::string_view kP50 = "p50_us.", kP95 = "p95_us.";
 
 using StatusJson = nlohmann::ordered_json;
 
@@ -32,19 +37,43 @@ StatusJson ToJson(const process_status_t& status, double age,
   StatusJson json{{"source", status.source},  {"process", status.process}, {"host", status.host},
                   {"state", status.state},    {"message", status.message}, {"age_s", age},
                   {"version", status.version}};
-  json["counters"] = StatusJson::object();
-  for (size_t i = 0; i < status.counter_names.size(); ++i)
-    json["counters"][status.counter_names[i]] = status.counter_values[i];
-  json["rates"] = rates;
-  json["timings"] = StatusJson::object();
+  json["counters"] = json["timings"] = StatusJson::object();
   for (size_t i = 0; i < status.timing_names.size(); ++i)
     json["timings"][status.timing_names[i]] = {{"median_ms", status.median_ms[i]},
                                                {"max_ms", status.max_ms[i]}};
+  for (size_t i = 0; i < status.counter_names.size(); ++i) {
+    const std::string& name = status.counter_names[i];
+    const int64_t value = status.counter_values[i];
+    if (name.starts_with(kP50)) {
+      json["timings"][name.substr(kP50.size())]["p50_ms"] = static_cast<double>(value) / 1e3;
+    } else if (name.starts_with(kP95)) {
+      json["timings"][name.substr(kP95.size())]["p95_ms"] = static_cast<double>(value) / 1e3;
+    } else {
+      json["counters"][name] = value;
+    }
+  }
+  json["rates"] = StatusJson::object();
+  for (const auto& [name, rate] : rates) {
+    if (!name.starts_with(kP50) && !name.starts_with(kP95)) json["rates"][name] = rate;
+  }
   json["findings"] = status.findings;
   return json;
 }
 
 }  // namespace
+
+std::map<std::string, int64_t> MemoryLayers(const process_status_t& status) {
+  constexpr std::string_view kBegin = "memory.", kEnd = "_bytes";
+  std::map<std::string, int64_t> layers;
+  for (size_t i = 0; i < status.counter_names.size(); ++i) {
+    const std::string& name = status.counter_names[i];
+    if (name.size() <= kBegin.size() + kEnd.size()) continue;
+    if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) continue;
+    layers[name.substr(kBegin.size(), name.size() - kBegin.size() - kEnd.size())] =
+        status.counter_values[i];
+  }
+  return layers;
+}
 
 void ProcessList::Add(const process_status_t& status, double now) {
   const auto known = heard_.find(status.source);
@@ -65,6 +94,13 @@ void ProcessList::Add(const process_status_t& status, double now) {
   heard.status.state = status.state;
   heard.status.message = status.message;
   if (period < 0) heard.status = status;  // the clock of its computer was set back
+}
+
+bool ProcessList::IsAlive(const std::string& process, double now) const {
+  constexpr double kPatience = 3;  // [s]
+  return std::any_of(heard_.begin(), heard_.end(), [&](const auto& entry) {
+    return entry.second.status.process == process && now - entry.second.at < kPatience;
+  });
 }
 
 std::string ProcessList::Text(double now, int64_t now_utime) {

@@ -8,6 +8,9 @@
 
 namespace vismap {
 
+/// The memory of the map by layer, from the counters memory.LAYER_bytes of the map server.
+std::map<std::string, int64_t> MemoryLayers(const process_status_t& status);
+
 /// What the STATUS messages say of the processes on the bus, for the page.
 class ProcessList {
  public:
@@ -17,9 +20,11 @@ class ProcessList {
   /// Adds a STATUS that was received at time `now` [s] of a monotonic clock.
   void Add(const process_status_t& status, double now);
   /// The text of the kind `processes`: for each process its newest STATUS, its age, and by how much
-  /// its counters grew per second between its two newest ones.
+  /// its counters grew per second between its two newest ones. Percentiles stand with the timings.
   std::string Text(double now, int64_t now_utime);
   size_t size() const { return heard_.size(); }
+  /// Whether a program of this name, such as "octomap-exporter", was heard in the last 3 s.
+  bool IsAlive(const std::string& process, double now) const;
 
  private:
   struct Heard {

@@ -1,6 +1,7 @@
 #include "viewer/questions.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,26 @@ namespace vismap {
 
 namespace {
 constexpr double kRepeatQuestion = 2;  // [s]
+
+// Whether two requests ask for the same.
+bool SameQuestion(const map_request_t& a, const map_request_t& b) {
+  const auto box = [](const map_request_t& request) {
+    std::array<double, 6> corners{};
+    std::copy_n(request.bbx_min_W, 3, corners.begin());
+    std::copy_n(request.bbx_max_W, 3, corners.begin() + 3);
+    return corners;
+  };
+  return a.verb == b.verb && a.argument == b.argument && a.unknown == b.unknown &&
+         a.inflate_m == b.inflate_m && a.has_bbx == b.has_bbx && box(a) == box(b);
+}
+
+std::string NoAnswerText(const map_request_t& request) {
+  const bool exporter = request.verb == "octomap" || request.verb == "distances";
+  return exporter ? "the octomap exporter has not answered within 10 s; check that "
+                    "vismap-octomap-exporter is running"
+                  : "the map server has not answered within 10 s; check that vismap-map-server is "
+                    "running";
+}
 }  // namespace
 
 Questions::Questions(Bus* bus) : bus_(bus) {
@@ -21,9 +42,16 @@ Questions::Questions(Bus* bus) : bus_(bus) {
 }
 
 void Questions::Ask(const std::string& verb, const std::string& argument, Receiver receiver) {
+  map_request_t request{};  // also sets its numbers to 0
+  request.verb = verb;
+  request.argument = argument;
+  request.unknown = map_request_t::UNKNOWN_DEFAULT;
+  Ask(std::move(request), std::move(receiver));
+}
+
+void Questions::Ask(map_request_t request, Receiver receiver) {
   for (auto& [id, open] : open_) {
-    if (open.request.verb == verb && open.request.argument == argument)
-      return open.receivers.push_back(std::move(receiver));
+    if (SameQuestion(open.request, request)) return open.receivers.push_back(std::move(receiver));
   }
   const double now = MonotonicSeconds();
   if (now - second_ >= 1) {
@@ -33,17 +61,14 @@ void Questions::Ask(const std::string& verb, const std::string& argument, Receiv
   if (++asked_ > kMostPerSecond)
     return receiver(tl::unexpected(
         Failure{Refusal::kTooMany, "more than " + std::to_string(kMostPerSecond) +
-                                       " questions to the map server per second; try again"}));
+                                       " questions to other processes per second; try again"}));
   if (open_.size() >= kMost)
     return receiver(tl::unexpected(
         Failure{Refusal::kTooMany,
-                std::to_string(kMost) + " questions wait for the map server already; try again"}));
+                std::to_string(kMost) + " questions wait for an answer already; try again"}));
   last_id_ = std::max(last_id_ + 1, WallUtime());
-  Question question{};  // also sets the numbers in the request to 0
+  Question question{std::move(request), {}, 0, 0};
   question.request.utime = question.request.request_id = last_id_;
-  question.request.verb = verb;
-  question.request.argument = argument;
-  question.request.unknown = map_request_t::UNKNOWN_DEFAULT;
   question.receivers.push_back(std::move(receiver));
   question.repeat = MonotonicSeconds() + kRepeatQuestion;
   question.give_up = MonotonicSeconds() + kLongestWait;
@@ -70,9 +95,7 @@ void Questions::RepeatOrGiveUp() {
     }
   }
   for (const int64_t id : given_up)
-    Finish(id, tl::unexpected(Failure{Refusal::kNoAnswer,
-                                      "the map server has not answered within 10 s; check that "
-                                      "vismap-map-server is running"}));
+    Finish(id, tl::unexpected(Failure{Refusal::kNoAnswer, NoAnswerText(open_.at(id).request)}));
 }
 
 void Questions::Finish(int64_t id, const Answered& answer) {

@@ -13,8 +13,8 @@
 
 namespace vismap {
 
-/// Questions to the map server that are not answered yet. Each is asked again every two seconds,
-/// which the server notices, and given up after ten.
+/// Questions to the map server or the octomap exporter that are not answered yet. Each is asked
+/// again every two seconds, which the server notices, and given up after ten.
 class Questions {
  public:
   /// Fewer than the map server takes of one source, which asks also for what the viewer itself
@@ -35,6 +35,8 @@ class Questions {
   explicit Questions(Bus* bus);
   /// Calls `receiver` once, now or later. Joins an open question that is equal.
   void Ask(const std::string& verb, const std::string& argument, Receiver receiver);
+  /// The same for a request with more than that.
+  void Ask(map_request_t request, Receiver receiver);
   size_t size() const { return open_.size(); }
 
  private:

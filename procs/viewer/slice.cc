@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "base/printable.h"
 #include "requests/request_argument.h"
 #include "viewer/page_messages.h"
+#include "viewer/slice_distances.h"
 
 namespace vismap {
 namespace {
@@ -31,9 +33,12 @@ Result<SliceQuestion> ReadSlice(const HttpTarget& target) {
       const auto number = ReadNumbersOf(key, value, 1);
       if (!number) return tl::unexpected(number.error());
       (key == "at" ? question.at_m : question.cell_m) = number->front();
+    } else if (key == "distance") {
+      if (value != "0" && value != "1")
+        return Fail("distance: expected 0 or 1, found '" + PrintableText(value, 60) + "'");
     } else {
-      return Fail("slice: the arguments are axis, at and res, found '" + PrintableText(key, 60) +
-                  "'");
+      return Fail("slice: the arguments are axis, at, res and distance, found '" +
+                  PrintableText(key, 60) + "'");
     }
   }
   if (!target.query.contains("at")) return Fail("slice: say where with at=METRES");
@@ -42,10 +47,16 @@ Result<SliceQuestion> ReadSlice(const HttpTarget& target) {
   return question;
 }
 
+bool AsksForDistances(const HttpTarget& target) {
+  const auto found = target.query.find("distance");
+  return found != target.query.end() && found->second == "1";
+}
+
 std::vector<uint8_t> EncodeSlice(const Slice& slice, const SliceQuestion& question,
-                                 const FollowerPosition& position) {
+                                 const FollowerPosition& position, const SliceDistances* distances,
+                                 const std::string& problem) {
   const std::array<int, 2> others = OtherAxes(question.axis);
-  const nlohmann::ordered_json json{
+  nlohmann::ordered_json json{
       {"map_id", position.map_id},
       {"revision", position.revision},
       {"axis", kAxes[static_cast<size_t>(question.axis)]},
@@ -55,31 +66,42 @@ std::vector<uint8_t> EncodeSlice(const Slice& slice, const SliceQuestion& questi
       {"width", slice.width},
       {"height", slice.height},
       {"axes", {kAxes[static_cast<size_t>(others[0])], kAxes[static_cast<size_t>(others[1])]}},
-      {"layer", slice.layer}};
+      {"layer", slice.layer},
+      {"distances", distances != nullptr}};
+  if (distances != nullptr) {
+    json["distance_leaf_m"] = distances->leaf_m;
+    json["distance_limit_m"] = distances->limit_m;
+  }
+  if (!problem.empty()) json["distances_problem"] = problem;
   std::vector<uint8_t> bytes =
       JsonHeader(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   bytes.insert(bytes.end(), slice.states.begin(), slice.states.end());
+  if (distances == nullptr) return bytes;
+  const size_t begin = (bytes.size() + 3) / 4 * 4;
+  bytes.resize(begin + distances->metres.size() * sizeof(float));
+  std::memcpy(bytes.data() + begin, distances->metres.data(), bytes.size() - begin);
   return bytes;
 }
 
-HttpAnswer SliceAnswers::Get(const HttpTarget& target, const OccupancyMap& map,
-                             const FollowerPosition& position, double now) {
-  const Result<SliceQuestion> question = ReadSlice(target);
-  if (!question) return ErrorAnswer(400, question.error().message);
-  const Key key{position.map_id, position.revision, question->axis,
-                std::floor(question->at_m / map.cell_size()), question->cell_m};
+tl::expected<const Slice*, HttpAnswer> SliceAnswers::Find(const SliceQuestion& question,
+                                                          const OccupancyMap& map,
+                                                          const FollowerPosition& position,
+                                                          double now) {
+  const Key key{position.map_id, position.revision, question.axis,
+                std::floor(question.at_m / map.cell_size()), question.cell_m};
   if (!kept_ || *kept_ != key) {
     tokens_ = std::min(kMostPerSecond, tokens_ + kMostPerSecond * std::max(0.0, now - filled_));
     filled_ = now;
     if (tokens_ < 1)
-      return ErrorAnswer(429, "more than 10 slices per second over all pages; try again");
+      return tl::unexpected(
+          ErrorAnswer(429, "more than 10 slices per second over all pages; try again"));
     tokens_ -= 1;
-    Result<Slice> slice = CutSlice(map, *question);
-    if (!slice) return ErrorAnswer(400, slice.error().message);
+    Result<Slice> slice = CutSlice(map, question);
+    if (!slice) return tl::unexpected(ErrorAnswer(400, slice.error().message));
     slice_ = std::move(*slice);
     kept_ = key;
   }
-  return {200, "application/octet-stream", EncodeSlice(slice_, *question, position), ""};
+  return &slice_;
 }
 
 }  // namespace vismap

@@ -13,21 +13,28 @@
 
 namespace vismap {
 
-/// Arguments axis=x|y|z, at=METRES and, optional, res=METRES.
+/// Arguments axis=x|y|z, at=METRES and, optional, res=METRES and distance=0|1.
 Result<SliceQuestion> ReadSlice(const HttpTarget& target);
+/// Whether such arguments ask for distances, too.
+bool AsksForDistances(const HttpTarget& target);
 
-/// u32 size of a JSON, the JSON, the states.
+struct SliceDistances;
+/// u32 size of a JSON, the JSON, the states and, with distances, padding to 4 bytes and a float32
+/// for each cell. `problem`: why there are no distances, though they were asked for; "" = none.
 std::vector<uint8_t> EncodeSlice(const Slice& slice, const SliceQuestion& question,
-                                 const FollowerPosition& position);
+                                 const FollowerPosition& position,
+                                 const SliceDistances* distances = nullptr,
+                                 const std::string& problem = "");
 
 /// Answers GET /api/slice. Keeps the last slice, since several pages look at the same one, and cuts
 /// at most 10 new ones per second.
 class SliceAnswers {
  public:
   static constexpr double kMostPerSecond = 10;
-  /// `now` in MonotonicSeconds.
-  HttpAnswer Get(const HttpTarget& target, const OccupancyMap& map,
-                 const FollowerPosition& position, double now);
+  /// `now` in MonotonicSeconds. The slice is there until the next call.
+  tl::expected<const Slice*, HttpAnswer> Find(const SliceQuestion& question,
+                                              const OccupancyMap& map,
+                                              const FollowerPosition& position, double now);
 
  private:
   // map_id, revision, axis, layer, size of cells that was asked for

@@ -50,7 +50,7 @@ MapViewer::MapViewer(const ViewerOptions& options, BusOptions pictures, std::str
       Delivery::kLatest);
   bus_->Subscribe<process_status_t>(kStatusChannel, [this](const process_status_t& message) {
     processes_.Add(message, MonotonicSeconds());
-    if (message.process == "map-server") server_heard_ = MonotonicSeconds();
+    if (message.process == "map-server") OnMapServer(message);
   });
   bus_->Subscribe<navigation_status_t>(
       kNavigationChannel,
@@ -101,6 +101,11 @@ Result<void> MapViewer::Follow(FollowOutcome outcome, const Follower& follower, 
 Result<void> MapViewer::OnMesh(const mesh_delta_t& message) {
   const StageTimer timer(status_, "surface");
   server_heard_ = MonotonicSeconds();
+  if (mesh_back_.Heard({message.map_id, message.revision}, message.full, surface_.position(),
+                       MonotonicSeconds())) {
+    surface_.RequireSnapshot();
+    path_map_id_.clear();  // the path is another one as well
+  }
   const FollowOutcome outcome = surface_.Apply(message, MonotonicSeconds());
   // At once, so that no page gets a block that the digest which it compares with does not count
   // yet.
@@ -113,6 +118,9 @@ Result<void> MapViewer::OnSpace(const map_delta_t& message) {
   server_heard_ = MonotonicSeconds();
   Result<MapUpdate> update = Decode(message);
   if (!update) return tl::unexpected(update.error());
+  if (space_back_.Heard({message.map_id, message.revision}, message.full, space_.position(),
+                        MonotonicSeconds()))
+    space_.RequireSnapshot();
   const FollowOutcome outcome = space_.Apply(std::move(*update), MonotonicSeconds());
   space_.ConsumeChanges();  // slices are cut anew each time
   return Follow(outcome, space_, &space_catch_up_, "free space");
@@ -125,6 +133,12 @@ Result<void> MapViewer::OnObjects(const object_list_t& message) {
   board_.Set(Board::Topic::kObjects, text);
   evidence_.SetObjects(message);
   return {};
+}
+
+void MapViewer::OnMapServer(const process_status_t& status) {
+  server_heard_ = MonotonicSeconds();
+  server_start_utime_ = status.start_utime;
+  server_bytes_ = MemoryLayers(status);
 }
 
 void MapViewer::GiveUpParts() {
@@ -186,11 +200,12 @@ void MapViewer::OnTick() {
 void MapViewer::TellChanges() {
   const SurfaceChanges changes = surface_.ConsumeChanges();
   board_.map = surface_.Summary();
+  board_.map.server_start_utime = server_start_utime_;
+  board_.map.bytes = server_bytes_;
   board_.map.age_s = server_heard_ < 0 ? -1 : MonotonicSeconds() - server_heard_;
   if (space_.occupancy()) board_.map.voxel_size_m = space_.occupancy()->cell_size();
   if (changes.reset && !map_id_.empty() && map_id_ != surface_.position().map_id) {
-    Notice("info", "another map has taken the place of the one that was shown");
-    board_.Remove(Board::Topic::kObjects);
+    board_.Remove(Board::Topic::kObjects);  // the page itself says what has happened
     evidence_.ForgetFrames();
   }
   map_id_ = surface_.position().map_id;

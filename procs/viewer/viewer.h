@@ -13,6 +13,7 @@
 #include "runtime/catch_up.h"
 #include "runtime/status.h"
 #include "viewer/api.h"
+#include "viewer/back_watch.h"
 #include "viewer/board.h"
 #include "viewer/camera_watch.h"
 #include "viewer/client_feed.h"
@@ -53,6 +54,7 @@ class MapViewer : public WebHandler {
   template <typename Follower>
   Result<void> Follow(FollowOutcome outcome, const Follower& follower, CatchUp* catch_up,
                       const char* what);
+  void OnMapServer(const process_status_t& status);
   void GiveUpParts();
   void TellChanges();
   void OnSecond();
@@ -75,11 +77,14 @@ class MapViewer : public WebHandler {
   Evidence evidence_;
   CameraWatch cameras_;
   CatchUp mesh_catch_up_, space_catch_up_;
+  BackWatch mesh_back_, space_back_;
   std::map<PageId, ClientFeed> feeds_;
   std::map<const char*, double> rest_until_;  // of a copy that is too large, MonotonicSeconds
   std::string too_large_;
   double server_heard_ = -1;  // MonotonicSeconds; -1 = never
   bool server_was_gone_ = false;
+  int64_t server_start_utime_ = 0;               // [us]
+  std::map<std::string, int64_t> server_bytes_;  // by layer
   std::string map_id_, path_map_id_;
   size_t positions_ = 0;     // of the path, all cameras together
   bool path_asked_ = false;  // and not answered yet

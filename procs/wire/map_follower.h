@@ -27,6 +27,8 @@ class MapFollower {
   /// Adds one part of an update at time `now` [s]; the copy changes when the last part has arrived.
   FollowOutcome Apply(MapUpdate update, double now = 0);
 
+  /// Only a snapshot can be applied next; until it comes, the copy stays as it is.
+  void RequireSnapshot() { sequence_.RequireSnapshot(); }
   /// Drops the parts of an update whose other parts do not come. Returns how many.
   size_t GiveUpStaleParts(double now) { return sequence_.GiveUpStaleParts(now); }
   /// Memory of the copy and of the parts that wait [bytes].

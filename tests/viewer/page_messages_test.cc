@@ -104,6 +104,12 @@ TEST(PageMessages, MapSaysDigestAsSixteenDigitsAndResetOnlyWhenItIsOne) {
   const auto json = nlohmann::json::parse(MapText(map, 3, false));
   EXPECT_EQ(json["digest"], "00000000000000ab");
   EXPECT_EQ(json["waiting"], 3);
+  EXPECT_EQ(json["bytes"], nlohmann::json::object());
+  map.bytes["labels"] = 12;
+  map.server_start_utime = 77;
+  const auto measured = nlohmann::json::parse(MapText(map, 0, false));
+  EXPECT_EQ(measured["bytes"]["labels"], 12);
+  EXPECT_EQ(measured["server_start_utime"], 77);
   EXPECT_FALSE(json.contains("reset"));
   EXPECT_TRUE(nlohmann::json::parse(MapText(map, 0, true))["reset"]);
 }

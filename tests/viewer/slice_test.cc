@@ -87,7 +87,8 @@ TEST(Slice, AtMostTenNewSlicesPerSecondAndTheLastOneIsKept) {
   SliceAnswers answers;
   const auto status = [&](int layer, double now, int64_t revision = 7) {
     const std::string target = "/api/slice?at=" + std::to_string(0.05 * layer + 0.02);
-    return answers.Get(*ParseTarget(target), map, {"m", revision}, now).status;
+    const auto found = answers.Find(*ReadSlice(*ParseTarget(target)), map, {"m", revision}, now);
+    return found ? 200 : found.error().status;
   };
   for (int layer = 0; layer < 10; ++layer) EXPECT_EQ(status(layer, 100), 200);
   EXPECT_EQ(status(10, 100), 429);
@@ -100,7 +101,8 @@ TEST(Slice, AtMostTenNewSlicesPerSecondAndTheLastOneIsKept) {
 TEST(Slice, WrongArgumentsAreRefused) {
   for (const char* target :
        {"/api/slice", "/api/slice?at=x", "/api/slice?at=1&axis=w", "/api/slice?at=1&res=-1",
-        "/api/slice?at=nan", "/api/slice?at=1e9", "/api/slice?at=1&what=2", "/api/slice?at=1,2"})
+        "/api/slice?at=nan", "/api/slice?at=1e9", "/api/slice?at=1&distance=yes",
+        "/api/slice?at=1&what=2", "/api/slice?at=1,2"})
     EXPECT_FALSE(ReadSlice(*ParseTarget(target))) << target;
 }
 

@@ -5,6 +5,7 @@ Usage: viewer_process_test.py FOLDER_OF_PROGRAMS
 """
 import functools
 import json
+import math
 import os
 import pathlib
 import socket
@@ -19,6 +20,8 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "python"), str(ROOT / "tests" / "viewer")]
 from support import DEADLINE, Processes, wait_until  # noqa: E402
+import numpy as np  # noqa: E402
+import vismap  # noqa: E402
 from web_client import BINARY, CLOSE, PING, TEXT, Page, WebSocket, ask_raw, connect, get  # noqa: E402
 
 BIN = None  # from the command line
@@ -113,6 +116,7 @@ class LiveTest(unittest.TestCase):
         cls.readers = [Reader(Page(cls.run_.address)), Reader(Page(cls.run_.address)),
                        Reader(Page(cls.run_.address), pause=0.0003)]
         cls.run_.start_mapping()
+        cls.run_.start("octomap-exporter")
         cls.run_.replay()
         statistics = json.loads(cls.run_.map_tool("info", "live", "--json"))
         cls.hash = statistics["hash"]
@@ -136,6 +140,68 @@ class LiveTest(unittest.TestCase):
         self.assertEqual(state["triangles"], late.triangles())
         self.assertEqual(state["frames"], FRAMES)
         self.assertIn(f"mesh digest {state['mesh_digest']}", self.run_.map_tool("follow", "--frames", str(FRAMES)))
+
+    def exporter_has_all(self):
+        """The map's slice at 1 m with distances of the exporter, when the exporter has the whole map."""
+        def fetch():
+            status, _, body = get(self.run_.address, "/api/slice?axis=z&at=1.01&distance=1")
+            self.assertEqual(status, 200, body)
+            size = struct.unpack_from("<I", body)[0]
+            return json.loads(body[4:4 + size]), body[4 + size:]
+        end = time.monotonic() + DEADLINE
+        while True:
+            head, rest = fetch()
+            if head["distances"] or time.monotonic() > end:
+                return head, rest
+            time.sleep(0.3)
+
+    def test_distances_of_a_slice_are_those_of_the_exporter(self):
+        head, rest = self.exporter_has_all()
+        self.assertTrue(head["distances"], head)
+        cells = head["width"] * head["height"]
+        states = np.frombuffer(rest, np.uint8, cells).reshape(head["height"], head["width"])
+        metres = np.frombuffer(rest, np.float32, cells, (cells + 3) // 4 * 4).reshape(states.shape)
+        leaf, cell = head["distance_leaf_m"], head["cell_m"]
+        self.assertTrue((metres[states == 2] <= leaf).all(), "occupied cells lie in occupied leaves")
+        self.assertLessEqual(np.nanmax(metres), head["distance_limit_m"] + 1e-5)
+        # At the centres of leaves the picture is not interpolated.
+        places = [[first + (np.arange(count) + 0.5) * cell for first, count in zip(head["origin"], states.shape[::-1])][i] for i in (0, 1)]
+        on_centre = [np.abs(place / leaf - 0.5 - np.round(place / leaf - 0.5)) < 1e-6 for place in places]
+        usable = (states == 1) & (metres > 0.3) & (metres < 1) & on_centre[0][None, :] & on_centre[1][:, None]
+        rows, columns = np.nonzero(usable)
+        self.assertGreater(len(rows), 20)
+        chosen = range(0, len(rows), max(1, len(rows) // 8))
+        z = (math.floor(1.01 / leaf) + 0.5) * leaf
+        points = ";".join(f"{places[0][columns[i]]:.4f},{places[1][rows[i]]:.4f},{z:.4f}" for i in chosen)
+        said = json.loads(self.run_.map_tool("clearance", "live", "--at", points, "--json"))["points"]
+        for i, point in zip(chosen, said):
+            self.assertAlmostEqual(point["obstacle_m"], float(metres[rows[i], columns[i]]), delta=2e-3)
+
+    def test_leaves_are_those_of_the_octree(self):
+        self.exporter_has_all()
+        status, _, body = get(self.run_.address, "/api/leaves?axis=z&at=1.01")
+        self.assertEqual(status, 200, body)
+        raw = json.loads(body)
+        self.assertGreater(len(raw["leaves"]), 200)
+        self.assertEqual({leaf[4] for leaf in raw["leaves"]}, {1, 2})
+        for x, y, z, size, _ in raw["leaves"]:
+            self.assertLessEqual(abs(z - 1.01), size / 2)
+        tree = self.run_.folder / "live.bt"
+        self.run_.map_tool("octree", "live", "--unknown", "absent", "--out", tree)
+        octree = vismap.Octree.open(tree)
+        for x, y, _, _, state in raw["leaves"][::len(raw["leaves"]) // 50]:
+            self.assertEqual(octree.state([[x, y, 1.01]])[0], {1: vismap.FREE, 2: vismap.OCCUPIED}[state])
+        closed = json.loads(get(self.run_.address, "/api/leaves?axis=z&at=1.01&layer=closed")[2])
+        self.assertGreater(sum(leaf[4] == 2 for leaf in closed["leaves"]), sum(leaf[4] == 2 for leaf in raw["leaves"]))
+        self.assertEqual(get(self.run_.address, "/api/leaves?at=1&layer=some")[0], 400)
+
+    def test_bytes_of_the_map_are_told_by_layer(self):
+        late = Page(self.run_.address)
+        self.level(late)
+        late.run_until(lambda p: p.texts["map"]["bytes"].get("distances", 0) + p.texts["map"]["bytes"].get("packed", 0) > 1e6)
+        layers = json.loads(self.run_.map_tool("info", "live", "--json"))["memory"]
+        self.assertEqual(set(late.texts["map"]["bytes"]), set(layers))
+        late.run_until(lambda p: p.texts["map"]["bytes"]["trajectory"] == layers["trajectory"])
 
     def test_page_gets_objects_processes_cameras_and_paths(self):
         page = Page(self.run_.address)
@@ -224,6 +290,7 @@ class LiveTest(unittest.TestCase):
 
 class ResetTest(unittest.TestCase):
     def test_page_follows_a_reset_and_a_server_that_comes_back(self):
+        expected = offline_hash()  # before there is a page, which must not be silent for long
         with tempfile.TemporaryDirectory() as folder:
             run = Run(pathlib.Path(folder))
             self.addCleanup(run.stop)
@@ -233,23 +300,58 @@ class ResetTest(unittest.TestCase):
             run.replay()
             reader.stop()
             self.assertIsNone(reader.failure)
-            self.assertEqual(json.loads(run.map_tool("info", "live", "--json"))["hash"], offline_hash())
+            self.assertEqual(json.loads(run.map_tool("info", "live", "--json"))["hash"], expected)
             page.run_until(lambda p: p.is_level() and p.texts["map"]["revision"] == FRAMES)
-            before = page.resets
+            before, first = page.resets, page.texts["map"]
             run.map_tool("reset")
             page.run_until(lambda p: p.is_level() and not p.blocks)
             self.assertEqual(page.resets, before + 1)
-            self.assertTrue(any("another map" in text for text in page.notices))
+            page.run_until(lambda p: p.texts["map"]["map_id"] != first["map_id"] and p.texts["map"]["revision"] == 0)
+            self.assertEqual(page.texts["map"]["server_start_utime"], first["server_start_utime"])
             run.processes.stop("map-server")
             page.run_until(lambda p: any("not heard" in text for text in p.notices))
             run.start("map-server", "--map-folder", run.folder / "maps")
             page.run_until(lambda p: any("there again" in text for text in p.notices))
+            page.run_until(lambda p: p.texts["map"]["server_start_utime"] > first["server_start_utime"])
             # The hub goes, and comes back at the same address.
             run.processes.running["hub"].kill()
             run.processes.running.pop("hub").wait()
             self.assertEqual(get(run.address, "/api/map")[0], 200)
             run.processes.start_hub(run.url.removeprefix("tcpq://"))
             page.run_until(lambda p: p.texts["map"]["age_s"] < 2 and p.texts["map"]["in_sync"])
+
+
+class BackTest(unittest.TestCase):
+    def test_page_follows_a_map_that_goes_back_to_an_earlier_revision(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Run(pathlib.Path(folder))
+            self.addCleanup(run.stop)
+            page = Page(run.address)
+            with vismap.Bus(run.url, name="map-server") as bus:
+                def block(x):
+                    fields = dict.fromkeys(("x", "y", "z", "segment", "instance", "class_id", "nx", "ny", "nz"), [0, 1, 2])
+                    return vismap.types["vismap.mesh_block_t"](index=[x, 0, 0], edge_m=0.1, a=[0], b=[1], c=[2], **fields,
+                                                               **dict.fromkeys(("red", "green", "blue", "seen"), b"abc"))
+
+                def publish(revision, base, blocks):
+                    bus.publish("MESH_DELTA", vismap.types["vismap.mesh_delta_t"](
+                        map_id="replayed", revision=revision, base_revision=base, full=base < 0, parts=1, blocks=blocks))
+
+                def speak_until(condition, speak):
+                    end = time.monotonic() + DEADLINE
+                    while not condition(page):
+                        self.assertLess(time.monotonic(), end)
+                        speak()
+                        pause = time.monotonic() + 0.5
+                        page.run_until(lambda p: time.monotonic() > pause)
+
+                speak_until(lambda p: len(p.blocks) == 2 and p.texts["map"]["revision"] == 9, lambda: publish(9, -1, [block(0), block(1)]))
+                start = time.monotonic()
+                speak_until(lambda p: not p.texts["map"]["in_sync"], lambda: publish(4, 4, []))
+                self.assertGreater(time.monotonic() - start, 4, "a late update is no map that went back")
+                self.assertEqual(len(page.blocks), 2)
+                speak_until(lambda p: len(p.blocks) == 1 and p.texts["map"]["revision"] == 4, lambda: publish(4, -1, [block(1)]))
+                page.run_until(lambda p: p.is_level())
 
 
 class HostileTest(unittest.TestCase):

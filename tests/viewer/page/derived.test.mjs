@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 
 const { coarseIndices, overlayPixels, detectionsText, colourOfId, paleColourOfId, mainRate, lostCount, waitingCount, slowestStage,
-  isStale, stateText, TimingHistory, Latency } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart", "latency");
+  isStale, stateText, detectionDelays, delayText, TimingHistory, Latency } = await load("coarse", "overlay", "colours", "process_summary", "timings_chart", "latency");
 
 /** A square of `side` x `side` vertices at every centimetre, its middle raised by `bump` [m]. */
 function plane(side, bump = 0) {
@@ -104,15 +104,27 @@ const process = {
   source: "map-server", age: 0.5,
   counters: { frames_integrated: 90, frames_waiting: 2, requests_waiting: 1, waiting_bytes: 4096, "FRAMES.rejected": 3, frames_dropped: 4, dropped_on_purpose: 50 },
   rates: { "FRAMES.received": 31, frames_integrated: 29.5 },
-  timings: { mesh: { median: 8, max: 14 }, integrate: { median: 12, max: 31 } },
+  timings: {
+    mesh: { median: 80, max: 90, p50: 8, p95: 14 }, integrate: { median: 12, max: 31, p50: null, p95: null }, objects: { median: null, max: null, p50: 9, p95: 10 },
+    "detections of camera 3": { median: 140, max: 200, p50: 138.4, p95: 190 },
+  },
 };
 
 test("The table shows frames per second, the slowest stage, what waits and what was lost", () => {
   assert.deepEqual(mainRate(process), { name: "frames_integrated", rate: 29.5 });
-  assert.deepEqual(slowestStage(process), { name: "integrate", median: 12, max: 31 });
+  assert.equal(slowestStage(process).name, "integrate", "waiting is no work, and the last minute counts more than the last second");
   assert.equal(waitingCount(process), 3);
   assert.equal(lostCount(process), 7);
   assert.equal(mainRate({ ...process, rates: {} }), null);
+});
+
+test("The detector's delay is told by camera, as far as it is known", () => {
+  const delays = detectionDelays([process, { ...process, timings: {} }]);
+  assert.deepEqual([...delays.keys()], [3]);
+  assert.equal(delayText(delays.get(3)), "140 ms (in the last minute p50 138 ms, p95 190 ms)");
+  assert.equal(delayText({ median: 20, max: 30, p50: null, p95: null }), "20 ms");
+  assert.equal(delayText({ median: null, max: null, p50: 7, p95: null }), "in the last minute p50 7 ms");
+  assert.equal(delayText(undefined), "");
 });
 
 test("A process that was not heard for three seconds is stale", () => {

@@ -230,12 +230,55 @@ test("Slices: cells as the server says, drawn in their colours, and why a cell i
   assert.equal(await page.getByRole("row", { name: /label 5 12 chair 7/ }).count(), 1);
 });
 
+test("Contours are those of the map's distances, with their metres, or of the slice where the server has none; leaves are squares", async () => {
+  await page.keyboard.press("h");
+  await page.click("#tab-space");
+  await page.waitForFunction(() => window.vismap.slices.horizontal[1] > 0, null, kWait);
+  assert.deepEqual(await state("sliceLines"), { contours: 0, labels: 0, leaves: 0 });
+  await page.locator("#space input[type=range]").first().fill("0.5");
+  await page.getByLabel("distances as contours").check();
+  await page.waitForFunction(() => window.vismap.sliceLines.contours > 0, null, kWait);
+  const { contours, labels } = await state("sliceLines");
+  assert.ok(labels >= 3, `${labels} labels`);
+  assert.match(await page.textContent("#space"), /nearest obstacle in all directions/);
+  const bare = await colours();
+  await page.getByLabel("octree leaves").check();
+  await page.waitForFunction(() => window.vismap.sliceLines.leaves === 3, null, kWait);
+  await page.waitForTimeout(300);
+  assert.ok(difference(await colours(), bare) > 100, "the squares are drawn");
+  mock.map.noExporter = true;
+  await page.selectOption('[aria-label="Which octree"]', "closed");
+  await page.waitForFunction(() => document.querySelector("#space").textContent.includes("in this slice alone"), null, kWait);
+  assert.match(await page.textContent("#space"), /Leaves of the octree: no octomap exporter was heard/);
+  const flat = await state("sliceLines");
+  assert.equal(flat.leaves, 0);
+  assert.notEqual(flat.contours, contours, "half a metre above the floor the floor is near");
+  assert.ok(flat.contours > 0);
+});
+
 test("Processes: a silent one is red, with its last words; stage times are drawn", async () => {
   await page.click("#tab-processes");
   await page.waitForSelector("tr.stale", kWait);
   assert.match(await page.textContent("tr.stale"), /detector.*silent/);
   assert.match(await page.textContent("tr.stale + tr"), /the model could not be read/);
   await page.waitForSelector(".chart canvas", kWait);
+  assert.match(await page.textContent("tbody tr:has-text('map-server')"), /12\/29/, "p50 and p95 of the slowest stage");
+  const mesh = page.locator("table.stages tr", { hasText: "mesh" }).locator("td");
+  assert.deepEqual(await mesh.allTextContents(), ["8.0", "14.0", "", ""]);
+});
+
+test("The camera's panel says how long after a frame its detections come", async () => {
+  await page.click("#tab-cameras");
+  await page.waitForFunction(() => document.querySelector("#cameras .card").textContent.includes("2 detections, which came after 140 ms (in the last minute p50 138 ms, p95 190 ms)"), null, kWait);
+});
+
+test("The memory of the map by layer is a table with bars", async () => {
+  await page.click("#tab-processes");
+  await page.waitForSelector("table.memory tr", kWait);
+  assert.deepEqual(await page.locator("table.memory th").allTextContents(), ["distances", "labels", "free space"]);
+  assert.deepEqual(await page.locator("table.memory tr").first().locator("td").allTextContents(), ["31.0 MB", "75 %", ""]);
+  const widths = await page.locator("table.memory .level").evaluateAll((bars) => bars.map((bar) => bar.getBoundingClientRect().width));
+  assert.ok(widths[0] > 3 * widths[1] && widths[1] > 2 * widths[2] && widths[2] > 0, `${widths}`);
 });
 
 test("Cameras: pictures are asked for only while they are looked at", async () => {
@@ -267,7 +310,51 @@ test("Another map takes the place of the old one, and the page says so", async (
   for (const client of mock.clients) client.sent.clear();
   await complete();
   assert.equal(await state("mapId"), "mock-2");
-  await page.waitForFunction(() => document.querySelector("#banners").textContent.includes("another map"), null, kWait);
+  await said("another map now");
+});
+
+/** Waits until a banner says these words. */
+function said(words) {
+  return page.waitForFunction((text) => document.querySelector("#banners").textContent.includes(text), words, kWait);
+}
+
+/** Leaves these blocks of the map and takes away all others. */
+function keepOnly(map, kept) {
+  for (const key of [...map.blocks.keys()]) if (!kept(key)) map.remove(key.split(",").map(Number));
+}
+
+test("A reset map: the page says so, and is empty", async () => {
+  const { map } = mock;
+  keepOnly(map, () => false);
+  Object.assign(map, { mapId: "mock-2", revision: 0, objects: [], structure: [] });
+  for (const client of mock.clients) client.sent.clear();
+  await said("The map was reset");
+  await complete();
+  assert.equal(await state("blocks"), 0);
+  await page.waitForFunction(() => document.querySelector("#found").textContent === "no objects yet", null, kWait);
+  assert.equal(await page.locator(".name:visible").count(), 0, "objects of the old map are gone");
+});
+
+test("A map server that was started again: the page says so, also when the connection was lost meanwhile", async () => {
+  const { map } = mock;
+  mock.setRefuse(true);
+  mock.dropClients();
+  await said("connection to the viewer is lost");
+  keepOnly(map, (key) => key.startsWith("1,"));
+  Object.assign(map, { mapId: "mock-2", revision: 3, serverStart: 2000 });
+  mock.setRefuse(false);
+  await said("server was started again; its map has 3 frames");
+  await complete();
+});
+
+test("A map that goes back to an earlier revision: the page says so, and has that state", async () => {
+  const { map } = mock;
+  map.revision = 5;
+  await page.waitForFunction(() => window.vismap.revision === 5, null, kWait);
+  map.revision = 2;
+  keepOnly(map, (key) => !key.startsWith("-5,"));
+  await said("went back from 5 frames to 2 frames");
+  await complete();
 });
 
 test("Blocks that got lost are asked for again", async () => {

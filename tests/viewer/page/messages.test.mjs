@@ -31,10 +31,10 @@ test("Cameras without a whole pose are left out", () => {
 test("Processes keep counters, rates and timings that are numbers", () => {
   const [process] = parseMessage(JSON.stringify({
     kind: "processes",
-    processes: [{ source: "map-server", counters: { frames: 3, name: "x" }, rates: { frames: 1.5 }, timings: { integrate: { median_ms: 2, max_ms: 9 } }, findings: ["late"] }],
+    processes: [{ source: "map-server", counters: { frames: 3, name: "x" }, rates: { frames: 1.5 }, timings: { integrate: { median_ms: 2, max_ms: 9 }, mesh: { p50_ms: 3, p95_ms: 4 } }, findings: ["late"] }],
   })).processes;
   assert.deepEqual(process.counters, { frames: 3 });
-  assert.deepEqual(process.timings, { integrate: { median: 2, max: 9 } });
+  assert.deepEqual(process.timings, { integrate: { median: 2, max: 9, p50: null, p95: null }, mesh: { median: null, max: null, p50: 3, p95: 4 } });
   assert.deepEqual(process.findings, ["late"]);
 });
 

@@ -11,7 +11,15 @@ function stateAt(x, y, z) {
   return Math.hypot(x - 0.2, y - 0.2) < 0.3 && z < 0.9 ? 2 : 1;
 }
 
-function slice(query) {
+/** Metres to the nearest wall, floor or table in all directions; NaN outside of the room. */
+function distanceAt(x, y, z) {
+  if (stateAt(x, y, z) === 0) return Number.NaN;
+  const sideways = Math.hypot(x - 0.2, y - 0.2) - 0.3;
+  const table = Math.hypot(Math.max(0, sideways), Math.max(0, z - 0.9));
+  return Math.max(0, Math.min(2.0 - Math.abs(x), 2.0 - Math.abs(y), z - 0.2, table));
+}
+
+function slice(map, query) {
   const axis = query.get("axis") ?? "z";
   const at = Number(query.get("at") ?? 1);
   const cell = Number(query.get("res") ?? 0.05);
@@ -24,11 +32,20 @@ function slice(query) {
     const p = { [axis]: at, [axes[0]]: origin[0] + (u + 0.5) * cell, [axes[1]]: origin[1] + (v + 0.5) * cell };
     cells[v * size[0] + u] = stateAt(p.x, p.y, p.z);
   }
-  let head = JSON.stringify({ map_id: "mock-1", revision: 1, axis, at_m: at, cell_m: cell, origin, width: size[0], height: size[1], axes, layer: "octree" });
+  const wanted = query.get("distance") === "1";
+  const distances = wanted && !map.noExporter;
+  let head = JSON.stringify({ map_id: "mock-1", revision: 1, axis, at_m: at, cell_m: cell, origin, width: size[0], height: size[1], axes, layer: 3,
+    distances, ...(wanted && !distances ? { distances_problem: "no octomap exporter was heard" } : {}) });
   head = head.padEnd(Math.ceil(head.length / 4) * 4);
   const length = Buffer.alloc(4);
   length.writeUInt32LE(head.length);
-  return { status: 200, type: "application/octet-stream", body: Buffer.concat([length, Buffer.from(head), cells]) };
+  const metres = Buffer.alloc(distances ? 4 * cells.length : 0);
+  for (let v = 0; distances && v < size[1]; ++v) for (let u = 0; u < size[0]; ++u) {
+    const p = { [axis]: at, [axes[0]]: origin[0] + (u + 0.5) * cell, [axes[1]]: origin[1] + (v + 0.5) * cell };
+    metres.writeFloatLE(distanceAt(p.x, p.y, p.z), 4 * (v * size[0] + u));
+  }
+  const padding = Buffer.alloc(distances ? (4 - (cells.length % 4)) % 4 : 0);
+  return { status: 200, type: "application/octet-stream", body: Buffer.concat([length, Buffer.from(head), cells, padding, metres]) };
 }
 
 function cell(query) {
@@ -95,11 +112,12 @@ export async function answer(map, url) {
     case "/api/objects":
       return json(200, { map_id: map.mapId, up: { direction: map.up, reason: "mock" }, objects: map.objects, discovered: [], structure: map.structure, removed: [] });
     case "/api/slice":
-      return slice(url.searchParams);
+      return slice(map, url.searchParams);
     case "/api/cell":
       return cell(url.searchParams);
     case "/api/leaves":
-      return json(200, { leaves: [[-1, -1, 1, 0.8, 1], [-1, 1, 1, 0.4, 1], [2.05, 0, 1, 0.1, 2]] });
+      if (map.noExporter) return json(503, { error: "no octomap exporter was heard" });
+      return json(200, { leaf_m: 0.1, left_out: 0, revision: 1, leaves: [[-1, -1, 1, 0.8, 1], [-1, 1, 1, 0.4, 1], [2.05, 0, 1, 0.1, 2]] });
     case "/api/evidence":
       return evidence(url.searchParams.get("id"));
     default:

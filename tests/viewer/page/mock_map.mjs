@@ -12,6 +12,7 @@ export class MockMap {
     this.classNames = Object.fromEntries([...objects].filter((o) => o.class > 0).map((o) => [o.class, o.class_name]));
     this.seconds = 0;
     this.age = 0.1;
+    this.serverStart = 1000;
   }
   put(index, vertices, triangles, hash) {
     const revision = this.revision;
@@ -34,7 +35,7 @@ export class MockMap {
     return {
       kind: "map", map_id: this.mapId, revision: this.revision, utime: this.utime, frames: this.revision, blocks: this.blocks.size,
       triangles: this.triangles, digest: this.digest.toString(16).padStart(16, "0"), voxel_size_m: this.voxel, block_edge_m: this.edge,
-      age_s: this.age, in_sync: true, waiting: 0, up: this.up, bytes: { tsdf: 31e6, labels: 8e6, "free space": 2.4e6 },
+      age_s: this.age, in_sync: true, waiting: 0, up: this.up, server_start_utime: this.serverStart, bytes: { distances: 31e6, labels: 8e6, free_space: 2.4e6, packed: 0 },
     };
   }
   objectsMessage() { return { kind: "objects", map_id: this.mapId, revision: this.revision, utime: this.utime, objects: this.objects }; }
@@ -67,9 +68,9 @@ export class MockMap {
       kind: "processes", now_utime: this.utime,
       processes: [
         { ...base, source: "map-server", process: "map-server", counters: { frames_integrated: 30 * t, frames_waiting: 2, "FRAMES.received": 31 * t, "FRAMES.rejected": 0, map_bytes: 41e6 },
-          rates: { frames_integrated: 29.4 }, timings: { integrate: { median_ms: 12 + 3 * Math.sin(t), max_ms: 31 }, associate: { median_ms: 5 + Math.cos(t), max_ms: 9 }, mesh: { median_ms: 8, max_ms: 14 } } },
+          rates: { frames_integrated: 29.4 }, timings: { integrate: { median_ms: 12 + 3 * Math.sin(t), max_ms: 31, p50_ms: 12.3, p95_ms: 28.6 }, associate: { median_ms: 5 + Math.cos(t), max_ms: 9 }, mesh: { p50_ms: 8, p95_ms: 14 } } },
         { ...base, source: "depth-segmenter", process: "depth-segmenter", state: "waiting", message: "waits for detections of the frame at 12.40 s", counters: { frames_sent: 30 * t, frames_dropped: 4, frames_waiting: 9 },
-          rates: { frames_sent: 28.9 }, timings: { segment: { median_ms: 21, max_ms: 40 } } },
+          rates: { frames_sent: 28.9 }, timings: { segment: { median_ms: 21, max_ms: 40, p50_ms: 20, p95_ms: 37 }, "detections of camera 0": { median_ms: 140, max_ms: 210, p50_ms: 138, p95_ms: 190 } } },
         { ...base, source: "detector", process: "detector", age_s: 17.2, message: "the model could not be read", counters: { detections: 12 }, rates: { detections: 0 }, timings: { detection: { median_ms: 140, max_ms: 210 } }, findings: ["frames arrive later than 100 ms after they were taken"] },
       ],
     };

@@ -3,15 +3,16 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 import { arrayBuffer } from "./page_bytes.mjs";
 
-const { decodeSlice, stateAt, pixelsOf, axesOf, contourLines, distancesTo, kFree, kOccupied, kNotSeen } = await load(
+const { decodeSlice, stateAt, pixelsOf, axesOf, contourLines, labelPlaces, distancesTo, kFree, kOccupied, kNotSeen } = await load(
   "slice_data", "contours", "distance", "colours");
 
-function sliceBytes(about, cells) {
+function sliceBytes(about, cells, metres = []) {
   const text = JSON.stringify(about);
   const padded = text.padEnd(Math.ceil(text.length / 4) * 4);
   const head = Buffer.alloc(4);
   head.writeUInt32LE(padded.length);
-  return arrayBuffer(Buffer.concat([head, Buffer.from(padded), Buffer.from(cells)]));
+  const gap = Buffer.alloc(metres.length > 0 ? (4 - (cells.length % 4)) % 4 : 0);
+  return arrayBuffer(Buffer.concat([head, Buffer.from(padded), Buffer.from(cells), gap, Buffer.from(Float32Array.from(metres).buffer)]));
 }
 const about = { axis: "z", at_m: 1, cell_m: 0.5, origin: [-1, 2], width: 3, height: 2, axes: ["x", "y"] };
 const cells = [0, 1, 2, 1, 1, 0];
@@ -84,4 +85,20 @@ test("Contours of the distance to a point are circles of the level's radius", ()
 test("Contours end where values are not known", () => {
   const values = Float32Array.from([0, 1, Number.NaN, 0, 1, 1]);
   assert.deepEqual(contourLines(values, 3, 2, 0.5), [1, 0.5, 1, 1.5]);
+});
+
+test("Distances of the map come behind the cells; without them there are none", () => {
+  const metres = [0.5, 1, Number.NaN, 0.25, 2, 0];
+  assert.deepEqual([...decodeSlice(sliceBytes({ ...about, distances: true }, cells, metres)).distances], metres);
+  assert.equal(decodeSlice(sliceBytes({ ...about, distances: false }, cells)).distances, null);
+  assert.throws(() => decodeSlice(sliceBytes({ ...about, distances: true }, cells, metres.slice(1))), /distances .* cut off/);
+});
+
+test("Labels of a level stand on its lines, apart from each other, and are not too many", () => {
+  const lines = Array.from({ length: 500 }, (_, i) => [i, 3, i + 1, 5]).flat();
+  const places = labelPlaces(lines, 10);
+  assert.deepEqual(places.slice(0, 2), [[0.5, 4], [10.5, 4]]);
+  assert.equal(places.length, 24);
+  assert.deepEqual(labelPlaces([], 10), []);
+  assert.deepEqual(labelPlaces(lines, 10, [[0.5, 5]])[0], [5.5, 4], "not beside the label of another level");
 });

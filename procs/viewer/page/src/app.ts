@@ -16,6 +16,7 @@ import { ObjectList } from "./object_list";
 import { readObject, type MapObject } from "./objects";
 import type { Colouring } from "./painting";
 import { ProcessPanel } from "./process_panel";
+import { detectionDelays } from "./process_summary";
 import type { MapMessage, ServerMessage } from "./protocol";
 import { Selection } from "./selection";
 import { SelectionBox } from "./selection_box";
@@ -127,7 +128,8 @@ function keepInView(): void {
 }
 
 function takeMap(message: MapMessage): void {
-  if (status.isAnother(message)) {
+  const before = status.map;
+  if (status.takeMap(message)) {
     structure = [];
     listed = [];
     structureFeed.reset();
@@ -135,8 +137,7 @@ function takeMap(message: MapMessage): void {
     space.forget();
     showObjects();
   }
-  if (status.map && status.map.revision !== message.revision) refreshSlicesSoon();
-  status.takeMap(message);
+  if (before && before.revision !== message.revision) refreshSlicesSoon();
   processPanel.setMemory(message.bytes);
   space.setVoxel(message.voxelSize);
   if (message.up) setUp(message.up);
@@ -160,6 +161,7 @@ function takeMessage(message: ServerMessage): void {
       cameras.extend(message);
       return view.invalidateSoon();
     case "processes":
+      cameraPanel.setDelays(detectionDelays(message.processes));
       return processPanel.take(message.processes, message.utime);
     case "navigation":
       return status.takeNavigation(message);

@@ -2,7 +2,8 @@
 import { count, el, setText } from "./dom";
 import { detectionsText, overlayPixels, type OverlayChoice } from "./overlay";
 import type { Picture } from "./picture_codec";
-import type { CameraState } from "./protocol";
+import { delayText } from "./process_summary";
+import type { CameraState, Timing } from "./protocol";
 
 export interface CameraActions {
   onLook(camera: CameraState): void;
@@ -35,9 +36,11 @@ class CameraCard {
     this.element = el("div", { class: "card" }, head, this.facts, el("label", {}, this.open, " picture"), this.canvas, this.words);
   }
 
-  setState(state: CameraState, positions: number): void {
+  setState(state: CameraState, positions: number, delay: Timing | undefined): void {
     this.state = state;
-    const detections = state.detections === null ? "no detector looked" : `${state.detections} detections`;
+    const late = delayText(delay);
+    const after = state.detections === null || late === "" ? "" : `, which came after ${late}`;
+    const detections = state.detections === null ? "no detector looked" : `${state.detections} detections${after}`;
     const place = [state.pose[3], state.pose[7], state.pose[11]].map((value) => value!.toFixed(2)).join(", ");
     const path = positions > 0 ? `, ${count(positions)} positions so far` : "";
     setText(this.facts, `${state.width} × ${state.height}, at ${place} m, frame of ${(state.utime / 1e6).toFixed(2)} s, ${detections}${path}`);
@@ -84,6 +87,7 @@ function drawOverlay(context: CanvasRenderingContext2D, canvas: HTMLCanvasElemen
 export class CameraPanel {
   private readonly cards = new Map<number, CameraCard>();
   private readonly list = el("div");
+  private delays = new Map<number, Timing>();
   private readonly empty = el("p", { class: "faint" }, "No camera has sent a frame yet.");
   private readonly choice: OverlayChoice = { segments: false, masks: true };
 
@@ -94,9 +98,14 @@ export class CameraPanel {
     parent.append(el("div", { class: "row" }, this.toggle("masks", "masks"), this.toggle("segments", "segments")), this.empty, this.list);
   }
 
+  /** How long after a camera's frames their detections come, by camera. */
+  setDelays(delays: Map<number, Timing>): void {
+    this.delays = delays;
+  }
+
   setCameras(cameras: CameraState[]): void {
     this.empty.hidden = cameras.length > 0 || this.cards.size > 0;
-    for (const camera of cameras) this.card(camera).setState(camera, this.actions.lengthOf(camera.id));
+    for (const camera of cameras) this.card(camera).setState(camera, this.actions.lengthOf(camera.id), this.delays.get(camera.id));
   }
 
   takePicture(picture: Picture): void {

@@ -39,3 +39,19 @@ function crossing(corners: number[], edge: number, level: number, u: number, v: 
       return [u, v + 1 - share];
   }
 }
+
+const kMostLabels = 24;
+
+/**
+ * Where a level is written: middles of pieces of its lines (as of contourLines), at least `apart` cells from each other and
+ * half of it from the `others`.
+ */
+export function labelPlaces(lines: number[], apart: number, others: [number, number][] = []): [number, number][] {
+  const places: [number, number][] = [];
+  for (let i = 0; i + 3 < lines.length && places.length < kMostLabels; i += 4) {
+    const [u, v] = [(lines[i]! + lines[i + 2]!) / 2, (lines[i + 1]! + lines[i + 3]!) / 2];
+    const isFree = (taken: [number, number][], least: number): boolean => taken.every(([a, b]) => Math.hypot(a - u, b - v) >= least);
+    if (isFree(places, apart) && isFree(others, apart / 2)) places.push([u, v]);
+  }
+  return places;
+}

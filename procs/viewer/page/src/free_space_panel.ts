@@ -4,10 +4,19 @@ import { CellCard } from "./cell_card";
 import { css, kFree, kNotSeen, kOccupied, type Rgb } from "./colours";
 import { el } from "./dom";
 import { kAxes, type Axis } from "./slice_data";
-import { SliceFeed } from "./slice_feed";
+import { SliceFeed, type LeafLayer } from "./slice_feed";
 import { SlicePlane } from "./slice_plane";
 
 const kStep = 0.05; // [m]
+
+const kMapContours = "Contours: distances to the nearest obstacle in all directions, as planners get them.";
+const kSliceContours = "Contours: distances to what is occupied in this slice alone, since no octomap exporter tells those of the map.";
+
+interface SliceOptions {
+  contours: boolean;
+  leaves: LeafLayer | null;
+  voxel: number;
+}
 
 /** One slice: its switch, its slider, and its plane in the scene. */
 class SliceControl {
@@ -17,6 +26,8 @@ class SliceControl {
   private readonly slider = el("input", { type: "range", step: kStep, min: 0, max: 1, value: 0 });
   private readonly value = el("output");
   private readonly problem = el("p", { class: "bad" });
+  private readonly leafProblem = el("p", { class: "bad" });
+  private readonly note = el("p", { class: "faint" });
   private readonly feed: SliceFeed;
   private moved = false;
 
@@ -24,19 +35,19 @@ class SliceControl {
     readonly title: string,
     private axis: Axis,
     extra: HTMLElement[],
-    private readonly options: () => { contours: boolean; leaves: boolean; voxel: number },
+    private readonly options: () => SliceOptions,
     private readonly onChange: () => void,
-    onNoLeaves: () => void,
   ) {
     this.feed = new SliceFeed(
       (slice, wish, leaves) => {
         this.problem.textContent = slice.cells.length > 0 ? "" : "Nothing is known of space in this slice yet.";
+        this.note.textContent = wish.contours ? (slice.distances ? kMapContours : kSliceContours) : "";
         this.plane.show(slice, wish.contours);
         this.plane.showLeaves(leaves);
         onChange();
       },
       (text) => (this.problem.textContent = text),
-      onNoLeaves,
+      (problem) => (this.leafProblem.textContent = problem === "" ? "" : `Leaves of the octree: ${problem}`),
     );
     this.slider.setAttribute("aria-label", `Place of the ${title.toLowerCase()}`);
     this.on.addEventListener("change", () => this.refresh());
@@ -46,7 +57,7 @@ class SliceControl {
       this.refresh();
     });
     const label = el("label", {}, this.on, ` ${title}`);
-    this.element = el("div", {}, el("div", { class: "row" }, label, ...extra), el("div", { class: "row" }, this.slider, this.value), this.problem);
+    this.element = el("div", {}, el("div", { class: "row" }, label, ...extra), el("div", { class: "row" }, this.slider, this.value), this.problem, this.leafProblem, this.note);
     this.showValue();
   }
 
@@ -134,19 +145,16 @@ export class FreeSpacePanel {
   constructor(parent: HTMLElement, scene: THREE.Scene, onChange: () => void) {
     const again = (): void => this.refresh();
     const contours = choice("distances as contours", again);
-    const leaves = choice("leaves of the octree", again);
-    const options = (): { contours: boolean; leaves: boolean; voxel: number } => ({
+    const leaves = choice("octree leaves", again);
+    const layer = el("select", { "aria-label": "Which octree" }, el("option", { value: "raw" }, "raw"), el("option", { value: "closed" }, "closed, for planners"));
+    layer.addEventListener("change", again);
+    const options = (): SliceOptions => ({
       contours: contours.input.checked,
-      leaves: leaves.input.checked,
+      leaves: leaves.input.checked ? (layer.value as LeafLayer) : null,
       voxel: this.voxel,
     });
-    const noLeaves = (): void => {
-      leaves.input.checked = false;
-      leaves.input.disabled = true;
-      leaves.element.title = "This server does not tell the leaves of the octree.";
-    };
-    this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange, noLeaves);
-    this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange, noLeaves);
+    this.horizontal = new SliceControl("Horizontal slice", "z", [], options, onChange);
+    this.vertical = new SliceControl("Vertical slice", "y", [this.across], options, onChange);
     this.across.addEventListener("change", () => this.vertical.setAxis(this.across.value as Axis, this.bounds));
     this.fillAcross();
     scene.add(this.horizontal.plane.group, this.vertical.plane.group);
@@ -154,8 +162,8 @@ export class FreeSpacePanel {
       el("div", { class: "row" }, swatch(kFree, "free"), swatch(kOccupied, "occupied"), swatch(kNotSeen, "unknown")),
       this.horizontal.element,
       this.vertical.element,
-      el("div", { class: "row" }, contours.element, leaves.element),
-      el("p", { class: "faint" }, "Contours are at 0.1, 0.25, 0.5, 1 and 2 m from what is occupied in the slice. Click a cell of a slice to read why it is so."),
+      el("div", { class: "row" }, contours.element, leaves.element, layer),
+      el("p", { class: "faint" }, "Contours are at 0.1, 0.25, 0.5, 1 and 2 m. Click a cell of a slice to read why it is so."),
       this.cell.element,
     );
   }
@@ -215,6 +223,11 @@ export class FreeSpacePanel {
       return counts;
     };
     return { horizontal: count(this.horizontal), vertical: count(this.vertical) };
+  }
+
+  /** For tests. */
+  get drawn(): SlicePlane["drawn"] {
+    return this.horizontal.plane.drawn;
   }
 
   private fillAcross(): void {

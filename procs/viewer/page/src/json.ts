@@ -14,6 +14,10 @@ export function asNumber(value: unknown, otherwise = 0): number {
   return typeof value === "number" && Number.isFinite(value) ? value : otherwise;
 }
 
+export function asNumberOrNull(value: unknown): number | null {
+  return typeof value === "number" && Number.isFinite(value) ? value : null;
+}
+
 export function asText(value: unknown, otherwise = ""): string {
   return typeof value === "string" ? value : otherwise;
 }

@@ -1,6 +1,7 @@
 /** The line about connection and map, and the banners that belong to them. */
 import type { Banners } from "./banners";
 import { bytesText, count, setText } from "./dom";
+import { mapChange, shownMap, type MapChange, type ShownMap } from "./map_change";
 import type { HelloMessage, MapMessage, NavigationMessage } from "./protocol";
 import type { LinkState } from "./worker_messages";
 
@@ -9,7 +10,8 @@ const kOldMap = 5; // [s] without word from the map server
 export class MapStatus {
   map: MapMessage | null = null;
   hello: HelloMessage | null = null;
-  mapId = ""; // of the newest map; a viewer that has just started knows none yet, which is no other map
+  /** The newest map; a viewer that has just started knows none yet, which is no other map. */
+  private shown: ShownMap | null = null;
   private wasOpen = false;
 
   constructor(
@@ -40,22 +42,23 @@ export class MapStatus {
     this.banners.hold("protocol", "warning", other ? "This page is of another version than its server: reload it." : "");
   }
 
-  /** Whether the message is about another map than the one before. */
-  isAnother(map: MapMessage): boolean {
-    return this.mapId !== "" && map.mapId !== "" && map.mapId !== this.mapId;
+  get mapId(): string {
+    return this.shown?.mapId ?? "";
   }
 
-  takeMap(map: MapMessage): void {
-    const before = this.map;
-    if (this.isAnother(map)) this.banners.flash("warning", "There is another map now: the old one was reset.");
-    else if (before && map.revision >= 0 && map.revision < before.revision) this.banners.flash("warning", "The map was corrected: it went back to an earlier revision.");
+  /** Returns what has happened to the map since the last message. In a log, going back is no change: a person has asked for it. */
+  takeMap(map: MapMessage): MapChange | null {
+    const found = mapChange(this.shown, shownMap(map));
+    const change = this.hello?.mode === "log" && found?.kind === "went back" ? null : found;
+    if (change) this.banners.flash("warning", change.text);
     this.map = map;
-    if (map.mapId !== "") this.mapId = map.mapId;
+    if (map.revision >= 0 && map.mapId !== "") this.shown = shownMap(map);
     const silent = map.revision >= 0 && map.age > kOldMap;
     this.banners.hold("age", "warning", silent ? "The map server is silent; what you see may be old." : "");
     this.banners.hold("sync", "info", map.inSync || map.revision < 0 ? "" : "Updates of the map are missing; they were asked for.");
     this.banners.hold("empty", "info", map.revision < 0 ? "There is no map yet: the viewer waits for the map server." : "");
     setText(this.summary, summaryText(map, silent));
+    return change;
   }
 
   takeNavigation(message: NavigationMessage): void {

@@ -1,10 +1,13 @@
 /** The panel of processes: a table, all that the chosen one says, and its stage times over time. */
 import { bytesText, count, el, setText } from "./dom";
-import { isStale, lostCount, mainRate, slowestStage, stateText, waitingCount } from "./process_summary";
+import { memoryTable } from "./memory_table";
+import { isStale, lostCount, mainRate, slowestStage, stagesOf, stateText, waitingCount, type Stage } from "./process_summary";
 import type { Process } from "./protocol";
 import { TimingHistory, TimingsChart } from "./timings_chart";
 
-const kColumns = ["Process", "State", "Rate/s", "p50/max ms", "Queue", "Lost", "Age"];
+const kColumns = ["Process", "State", "Rate/s", "p50/p95 ms", "Queue", "Lost", "Age"];
+const kStageColumns = ["Stage", "p50", "p95", "Median", "Longest"];
+const kTitles = ["", "of the last minute", "of the last minute", "of the last second", "of the last second"];
 
 function cells(process: Process): string[] {
   const rate = mainRate(process);
@@ -12,11 +15,29 @@ function cells(process: Process): string[] {
   return [
     stateText(process),
     rate ? rate.rate.toFixed(1) : "",
-    stage ? `${stage.median.toFixed(0)}/${stage.max.toFixed(0)}` : "",
+    stage ? shareText(stage) : "",
     count(waitingCount(process)),
     count(lostCount(process)),
     `${process.age.toFixed(0)} s`,
   ];
+}
+
+/** p50 and p95 of a stage; of a process of an earlier version, which tells neither, median and longest. */
+function shareText(stage: Stage): string {
+  if (stage.p50 !== null && stage.p95 !== null) return `${stage.p50.toFixed(0)}/${stage.p95.toFixed(0)}`;
+  return stage.median === null || stage.max === null ? "" : `${stage.median.toFixed(0)}/max ${stage.max.toFixed(0)}`;
+}
+
+/** How long each stage of a process takes [ms]. */
+function stageTable(process: Process): HTMLElement[] {
+  const stages = stagesOf(process);
+  if (stages.length === 0) return [];
+  const text = (ms: number | null): string => (ms === null ? "" : ms.toFixed(1));
+  const head = el("tr", {}, ...kStageColumns.map((title, i) => el("th", { scope: "col", title: kTitles[i] }, title)));
+  const rows = stages.map(({ name, p50, p95, median, max }) =>
+    el("tr", {}, el("th", { scope: "row" }, name), ...[p50, p95, median, max].map((ms) => el("td", {}, text(ms)))),
+  );
+  return [el("h2", {}, `Stages of ${process.source} [ms]`), el("table", { class: "stages", "aria-label": "Stages" }, el("thead", {}, head), el("tbody", {}, ...rows))];
 }
 
 /** The latest problem, or what the process waits for. */
@@ -58,6 +79,7 @@ export class ProcessPanel {
   private processes: Process[] = [];
   private chosen = "";
   private start = 0;
+  private shownMemory = "";
 
   constructor(private readonly parent: HTMLElement) {
     const head = el("thead", {}, el("tr", {}, ...kColumns.map((title) => el("th", { scope: "col" }, title))));
@@ -77,10 +99,10 @@ export class ProcessPanel {
 
   /** Memory of the map, by layer [bytes]. */
   setMemory(bytes: Record<string, number>): void {
-    const layers = Object.entries(bytes).sort((a, b) => b[1] - a[1]);
-    if (layers.length === 0) return;
-    const rows = layers.flatMap(([name, size]) => [el("dt", {}, name), el("dd", {}, bytesText(size))]);
-    this.memory.replaceChildren(el("h2", {}, "Memory of the map"), el("dl", {}, ...rows));
+    const told = JSON.stringify(bytes);
+    if (told === this.shownMemory) return;
+    this.shownMemory = told;
+    this.memory.replaceChildren(...memoryTable(bytes));
   }
 
   /** Draws again; does nothing while the panel is hidden. */
@@ -103,12 +125,13 @@ export class ProcessPanel {
     this.chart.element.hidden = !history || history.stages.size === 0;
     if (!process || !history) return;
     if (history.stages.size > 0) this.chart.show(process.source, history);
-    const counters = Object.entries(process.counters).flatMap(([name, value]) => {
+    const told = Object.entries(process.counters).filter(([name]) => !name.startsWith("memory.")); // the table has those
+    const counters = told.flatMap(([name, value]) => {
       const rate = process.rates[name];
       const text = name.endsWith("bytes") ? bytesText(value) : count(value);
       return [el("dt", {}, name.replaceAll("_", " ")), el("dd", {}, rate ? `${text} (${rate.toFixed(1)} per second)` : text)];
     });
-    this.details.replaceChildren(el("h2", {}, `Counters of ${process.source}`), el("dl", {}, ...counters));
+    this.details.replaceChildren(...stageTable(process), el("h2", {}, `Counters of ${process.source}`), el("dl", {}, ...counters));
   }
 
   private rowOf(source: string): ProcessRow {

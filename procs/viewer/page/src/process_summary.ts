@@ -1,5 +1,5 @@
 /** What the table of processes shows of a process, worked out from its counters and timings. */
-import type { Process } from "./protocol";
+import type { Process, Timing } from "./protocol";
 
 const kStale = 3; // [s] without a status: three times the interval at which processes send it
 
@@ -25,10 +25,39 @@ export function mainRate(process: Process): { name: string; rate: number } | nul
   return name === undefined ? null : { name, rate: process.rates[name]! };
 }
 
-/** The stage with the longest median: its name, median and longest time [ms]. */
-export function slowestStage(process: Process): { name: string; median: number; max: number } | null {
-  const stages = Object.entries(process.timings).map(([name, timing]) => ({ name, ...timing }));
-  return stages.sort((a, b) => b.median - a.median)[0] ?? null;
+const kDelay = /^detections of camera (\d+)$/; // not work of the process, but what it waits for
+const kNoWork = /^(detections of camera|waiting) /;
+
+export type Stage = Timing & { name: string };
+
+/** The stage that takes longest, by its p50 of the last minute or, where that is not known, by its median. */
+export function slowestStage(process: Process): Stage | null {
+  const middle = (stage: Stage): number => stage.p50 ?? stage.median ?? 0;
+  return stagesOf(process).filter((stage) => !kNoWork.test(stage.name)).sort((a, b) => middle(b) - middle(a))[0] ?? null;
+}
+
+export function stagesOf(process: Process): Stage[] {
+  return Object.entries(process.timings).map(([name, timing]) => ({ name, ...timing }));
+}
+
+/** How long after the frames of each camera their detections come. */
+export function detectionDelays(processes: Process[]): Map<number, Timing> {
+  const delays = new Map<number, Timing>();
+  for (const stage of processes.flatMap(stagesOf)) {
+    const camera = kDelay.exec(stage.name)?.[1];
+    if (camera !== undefined) delays.set(Number(camera), stage);
+  }
+  return delays;
+}
+
+/** "140 ms (p50 of the last minute 138 ms, p95 160 ms)"; "" when nothing is known. */
+export function delayText(delay: Timing | undefined): string {
+  if (!delay) return "";
+  const ms = (value: number): string => `${value.toFixed(0)} ms`;
+  const shares = [["p50", delay.p50], ["p95", delay.p95]] as const;
+  const minute = shares.flatMap(([name, value]) => (value === null ? [] : [`${name} ${ms(value)}`])).join(", ");
+  if (delay.median === null) return minute === "" ? "" : `in the last minute ${minute}`;
+  return ms(delay.median) + (minute === "" ? "" : ` (in the last minute ${minute})`);
 }
 
 /** Sum of the counters of messages and frames that did not get through. */

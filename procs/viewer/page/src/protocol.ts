@@ -1,5 +1,5 @@
 /** The messages of vismap-viewer in text, as the page uses them. */
-import { asList, asNumber, asNumbers, asObject, asText, asVector, isObject, type Json } from "./json";
+import { asList, asNumber, asNumberOrNull, asNumbers, asObject, asText, asVector, isObject, type Json } from "./json";
 
 export interface HelloMessage {
   kind: "hello";
@@ -27,12 +27,21 @@ export interface MapMessage {
   bytes: Record<string, number>; // memory of the map, by layer
   waiting: number; // blocks that the server has still to send to this page
   inSync: boolean; // the server has all that the map server sent
+  serverStart: number; // when the map server was started [us]; 0 = not known
 }
 
 export interface ObjectsMessage {
   kind: "objects";
   utime: number;
   objects: Json[];
+}
+
+/** Durations of a stage [ms]; null = not known. */
+export interface Timing {
+  median: number | null; // since the last status
+  max: number | null;
+  p50: number | null; // of the last minute
+  p95: number | null;
 }
 
 export interface Process {
@@ -45,7 +54,7 @@ export interface Process {
   version: string;
   counters: Record<string, number>;
   rates: Record<string, number>; // of the counters, per second
-  timings: Record<string, { median: number; max: number }>; // [ms]
+  timings: Record<string, Timing>; // by stage
   findings: string[];
 }
 
@@ -160,6 +169,7 @@ function readMap(json: Json): MapMessage {
     bytes: asNumbers(json.bytes),
     waiting: asNumber(json.waiting),
     inSync: json.in_sync !== false,
+    serverStart: asNumber(json.server_start_utime),
   };
 }
 
@@ -168,7 +178,8 @@ function readProcess(value: unknown): Process {
   const timings: Process["timings"] = {};
   for (const [name, entry] of Object.entries(asObject(json.timings))) {
     const timing = asObject(entry);
-    timings[name] = { median: asNumber(timing.median_ms), max: asNumber(timing.max_ms) };
+    const [median, max, p50, p95] = [timing.median_ms, timing.max_ms, timing.p50_ms, timing.p95_ms].map(asNumberOrNull);
+    timings[name] = { median: median!, max: max!, p50: p50!, p95: p95! };
   }
   return {
     source: asText(json.source),

@@ -13,6 +13,8 @@ export interface Slice {
   width: number;
   height: number;
   cells: Uint8Array; // kStates, row by row
+  /** Of each cell to the nearest obstacle of the map, in all directions [m]; NaN = not known. Null: the server has none. */
+  distances: Float32Array | null;
 }
 
 export const kStates = ["unknown", "free", "occupied"] as const;
@@ -42,7 +44,14 @@ export function decodeSlice(bytes: ArrayBuffer): Slice {
     width,
     height,
     cells: new Uint8Array(bytes, start, count),
+    distances: about.distances === true ? readDistances(bytes, start + count, count) : null,
   };
+}
+
+function readDistances(bytes: ArrayBuffer, end: number, count: number): Float32Array {
+  const start = Math.ceil(end / 4) * 4;
+  if (start + 4 * count > bytes.byteLength) throw new Error(`The distances of a slice of ${count} cells are cut off.`);
+  return new Float32Array(bytes, start, count);
 }
 
 /** The numbers (0 to 2 for x to z) of the two axes in the slice, and of the one across it. */

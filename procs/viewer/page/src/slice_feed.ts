@@ -1,5 +1,6 @@
 /** Asks for the slice that is wanted: one request at a time, and the newest wish always wins. */
 import { getBytes, getJson } from "./api";
+import { count } from "./dom";
 import { asList, asNumber, asObject } from "./json";
 import { decodeSlice, type Axis, type Slice } from "./slice_data";
 import type { Leaf } from "./slice_plane";
@@ -8,8 +9,11 @@ export interface SliceWish {
   axis: Axis;
   at: number; // [m]
   contours: boolean;
-  leaves: boolean;
+  leaves: LeafLayer | null;
 }
+
+/** Octrees: as the map is, or closed as planners get it. */
+export type LeafLayer = "raw" | "closed";
 
 const kPause = 80; // [ms] that the slider stands still
 
@@ -22,7 +26,8 @@ export class SliceFeed {
   constructor(
     private readonly onSlice: (slice: Slice, wish: SliceWish, leaves: Leaf[]) => void,
     private readonly onError: (text: string) => void,
-    private readonly onNoLeaves: () => void,
+    /** The leaves that were wanted have come; else the reason. */
+    private readonly onLeaves: (problem: string) => void,
   ) {}
 
   /** null = no slice is wanted any more. */
@@ -50,17 +55,17 @@ export class SliceFeed {
   private async answer(wish: SliceWish): Promise<void> {
     const map = this.map;
     const where = `axis=${wish.axis}&at=${wish.at.toFixed(4)}`;
-    const answer = await getBytes(`api/slice?${where}`);
+    const answer = await getBytes(`api/slice?${where}${wish.contours ? "&distance=1" : ""}`);
     if (map !== this.map) return;
     if (answer.error !== null) {
       if (this.wish) this.onError(answer.error);
       return;
     }
-    const leaves = wish.leaves ? await leavesAt(where) : { leaves: [], problem: null };
+    const leaves = wish.leaves ? await leavesAt(`${where}&layer=${wish.leaves}`) : { leaves: [], problem: null };
     if (map !== this.map || this.wish?.axis !== wish.axis) return;
     try {
       this.onSlice(decodeSlice(answer.value), wish, leaves.leaves);
-      if (leaves.problem !== null) this.onNoLeaves();
+      this.onLeaves(leaves.problem ?? "");
     } catch (error) {
       this.onError(error instanceof Error ? error.message : String(error));
     }
@@ -70,9 +75,11 @@ export class SliceFeed {
 async function leavesAt(where: string): Promise<{ leaves: Leaf[]; problem: string | null }> {
   const answer = await getJson(`api/leaves?${where}`);
   if (answer.error !== null) return { leaves: [], problem: answer.error };
+  const leftOut = asNumber(asObject(answer.value).left_out);
+  const problem = leftOut > 0 ? `${count(leftOut)} small leaves are not drawn.` : null;
   const leaves = asList(asObject(answer.value).leaves).map((entry) => {
     const [x, y, z, size, state] = asList(entry).map((value) => asNumber(value));
     return { centre: [x ?? 0, y ?? 0, z ?? 0], size: size ?? 0, occupied: state === 2 };
   });
-  return { leaves, problem: null };
+  return { leaves, problem };
 }

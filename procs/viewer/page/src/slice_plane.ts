@@ -1,10 +1,11 @@
 /** A slice in the scene: cells as a picture, distances as contours, leaves of the octree as squares. */
 import * as THREE from "three";
-import { contourLines } from "./contours";
+import { contourLines, labelPlaces } from "./contours";
 import { distancesTo } from "./distance";
 import { axesOf, pixelsOf, type Slice } from "./slice_data";
 
 const kLevels = [0.1, 0.25, 0.5, 1, 2]; // [m]
+const kLabelDistance = 1.5; // between two labels of a level [m]
 
 /** A leaf of the octree: its centre and edge [m], and whether it is occupied. */
 export interface Leaf {
@@ -26,14 +27,22 @@ export class SlicePlane {
     new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.8 }),
   );
 
+  private readonly labels = new THREE.Group();
+
   constructor() {
-    this.group.add(this.picture, this.contours, this.leaves);
+    this.group.add(this.picture, this.contours, this.leaves, this.labels);
     this.group.visible = false;
     this.picture.renderOrder = 2;
   }
 
   get shown(): Slice | null {
     return this.group.visible ? this.slice : null;
+  }
+
+  /** For tests: pieces of contours, their labels, and leaves. */
+  get drawn(): { contours: number; labels: number; leaves: number } {
+    const lines = (object: THREE.LineSegments): number => (object.geometry.getAttribute("position")?.count ?? 0) / 2;
+    return { contours: lines(this.contours), labels: this.labels.children.length, leaves: lines(this.leaves) / 4 };
   }
 
   hide(): void {
@@ -99,22 +108,64 @@ export class SlicePlane {
   private showContours(slice: Slice, shown: boolean): void {
     this.contours.geometry.dispose();
     this.contours.geometry = new THREE.BufferGeometry();
+    this.labels.clear();
     if (!shown) return;
-    const distances = distancesTo(slice.cells, slice.width, slice.height, (cell) => cell === 2, (cell) => cell === 1);
+    const distances = slice.distances ?? distancesInSlice(slice);
     const { u, v, across } = axesOf(slice.axis);
+    const place = (column: number, row: number): number[] => {
+      const p = [0, 0, 0];
+      p[across] = slice.at;
+      p[u] = slice.origin[0] + column * slice.cell;
+      p[v] = slice.origin[1] + row * slice.cell;
+      return p;
+    };
     const positions: number[] = [];
+    const labelled: [number, number][] = [];
     for (const level of kLevels) {
-      const lines = contourLines(distances, slice.width, slice.height, level / slice.cell);
-      for (let i = 0; i < lines.length; i += 2) {
-        const p = [0, 0, 0];
-        p[across] = slice.at;
-        p[u] = slice.origin[0] + lines[i]! * slice.cell;
-        p[v] = slice.origin[1] + lines[i + 1]! * slice.cell;
-        positions.push(...p);
-      }
+      const lines = contourLines(distances, slice.width, slice.height, level);
+      for (let i = 0; i < lines.length; i += 2) positions.push(...place(lines[i]!, lines[i + 1]!));
+      const places = labelPlaces(lines, kLabelDistance / slice.cell, labelled);
+      labelled.push(...places);
+      for (const [column, row] of places) this.labels.add(labelAt(level, place(column, row)));
     }
     this.contours.geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
   }
+}
+
+/** Distances to what is occupied in the slice alone [m], for servers that do not tell those of the map. */
+function distancesInSlice(slice: Slice): Float32Array {
+  const cells = distancesTo(slice.cells, slice.width, slice.height, (cell) => cell === 2, (cell) => cell === 1);
+  return cells.map((distance) => distance * slice.cell);
+}
+
+/** The text of a level beside its line, as large everywhere. */
+function labelAt(level: number, place: number[]): THREE.Sprite {
+  const sprite = new THREE.Sprite(labelMaterial(level));
+  sprite.position.fromArray(place);
+  sprite.scale.set(0.075, 0.03, 1);
+  sprite.renderOrder = 3;
+  return sprite;
+}
+
+const materials = new Map<number, THREE.SpriteMaterial>();
+
+function labelMaterial(level: number): THREE.SpriteMaterial {
+  const known = materials.get(level);
+  if (known) return known;
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [160, 64];
+  const context = canvas.getContext("2d")!;
+  context.font = "600 38px sans-serif";
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.lineWidth = 9;
+  context.strokeStyle = "#fff";
+  context.strokeText(`${level} m`, 80, 32);
+  context.fillStyle = "#111";
+  context.fillText(`${level} m`, 80, 32);
+  const material = new THREE.SpriteMaterial({ map: new THREE.CanvasTexture(canvas), sizeAttenuation: false, depthTest: false, transparent: true });
+  materials.set(level, material);
+  return material;
 }
 
 /** The rectangle of a slice, with the picture's first row at its origin. */

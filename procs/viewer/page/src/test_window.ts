@@ -36,6 +36,7 @@ function snapshot({ view, surface, selection, status, worker, space, latency }: 
     pixelRatio: view.pixelRatio,
     camera: view.camera.position.toArray(),
     slices: space.counts(), // cells of each slice: unknown, free, occupied
+    sliceLines: space.drawn, // of the horizontal one
     project: (x: number, y: number, z: number) => view.project(x, y, z),
     target: view.target.toArray(),
   };

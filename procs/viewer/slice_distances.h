@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+#include <vismap/map_request_t.hpp>
+
+#include "viewer/slice.h"
+#include "wire/distance_update.h"
+
+namespace vismap {
+
+/// The request to the octomap exporter for the distances in a slice.
+map_request_t DistanceRequest(const Slice& slice, const SliceQuestion& question);
+
+/// Distances of a slice's cells to the nearest occupied leaf of the map, in all three directions.
+struct SliceDistances {
+  double leaf_m = 0;
+  double limit_m = 0;  ///< larger ones are this
+  /// Of the cells' centres [m], in the order of Slice::states: between the centres of leaves in the
+  /// plane linear. NaN in leaves that are unknown.
+  std::vector<float> metres;
+};
+SliceDistances DistancesOf(const Slice& slice, const SliceQuestion& question,
+                           const DistanceUpdate& update);
+
+}  // namespace vismap
