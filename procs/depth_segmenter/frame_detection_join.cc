@@ -73,12 +73,14 @@ std::optional<JoinedFrame> FrameDetectionJoin::Next(double now, double patience)
   const FrameKey key = KeyOf(frames_.front().frame);
   const auto found = detections_.find(key);
   if (found == detections_.end() && Waited(now) < patience) return std::nullopt;
+  const double frame_arrival = frames_.front().arrival;
   JoinedFrame joined{TakeOldestFrame(), std::nullopt};
   if (found == detections_.end()) {
     ++counters_.frames_without;
     RememberWithout(key);
     return joined;
   }
+  joined.detections_after_s = std::max(0.0, found->second.arrival - frame_arrival);
   joined.detections = Take(found);
   return joined;
 }

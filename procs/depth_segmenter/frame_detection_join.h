@@ -15,6 +15,8 @@ namespace vismap {
 struct JoinedFrame {
   rgbd_frame_t frame;
   std::optional<detections_t> detections;
+  /// How long after the frame its detections came [s]; 0 = before it, or there are none.
+  double detections_after_s = 0;
 };
 
 /// Counters of frames and detections that could not be paired, by reason.

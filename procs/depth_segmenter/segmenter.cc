@@ -200,12 +200,22 @@ void Segmenter::HandleReadyFrames() {
 }
 
 void Segmenter::CollectReadyFrames() {
-  while (std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience()))
+  while (std::optional<JoinedFrame> joined = join_.Next(MonotonicSeconds(), Patience())) {
+    TellDelay(*joined);
     ready_.push_back(std::move(*joined));
+  }
   while (options_.overload == Overload::kNewest && ready_.size() > kNewestKept) {
     ready_.pop_front();
     ++dropped_behind_;
   }
+}
+
+// How long after the frames of each camera their detections come.
+void Segmenter::TellDelay(const JoinedFrame& joined) {
+  const CameraId camera{joined.frame.camera_id};
+  if (!joined.detections || !DetectorRan(*joined.detections) || !cameras_.contains(camera)) return;
+  status_.AddTiming("detections of camera " + std::to_string(Raw(camera)),
+                    joined.detections_after_s * 1e3);
 }
 
 // Returns false when no frame is ready.

@@ -42,6 +42,7 @@ class Segmenter {
   bool RepeatAnswer(const rgbd_frame_t& message);
   void HandleReadyFrames();
   void CollectReadyFrames();
+  void TellDelay(const JoinedFrame& joined);
   bool SegmentNext();
   void Remember(const rgbd_frame_t& frame, segmented_frame_t message);
   void ForgetAnswers();

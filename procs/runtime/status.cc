@@ -1,6 +1,7 @@
 #include "runtime/status.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/printable.h"
@@ -112,6 +113,7 @@ std::vector<std::string> Status::findings() const {
 void Status::AddTiming(const std::string& stage, double ms) {
   std::vector<double>& timings = timings_ms_[stage];
   if (timings.size() < kMaxTimings) timings.push_back(ms);
+  recent_[stage].Add(ms, MonotonicSeconds());
 }
 
 void Status::Publish() {
@@ -130,6 +132,12 @@ void Status::Publish() {
     values.clear();
   }
   message.n_timings = static_cast<int32_t>(message.timing_names.size());
+  for (auto& [stage, recent] : recent_) {
+    const auto percentiles = recent.At(MonotonicSeconds());
+    if (!percentiles) continue;
+    AddCounter(&message, "p50_us." + stage, std::llround(percentiles->p50 * 1e3));
+    AddCounter(&message, "p95_us." + stage, std::llround(percentiles->p95 * 1e3));
+  }
   const std::vector<std::string> all = findings();
   const size_t shown = all.size() > kMaxFindings ? kMaxFindings - 1 : all.size();
   for (size_t i = 0; i < shown; ++i)

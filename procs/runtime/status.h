@@ -8,6 +8,7 @@
 
 #include "base/stopwatch.h"
 #include "runtime/bus.h"
+#include "runtime/recent_timings.h"
 #include "runtime/service_manager.h"
 
 namespace vismap {
@@ -48,7 +49,8 @@ class Status {
   void SetFinding(const std::string& subject, const std::optional<std::string>& sentence);
   /// All sentences, by subject.
   std::vector<std::string> findings() const;
-  /// Adds a duration [ms]. The next STATUS has median and maximum of the durations of a stage.
+  /// Adds a duration [ms]. The next STATUS has median and maximum of the durations of a stage, and
+  /// counters p50_us.STAGE and p95_us.STAGE of the last minute.
   void AddTiming(const std::string& stage, double ms);
 
   void Publish();
@@ -64,6 +66,7 @@ class Status {
   std::string message_;
   std::map<std::string, int64_t> counters_;
   std::map<std::string, std::vector<double>> timings_ms_;
+  std::map<std::string, RecentTimings> recent_;               // by stage
   std::map<std::string, std::vector<std::string>> findings_;  // by subject
 };
 

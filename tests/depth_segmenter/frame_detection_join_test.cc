@@ -54,6 +54,18 @@ TEST(FrameDetectionJoin, DetectionsMayArriveFirst) {
   EXPECT_EQ(Leaving(&join, 0, kForever), Utimes{1});
 }
 
+TEST(FrameDetectionJoin, TellsHowLongAfterTheFrameItsDetectionsCame) {
+  FrameDetectionJoin join({.capacity = 10});
+  join.AddFrame(Frame(1), 5);
+  join.AddDetections(Detections(1), 5.5);
+  join.AddDetections(Detections(2), 6);
+  join.AddFrame(Frame(2), 7);
+  join.AddFrame(Frame(3), 7);
+  EXPECT_EQ(join.Next(9, kForever)->detections_after_s, 0.5);
+  EXPECT_EQ(join.Next(9, kForever)->detections_after_s, 0) << "they came first";
+  EXPECT_EQ(join.Next(9, 0)->detections_after_s, 0) << "none came";
+}
+
 TEST(FrameDetectionJoin, FramesAreReleasedInTheirOrder) {
   FrameDetectionJoin join({.capacity = 10});
   for (const int64_t utime : {5, 3, 9}) join.AddFrame(Frame(utime), 0);
