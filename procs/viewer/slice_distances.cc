@@ -18,9 +18,9 @@ std::array<size_t, 2> PlaneAxes(int axis) {
 }
 
 /// Distances at the centres of leaves of an update.
-class LeafDistances {
+class UpdateDistances {
  public:
-  explicit LeafDistances(const DistanceUpdate& update) : update_(update) {}
+  explicit UpdateDistances(const DistanceUpdate& update) : update_(update) {}
 
   float At(const std::array<int32_t, 3>& leaf) {
     const VoxelIndex index{leaf[0], leaf[1], leaf[2]};
@@ -75,7 +75,7 @@ class PlaneDistances {
     return leaves_.At(index_);
   }
 
-  LeafDistances leaves_;
+  UpdateDistances leaves_;
   double leaf_m_;
   std::array<size_t, 2> others_;
   std::array<int32_t, 3> index_{};
