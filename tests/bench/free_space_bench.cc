@@ -2,7 +2,9 @@
 // but reach into a surface, and what a planner meets that moves a sphere of 20 cm; also when the
 // body of the robot, such a sphere around the camera, counts as free (start clearing), and with the
 // best leaves of that size: free when all of a leaf was seen in truth, and no surface is in it.
-//   free_space_bench [SCENENN_FOLDER]
+//   free_space_bench [SCENE]
+// SCENE: a folder of SceneNN, or a built-in sequence such as synthetic:office; only this one is
+// measured then, else the built-in ones.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -184,9 +186,35 @@ void Compare(PlannerScene scene, const std::optional<GroundTruth>& points) {
 }  // namespace
 }  // namespace vismap
 
+namespace {
+
+using namespace vismap;
+using namespace vismap::testing_support;
+
+int Refuse(const std::string& why) {
+  std::fprintf(stderr, "free_space_bench: %s\n", why.c_str());
+  return 2;
+}
+
+int CompareScene(const std::string& path) {
+  if (path.starts_with("synthetic:")) {
+    const auto options = ParseSyntheticPath(path);
+    if (!options) return Refuse(options.error().message);
+    Compare(SyntheticPlannerScene(path), std::nullopt);
+    return 0;
+  }
+  const Result<GroundTruth> truth = ReadSceneNnTruth(path);
+  if (!truth) return Refuse(truth.error().message);
+  const auto sequence = OpenSequence(path, "", {});
+  if (!sequence) return Refuse(sequence.error().message);
+  Compare(RecordedPlannerScene(path), *truth);
+  return 0;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace vismap;
-  using namespace vismap::testing_support;
+  if (argc > 1) return CompareScene(argv[1]);
   for (const char* room :
        {"synthetic:room?frames=80", "synthetic:room?frames=80&pose_noise=0.02"}) {
     PlannerScene scene = SyntheticPlannerScene(room);
@@ -194,11 +222,5 @@ int main(int argc, char** argv) {
     Compare(std::move(scene), std::nullopt);
   }
   Compare(HallPlannerScene(), std::nullopt);
-  if (argc < 2) return 0;
-  const Result<GroundTruth> truth = ReadSceneNnTruth(argv[1]);
-  if (!truth) {
-    std::fprintf(stderr, "free_space_bench: %s\n", truth.error().message.c_str());
-    return 2;
-  }
-  Compare(RecordedPlannerScene(argv[1]), *truth);
+  return 0;
 }
