@@ -35,6 +35,7 @@ void ExporterNews::Hear(std::shared_ptr<const navigation_status_t> message, doub
 }
 
 std::string ExporterNews::WhySilent(double max_silence, double now) const {
+  if (!failure.empty()) return failure;
   if (!connected) return "there is no connection to the hub at present";
   if (exporter_heard == kNever) {
     return "nothing was heard of the octomap exporter yet; vismap-octomap-exporter is not running "

@@ -17,6 +17,7 @@ std::string SecondsText(double seconds);
 /// What was heard of the octomap exporter and of the map server. Times are MonotonicSeconds.
 struct ExporterNews {
   bool connected = true;
+  std::string failure;  ///< why no messages are handled any more; "" = they are
   double exporter_heard = kNever;
   double server_heard = kNever;                       ///< by this program or by the exporter
   double server_followed = kNever;                    ///< by the exporter alone

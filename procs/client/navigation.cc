@@ -53,7 +53,7 @@ NavigationClient::~NavigationClient() {
 void NavigationClient::Start() {
   if (parts_->thread.joinable()) throw std::logic_error("NavigationClient: Start was called twice");
   parts_->thread = std::thread([parts = parts_.get()] {
-    while (!parts->stopping) parts->Turn(kTurn);
+    parts->Fail(TurnUntil(parts->stopping, [parts] { parts->Turn(kTurn); }));
   });
 }
 

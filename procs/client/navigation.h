@@ -161,7 +161,8 @@ class NavigationClient {
   NavigationClient(const NavigationClient&) = delete;
   NavigationClient& operator=(const NavigationClient&) = delete;
 
-  /// Starts a thread that handles messages from now on. Once only.
+  /// Starts a thread that handles messages from now on. Once only. If it fails, for example since
+  /// there is no memory, everything is stale from then on, and `why` says so.
   void Start();
 
   /// Waits up to `timeout_s` [s] for messages and handles those that have arrived. Returns true

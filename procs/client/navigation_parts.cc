@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <functional>
 #include <utility>
 
@@ -24,6 +25,18 @@ bool OfOneGrid(const occupancy_grid_t& a, const occupancy_grid_t& b) {
 }
 
 }  // namespace
+
+std::string TurnUntil(const std::atomic<bool>& stopping, const std::function<void()>& turn) {
+  const std::string ended = "the thread that handles messages has ended: ";
+  try {
+    while (!stopping) turn();
+    return "";
+  } catch (const std::exception& error) {
+    return ended + error.what();
+  } catch (...) {
+    return ended + "an exception that says nothing";
+  }
+}
 
 OutputName NameOf(TreeKind kind) { return {ChannelOf(kind), "tree", ""}; }
 OutputName GridName() { return {"GRID", "grid", "octomap_exporter.grid_period_s"}; }
@@ -184,6 +197,12 @@ bool NavigationClient::Parts::Turn(double timeout) {
   return handled;
 }
 
+void NavigationClient::Parts::Fail(const std::string& why) {
+  const std::lock_guard lock(mutex);
+  news.failure = why;
+  Notify();
+}
+
 void NavigationClient::Parts::SendRequests() {
   std::vector<map_request_t> due;
   {
@@ -240,7 +259,7 @@ void NavigationClient::Parts::WaitUntil(double timeout, const std::function<bool
   for (;;) {
     const int64_t seen = CountChanges();
     const double rest = end - MonotonicSeconds();
-    if (condition() || rest <= 0) return;
+    if (condition() || rest <= 0 || !CopyNews().failure.empty()) return;
     const double turn = std::min(rest, 0.05);
     if (!thread.joinable()) {
       Turn(turn);

@@ -49,6 +49,8 @@ struct NavigationClient::Parts {
   void OnReply(const map_reply_t& message);
   void OnProcess(const process_status_t& message);
   bool Turn(double timeout);
+  /// No messages are handled from now on, for this reason; "" = none.
+  void Fail(const std::string& why);
 
   /// Copies a kept value and the news that its age depends on.
   template <typename Value>
@@ -100,6 +102,9 @@ struct NavigationClient::Parts {
   double next_state = 0, next_question = 0;
   int64_t question = 0;  // request_id of the question for distances that are missing
 };
+
+/// Calls `turn` until `stopping`. Returns one sentence if an exception ended it before; else "".
+std::string TurnUntil(const std::atomic<bool>& stopping, const std::function<void()>& turn);
 
 /// What the channels carry.
 OutputName NameOf(TreeKind kind);

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <new>
 #include <thread>
 #include <vismap/map_request_t.hpp>
 
 #include "client/fake_exporter.h"
 #include "client/navigation.h"
+#include "client/navigation_parts.h"
 
 namespace vismap {
 namespace {
@@ -51,6 +54,24 @@ class NavigationClientTest : public ::testing::Test {
   NavigationClient client;
   FakeExporter exporter;
 };
+
+TEST(NavigationThread, TellsOfAnExceptionInsteadOfEndingTheProgram) {
+  std::atomic<bool> stopping{false};
+  int turns = 0;
+  const auto fails = [&] {
+    if (++turns == 3) throw std::bad_alloc();
+  };
+  EXPECT_THAT(TurnUntil(stopping, fails),
+              HasSubstr("the thread that handles messages has ended: std::bad_alloc"));
+  EXPECT_EQ(turns, 3);
+  EXPECT_THAT(TurnUntil(stopping, [] { throw 7; }), HasSubstr("has ended"));
+  EXPECT_EQ(TurnUntil(stopping, [&] { stopping = true; }), "");
+  ExporterNews news;
+  news.failure = "it has ended";
+  news.exporter_heard = news.server_heard = 10;
+  EXPECT_EQ(news.WhySilent(2.8, 10), "it has ended");
+  EXPECT_EQ(OutputState{}.WhyStale(GridName(), news, 2.8, 10), "it has ended");
+}
 
 TEST_F(NavigationClientTest, HandsOutTheNewestTreeAndNeverChangesOneThatItHandedOut) {
   EXPECT_THAT(client.Newest(TreeKind::kClosed).why,
