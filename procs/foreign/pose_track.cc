@@ -10,6 +10,7 @@ namespace {
 constexpr size_t kMostSamples = 20'000;
 constexpr int64_t kWaitedFor = 2'000'000;         // [us]
 constexpr int64_t kOneSampleIsMount = 1'000'000;  // [us]
+constexpr int64_t kStep = 1'000'000;              // a step back is larger [us]
 constexpr double kEqual = 1e-9;
 
 bool SamePose(const Pose& a, const Pose& b) {
@@ -42,10 +43,34 @@ bool PoseTrack::Add(int64_t utime, const Pose& pose, int64_t received) {
 
 void PoseTrack::AddRight(const SampleTimes::Timed& sample) {
   if (sample.stepped_back) {
-    samples_.clear();
-    count_ = 0;
-    unchanged_ = true;
+    Forget();
+  } else if (!IsBack(sample)) {
+    back_.reset();
+  } else if (const auto first = std::exchange(back_, std::nullopt)) {
+    Forget();
+    Insert(*first);
+  } else {
+    back_ = sample;
   }
+  Insert(sample);
+}
+
+// Whether the sample is much older than both that came last, so that neither is a single wrong one.
+bool PoseTrack::IsBack(const SampleTimes::Timed& sample) const {
+  return last_two_.size() == 2 && sample.utime < std::min(last_two_[0], last_two_[1]) - kStep;
+}
+
+void PoseTrack::Forget() {
+  samples_.clear();
+  last_two_.clear();
+  back_.reset();
+  count_ = 0;
+  unchanged_ = true;
+}
+
+void PoseTrack::Insert(const SampleTimes::Timed& sample) {
+  if (!back_) last_two_.push_back(sample.utime);
+  if (last_two_.size() > 2) last_two_.pop_front();
   if (count_ == 0) {
     first_received_ = sample.received;
     rest_ = sample.item;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "config/process_options.h"
 #include "foreign/time_gate.h"
@@ -41,8 +42,9 @@ class PoseTrack {
   /// Adds a sample of time `utime` that was received at `received` [us]. A sample of a known time
   /// replaces it. A sample whose time is more than ten seconds from where the others lead is held
   /// back until the next one: after a step back, as when a simulation begins again, the samples
-  /// before it are forgotten. Returns false when the sample before this one had a wrong time and is
-  /// left out, see TimeGate.
+  /// before it are forgotten. So they are after a smaller step back, of more than one second, when
+  /// two samples in a row have made it. Returns false when the sample before this one had a wrong
+  /// time and is left out, see TimeGate.
   bool Add(int64_t utime, const Pose& pose, int64_t received);
 
   /// Forgets the oldest samples beyond this number, at least 2. Returns how many of them were less
@@ -67,6 +69,9 @@ class PoseTrack {
   };
   using SampleTimes = TimeGate<Pose>;
   void AddRight(const SampleTimes::Timed& sample);
+  bool IsBack(const SampleTimes::Timed& sample) const;
+  void Forget();
+  void Insert(const SampleTimes::Timed& sample);
   void FollowRest(const SampleTimes::Timed& sample, std::deque<Sample>::const_iterator at);
   bool IsMount(int64_t now) const;
   Answer Between(int64_t utime, const PoseLookupOptions& options) const;
@@ -74,8 +79,10 @@ class PoseTrack {
   static constexpr int64_t kKept = 10'000'000;  // [us]
 
   SampleTimes times_{kKept};
-  std::deque<Sample> samples_;  // by time
-  bool fixed_ = false;          // a mount of the config
+  std::deque<Sample> samples_;              // by time
+  std::deque<int64_t> last_two_;            // times of the samples that came last, without back_
+  std::optional<SampleTimes::Timed> back_;  // the last sample, if it is the first of a step back
+  bool fixed_ = false;                      // a mount of the config
   bool unchanged_ = true;
   Pose rest_ = Pose::Identity();  // the first pose
   int64_t rest_until_ = -1;       // time of the last sample that had it

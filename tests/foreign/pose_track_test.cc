@@ -46,6 +46,46 @@ TEST(PoseTrack, WaitsForTheLaterSampleAndRefusesGaps) {
   EXPECT_EQ(track.At(2500, 0, {}).found, Found::kGap);
 }
 
+// A simulation that begins again after six seconds, ten poses per second.
+TEST(PoseTrack, ForgetsTheRunBeforeWhenTimeJumpsBackByLessThanWhatIsKept) {
+  PoseTrack track;
+  int64_t received = 0;
+  const auto run = [&](double x, int64_t samples) {
+    for (int64_t i = 0; i < samples; ++i)
+      EXPECT_TRUE(track.Add(100'000 * i, Turned(x + 1e-3 * static_cast<double>(i), 0),
+                            received += 100'000));
+  };
+  run(0, 60);
+  EXPECT_EQ(track.At(3'050'000, received, {}).found, Found::kPose);
+  run(50, 2);
+  EXPECT_EQ(track.size(), 2u);
+  EXPECT_EQ(track.At(3'050'000, received, {}).found, Found::kLater) << "it has not been yet";
+  EXPECT_NEAR(track.At(50'000, received, {}).pose.translation().x(), 50, 0.01);
+}
+
+TEST(PoseTrack, SingleSamplesOfWrongTimesMakeItForgetNothing) {
+  for (const int64_t wrong : {-5'000'000, 5'000'000}) {
+    PoseTrack track;
+    for (int64_t i = 0; i < 100; ++i) {
+      const int64_t utime = 20'000'000 + 100'000 * i;
+      const bool is_wrong = i == 40 || i == 60;
+      track.Add(is_wrong ? utime + wrong : utime, Turned(1e-3 * static_cast<double>(i), 0), utime);
+    }
+    EXPECT_EQ(track.At(29'850'000 - 8'000'000, 30'000'000, {}).found, Found::kPose)
+        << "what came before is still known, wrong by " << wrong;
+  }
+}
+
+TEST(PoseTrack, ADelayedCopyOfTheStreamIsNoStepBack) {
+  PoseTrack track;
+  for (int64_t i = 0; i < 100; ++i) {
+    track.Add(20'000'000 + 100'000 * i, Turned(1e-3 * static_cast<double>(i), 0), 0);
+    if (i >= 20)
+      track.Add(18'000'000 + 100'000 * i, Turned(1e-3 * static_cast<double>(i - 20), 0), 0);
+  }
+  EXPECT_EQ(track.At(21'050'000, 0, {}).found, Found::kPose);
+}
+
 TEST(PoseTrack, RestsForNowWhenTold) {
   PoseTrack track;
   track.Add(5000, Turned(1, 1), 0);
