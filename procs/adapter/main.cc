@@ -109,14 +109,19 @@ Result<void> Complete(Arguments* arguments) {
   return {};
 }
 
-/// The thread that gives the map back; nullptr when no channel for it is named.
+/// The thread that gives the map back; nullptr when no channel for it is named. `stop` ends its
+/// connections later.
 Result<std::unique_ptr<OutputThread>> StartOutputs(const AdapterOptions& options,
                                                    const std::string& url,
-                                                   const CommonOptions& common, StopSignal* stop) {
+                                                   const ProcessContext& context,
+                                                   StopSignal* stop) {
   if (!MapOutputs::Wanted(options)) return nullptr;
-  Result<std::unique_ptr<Bus>> bus = OpenBus(common, common.name, stop);
+  CommonOptions once = context.options;
+  once.connect_timeout = 0;
+  const double timeout = context.options.connect_timeout;
+  auto bus = OpenWithin(timeout, context.stop, [&] { return OpenBus(once, once.name, stop); });
   if (!bus) return tl::unexpected(bus.error());
-  Result<std::unique_ptr<RobotBus>> robot = RobotBus::Open(url, {}, common.connect_timeout, stop);
+  auto robot = OpenWithin(timeout, context.stop, [&] { return RobotBus::Open(url, {}, 0, stop); });
   if (!robot) return tl::unexpected(robot.error());
   return std::make_unique<OutputThread>(options, std::move(*bus), std::move(*robot), stop);
 }
@@ -141,7 +146,8 @@ Outcome Serve(const AdapterOptions& options, ProcessContext& context) {
     return ExitWith(ExitCode::kFailed, robot.error().message);
   }
   StopSignal stop_outputs;
-  const auto outputs = StartOutputs(options, url, context.options, &stop_outputs);
+  const auto outputs = StartOutputs(options, url, context, &stop_outputs);
+  if (!outputs && context.stop.requested()) return {};
   if (!outputs) return ExitWith(ExitCode::kFailed, outputs.error().message);
   const auto adapter = Adapter::Create(options, context.bus, context.status, robot->get(),
                                        *outputs ? &(*outputs)->report() : nullptr);

@@ -6,9 +6,23 @@
 #include <vector>
 
 #include "base/result.h"
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
 #include "runtime/transport.h"
 
 namespace vismap {
+
+/// Calls `open`, which returns a Result, until it succeeds, for at most `timeout` [s] and until
+/// `stop` is requested. Returns what it returned last.
+template <typename Open>
+auto OpenWithin(double timeout, const StopSignal& stop, const Open& open) {
+  constexpr double kPeriod = 0.1;  // [s]
+  const double deadline = MonotonicSeconds() + timeout;
+  for (;;) {
+    auto opened = open();
+    if (opened || MonotonicSeconds() >= deadline || stop.WaitFor(kPeriod)) return opened;
+  }
+}
 
 /// The bus of a robot, whose messages are not ours: bytes on channels. It connects again when a hub
 /// was restarted. For use by one thread.
