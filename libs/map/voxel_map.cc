@@ -20,14 +20,16 @@ void VoxelMap::PackUnused(uint32_t before, size_t most) {
   std::vector<Block*> to_pack;
   for (size_t checked = 0; checked < kMaxChecked + too_many && unpacked_.size() > most; ++checked) {
     if (next_to_pack_ >= unpacked_.size()) next_to_pack_ = 0;
-    Block* block = FindMutable(unpacked_[next_to_pack_]);
+    // Looking for a block to change copies a part of the table when a copy of the map shares it.
+    const BlockIndex index = unpacked_[next_to_pack_];
+    const Block* block = Find(index);
     if (block != nullptr && block->last_used >= before) {
       ++next_to_pack_;
       continue;
     }
     if (block != nullptr) {
-      block->last_used = 0;
-      to_pack.push_back(block);
+      to_pack.push_back(FindMutable(index));
+      to_pack.back()->last_used = 0;
     }
     unpacked_[next_to_pack_] = unpacked_.back();
     unpacked_.pop_back();
