@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "base/format.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kRejoinPeriod = 0.25;  // [s]
 constexpr double kRound = 0.02;         // longest time for messages before timers run [s]
 constexpr double kUrgentRound = 0.005;  // longest time for urgent messages between two others [s]
+constexpr size_t kMostWaitToBeSent = 64 * kMegabyte;  // see SendByThread
 constexpr size_t kMaxTrackedSources = 1024, kMaxTrackedName = 256;
 constexpr int64_t kLargestGap = 1'000'000;  // a larger one is not a loss, see TrackSequence
 
@@ -193,16 +195,22 @@ void Bus::Deliver(Route& route, std::span<const uint8_t> bytes) {
       std::string(route.channel.name) + ": a message was rejected: " + handled.error().message);
 }
 
+int Bus::connections() const {
+  return 1 + (HasUrgentRoutes() ? 1 : 0) + (sending_ != nullptr && url_.provider == "tcpq" ? 1 : 0);
+}
+
+bool Bus::FitsOrWarns(const Channel& channel, size_t bytes) const {
+  if (bytes <= channel.max_bytes) return true;
+  LogWarningRateLimited(std::string("too large ") + channel.name,
+                        std::string(channel.name) + ": a message of " + FormatBytes(bytes) +
+                            " was not sent; at most " + FormatBytes(channel.max_bytes) +
+                            " are allowed");
+  return false;
+}
+
 bool Bus::Send(const Channel& channel, std::span<const uint8_t> bytes) {
   ChannelCounters& counters = counters_[channel.name];
-  const bool fits = bytes.size() <= channel.max_bytes;
-  if (!fits) {
-    LogWarningRateLimited(std::string("too large ") + channel.name,
-                          std::string(channel.name) + ": a message of " +
-                              FormatBytes(bytes.size()) + " was not sent; at most " +
-                              FormatBytes(channel.max_bytes) + " are allowed");
-  }
-  if (!fits || !connected() ||
+  if (!FitsOrWarns(channel, bytes.size()) || !connected() ||
       !transport_->Publish(options_.channel_prefix + channel.name, bytes)) {
     ++counters.unsent;
     return false;
@@ -210,6 +218,73 @@ bool Bus::Send(const Channel& channel, std::span<const uint8_t> bytes) {
   ++counters.published;
   counters.published_bytes += static_cast<int64_t>(bytes.size());
   return true;
+}
+
+void Bus::SendByThread() {
+  if (sending_ != nullptr) return;
+  sending_ = std::make_unique<SendingThread>(
+      [this](const Channel& channel, const RawBytes& bytes) {
+        return SendInThread(channel, bytes);
+      },
+      kMostWaitToBeSent);
+}
+
+// By STATUS a hub knows the name of the connection that receives, see HubClient::LearnName.
+bool Bus::IsSentByThread(const Channel& channel) const {
+  return sending_ != nullptr && std::string_view(channel.name) != kStatusChannel.name;
+}
+
+bool Bus::WaitForRoom(double seconds) const {
+  return sending_ == nullptr || sending_->WaitForRoom(seconds);
+}
+
+bool Bus::WaitUntilSent(double seconds) const {
+  return sending_ == nullptr || sending_->WaitUntilSent(seconds);
+}
+
+// While it waits it receives, so that hub and process cannot wait for each other forever.
+bool Bus::SendLater(const Channel& channel, size_t bytes, SendingThread::Encode encode) {
+  if (!connected()) {
+    ++counters_[channel.name].unsent;
+    return false;
+  }
+  while (!sending_->WaitForRoom(0.02)) {
+    if (transport_ != nullptr) transport_->ReadAhead();
+  }
+  sending_->Add(channel, bytes, std::move(encode));
+  return true;
+}
+
+bool Bus::SendInThread(const Channel& channel, std::span<const uint8_t> bytes) {
+  if (!FitsOrWarns(channel, bytes.size())) return false;
+  Transport* const transport = TransportOfThread();
+  return transport != nullptr && transport->Publish(options_.channel_prefix + channel.name, bytes);
+}
+
+// The connection of the sending thread; nullptr = there is none now. All functions of LCM may be
+// called by several threads.
+Transport* Bus::TransportOfThread() {
+  if (url_.provider != "tcpq") return transport_.get();
+  // Reading shows whether a hub that was restarted has ended it.
+  if (outgoing_ != nullptr) outgoing_->ReadAhead();
+  if (outgoing_ != nullptr && outgoing_->connected()) return outgoing_.get();
+  const double now = MonotonicSeconds();
+  if (now < next_outgoing_attempt_) return nullptr;
+  next_outgoing_attempt_ = now + kRejoinPeriod;
+  auto opened = OpenTcpqTransport(url_.hub, options_.stop);
+  outgoing_ = opened ? std::move(*opened) : nullptr;
+  return outgoing_.get();
+}
+
+// Takes over what the sending thread has counted.
+void Bus::CountSent() {
+  if (sending_ == nullptr) return;
+  for (const auto& [channel, totals] : sending_->TakeTotals()) {
+    ChannelCounters& counters = counters_[channel];
+    counters.published += totals.sent;
+    counters.published_bytes += totals.sent_bytes;
+    counters.unsent += totals.unsent;
+  }
 }
 
 void Bus::Every(double period, std::function<void()> action) {
@@ -294,6 +369,7 @@ double Bus::SecondsWithoutWork() const {
 }
 
 bool Bus::Spin(double timeout) {
+  CountSent();
   double wait = std::min(timeout, RunTimers());
   const auto has_pending = [](const auto& transport) {
     return transport != nullptr && transport->pending();

@@ -15,6 +15,7 @@
 
 #include "base/result.h"
 #include "runtime/lcm_url.h"
+#include "runtime/sending_thread.h"
 #include "runtime/stop_signal.h"
 #include "runtime/transport.h"
 #include "wire/channels.h"
@@ -51,7 +52,8 @@ struct ChannelCounters {
   int64_t unsent = 0;  ///< not published: no connection, or too large
 };
 
-/// A connection to the bus with typed messages, for use by one thread. It connects again when the
+/// A connection to the bus with typed messages, for use by one thread, unless a function says
+/// otherwise. It connects again when the
 /// hub was restarted, fills in sequence number, source and checksum of every message, and calls
 /// handlers only with messages that decoded completely. Malformed, rejected and missing messages
 /// are counted per channel, and reported in the log at a limited rate.
@@ -80,9 +82,19 @@ class Bus {
   /// Sends a message without changing its seq and source, to forward messages of other processes
   /// and for tests.
   template <typename Message>
-  bool PublishAsIs(const Channel& channel, Message message) {
-    return Send(channel, PackRaw(message));
-  }
+  bool PublishAsIs(const Channel& channel, Message message);
+
+  /// From now on a thread of its own encodes and sends all messages but STATUS, in the order in
+  /// which they are published, so that this thread does not wait until megabytes are sent. On a hub
+  /// they have a connection of their own. Publish then returns true for a message that waits to be
+  /// sent, and counters() shows with the next Spin what became of it. While 64 MB wait, Publish
+  /// waits. The destructor sends what waits, as SendingThread does.
+  void SendByThread();
+  /// Waits until Publish need not wait, at most `seconds`; then returns true. For threads that make
+  /// many messages which this one publishes. May be called by any thread.
+  bool WaitForRoom(double seconds) const;
+  /// Waits until all that was published is sent, at most `seconds`; then returns true.
+  bool WaitUntilSent(double seconds) const;
 
   /// Makes Spin and Run call `action` every `period` [s], for the first time after one period.
   void Every(double period, std::function<void()> action);
@@ -109,8 +121,9 @@ class Bus {
 
   bool stop_requested() const { return options_.stop != nullptr && options_.stop->requested(); }
   bool connected() const;
-  /// Number of connections to the hub: 2 with channels that are urgent, else 1.
-  int connections() const { return HasUrgentRoutes() ? 2 : 1; }
+  /// Number of connections to the hub: 1, one more with channels that are urgent, and one more with
+  /// SendByThread.
+  int connections() const;
   /// How long no message of a channel that is not urgent has been handled [s]; 0 while one waits.
   double SecondsWithoutWork() const;
   const std::string& source() const { return options_.source; }
@@ -148,7 +161,13 @@ class Bus {
   void Receive(Route& route, std::span<const uint8_t> bytes);
   void Deliver(Route& route, std::span<const uint8_t> bytes);
   void TrackSequence(Route& route, std::span<const uint8_t> bytes);
+  bool FitsOrWarns(const Channel& channel, size_t bytes) const;
   bool Send(const Channel& channel, std::span<const uint8_t> bytes);
+  bool IsSentByThread(const Channel& channel) const;
+  bool SendLater(const Channel& channel, size_t bytes, SendingThread::Encode encode);
+  bool SendInThread(const Channel& channel, std::span<const uint8_t> bytes);
+  Transport* TransportOfThread();
+  void CountSent();
   bool HandleOne(Transport* transport);
   bool HandleWaiting();
   void DeliverNewest();
@@ -168,6 +187,11 @@ class Bus {
   int64_t reconnects_ = 0;
   double next_attempt_ = 0, next_urgent_attempt_ = 0;  // to connect again, MonotonicSeconds
   double last_work_ = 0;  // when a message that is not urgent was handled, MonotonicSeconds
+
+  // For the sending thread alone: its connection to a hub, and when it may connect again.
+  std::unique_ptr<Transport> outgoing_;
+  double next_outgoing_attempt_ = 0;
+  std::unique_ptr<SendingThread> sending_;  // ends before what it uses; nullptr = there is none
 };
 
 template <typename Message, typename Handler>
@@ -194,7 +218,15 @@ template <typename Message>
 bool Bus::Publish(const Channel& channel, Message message) {
   message.seq = next_seq_[channel.name]++;
   message.source = options_.source;
-  return Send(channel, PackRaw(message));
+  return PublishAsIs(channel, std::move(message));
+}
+
+template <typename Message>
+bool Bus::PublishAsIs(const Channel& channel, Message message) {
+  if (!IsSentByThread(channel)) return Send(channel, PackRaw(message));
+  const auto bytes = static_cast<size_t>(message.getEncodedSize());
+  return SendLater(channel, bytes,
+                   [message = std::move(message)]() mutable { return PackRaw(message); });
 }
 
 }  // namespace vismap

@@ -51,6 +51,10 @@ class TcpqTransport : public Transport {
     return true;
   }
 
+  void ReadAhead() override {
+    if (inbox_bytes_ < kMaxInboxBytes) Read();
+  }
+
  private:
   void Read() {
     if (!socket_.open()) return;

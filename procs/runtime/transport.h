@@ -32,6 +32,9 @@ class Transport {
   /// Reads the data that has arrived, without waiting, and calls `sink` with at most one message.
   /// `sink` must not throw. Returns true when it was called.
   virtual bool Receive(const Sink& sink) = 0;
+  /// Reads some of the data that has arrived and keeps it for Receive, within limits. Afterwards
+  /// connected() is false when the other side has ended the connection.
+  virtual void ReadAhead() {}
 };
 
 /// vismap's own client for a hub (tcpq). It sends a message with one call, bounds every wait, and
@@ -39,7 +42,8 @@ class Transport {
 /// be nullptr) shortens the waits.
 Result<std::unique_ptr<Transport>> OpenTcpqTransport(const TcpAddress& hub, const StopSignal* stop);
 
-/// LCM's own implementation, for udpm, memq and all other providers.
+/// LCM's own implementation, for udpm, memq and all other providers. Another thread may call
+/// Publish meanwhile.
 Result<std::unique_ptr<Transport>> OpenLcmTransport(const LcmUrl& url);
 
 }  // namespace vismap

@@ -425,6 +425,52 @@ TEST(Hub, UrgentMessagesDoNotWaitBehindOthers) {
   EXPECT_TRUE(SpinUntil(reader.get(), [&] { return others_before_urgent == 200; }));
 }
 
+TEST(Hub, AThreadSendsInOrderOnAConnectionOfItsOwn) {
+  RunningHub hub;
+  auto sender = Join(hub, "sender"), reader = Join(hub, "reader");
+  std::vector<int64_t> got;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                 [&](const map_delta_t& d) { got.push_back(d.revision); });
+  Settle(reader.get());
+  sender->SendByThread();
+  EXPECT_EQ(sender->connections(), 2);
+  std::vector<int64_t> sent;
+  for (int64_t i = 0; i < 60; ++i) {
+    EXPECT_TRUE(sender->Publish(kMapDeltaChannel, Delta(i, i % 3 == 0 ? 5'000'000 : 100)));
+    sent.push_back(i);
+  }
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() >= 30; }));
+  sender.reset();  // what waits is sent first
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() == sent.size(); }));
+  EXPECT_EQ(got, sent);
+  EXPECT_EQ(reader->counters().at("MAP_DELTA").lost, 0);
+}
+
+TEST(Hub, ASendingThreadConnectsAgainAfterARestartAndLosesNothingAfterIt) {
+  auto hub = std::make_unique<RunningHub>();
+  const uint16_t port = hub->port();
+  auto sender = Join(*hub, "sender");
+  sender->SendByThread();
+  sender->Publish(kMapDeltaChannel, Delta(0, 100));
+  EXPECT_TRUE(sender->WaitUntilSent(kDeadline));
+  hub.reset();
+  SpinUntil(sender.get(), [&] { return !sender->connected(); });
+  sender->Publish(kMapDeltaChannel, Delta(1, 100));
+  EXPECT_TRUE(sender->WaitUntilSent(kDeadline));
+  sender->Spin(0);
+  EXPECT_EQ(sender->counters().at("MAP_DELTA").unsent, 1);
+  hub = std::make_unique<RunningHub>(HubOptions{}, port);
+  auto reader = Join(*hub, "reader");
+  std::vector<int64_t> got;
+  reader->Subscribe<map_delta_t>(kMapDeltaChannel,
+                                 [&](const map_delta_t& d) { got.push_back(d.revision); });
+  Settle(reader.get());
+  ASSERT_TRUE(SpinUntil(sender.get(), [&] { return sender->connected(); }));
+  for (int64_t i = 2; i < 5; ++i) sender->Publish(kMapDeltaChannel, Delta(i, 100));
+  EXPECT_TRUE(SpinUntil(reader.get(), [&] { return got.size() == 3; }));
+  EXPECT_EQ(got, (std::vector<int64_t>{2, 3, 4}));
+}
+
 TEST(Hub, UrgentChannelsAreReadAgainAfterARestart) {
   auto hub = std::make_unique<RunningHub>();
   const uint16_t port = hub->port();

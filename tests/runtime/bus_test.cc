@@ -90,6 +90,29 @@ TEST(Bus, TooLargeMessagesAreNotSent) {
   EXPECT_EQ(bus->counters().at("MAP_REQUEST").unsent, 1);
 }
 
+TEST(Bus, AThreadOfItsOwnSendsInOrderAndItsMessagesAreCounted) {
+  auto bus = MemoryBus();
+  std::vector<int64_t> ids, seqs;
+  bus->Subscribe<map_request_t>(kMapRequestChannel, [&](const map_request_t& request) {
+    ids.push_back(request.request_id);
+    seqs.push_back(request.seq);
+  });
+  EXPECT_TRUE(bus->Publish(kMapRequestChannel, Request(5)));
+  bus->SendByThread();
+  for (const int64_t id : {6, 7}) EXPECT_TRUE(bus->Publish(kMapRequestChannel, Request(id)));
+  map_request_t large = Request(8);
+  large.argument.assign(kMapRequestChannel.max_bytes, 'x');
+  bus->Publish(kMapRequestChannel, large);
+  EXPECT_TRUE(bus->Publish(kMapRequestChannel, Request(9)));
+  EXPECT_TRUE(bus->WaitUntilSent(10));
+  Drain(bus.get());
+  EXPECT_EQ(ids, (std::vector<int64_t>{5, 6, 7, 9}));
+  EXPECT_EQ(seqs, (std::vector<int64_t>{0, 1, 2, 4}));
+  EXPECT_EQ(bus->counters().at("MAP_REQUEST").published, 4);
+  EXPECT_EQ(bus->counters().at("MAP_REQUEST").unsent, 1);
+  EXPECT_EQ(bus->connections(), 1) << "without a hub it needs no other connection";
+}
+
 TEST(Bus, MissingSequenceNumbersAreCountedPerSource) {
   auto bus = MemoryBus();
   const Channel raw{"STATUS", 1 << 16};
