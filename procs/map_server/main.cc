@@ -22,6 +22,7 @@ Result<void> CheckPaths(const MapServerOptions& options) {
 }
 
 Outcome Serve(ProcessContext& context, const VismapConfig& config) {
+  context.bus->SendByThread();  // so that the mapping does not wait until a whole map is sent
   MapServer server(config, context.bus, context.status);
   LiveMap& map = server.map();
   if (config.map_server.recover || !config.map_server.load.empty()) {

@@ -54,6 +54,7 @@ Result<Answer> Guarded(const Function& answer, const MapSnapshot& map) {
 MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, Status* status)
     : options_(options),
       map_(*map),
+      bus_(*bus),
       server_(
           RequestReceiver::kMapServer,
           [map] {
@@ -65,6 +66,10 @@ MapRequests::MapRequests(const OutputOptions& options, LiveMap* map, Bus* bus, S
   // The other thread makes one answer at a time. What has not begun holds no copy of the map, and
   // waits within the limits of the server.
   server_.SetMostBegun(1);
+  server_.JoinEqual([](const map_request_t& request) {
+    return (request.verb == "snapshot" || request.verb == "mesh") &&
+           ParseFollowerPosition(request.argument);
+  });
   server_.Handle("load", [this](const map_request_t& request) { return Load(request); });
   server_.Handle("reset", [this](const map_request_t&) { return Reset(); });
   HandleReading("save", &MapRequests::Save);
@@ -94,14 +99,14 @@ void MapRequests::Read(Reading reading, const RequestServer::Reply& reply) {
   const std::shared_ptr<const MapSnapshot> map = map_.Snapshot();
   const auto work = [answer = std::move(reading.answer), map] {
     const double start = MonotonicSeconds();
-    Result<Answer> made = Guarded(answer, *map);
-    if (made) made->position = map->position();
-    if (made) made->worked_s = MonotonicSeconds() - start;
+    LateAnswer made = Guarded(answer, *map);
+    made.position = map->position();
+    made.worked_s = MonotonicSeconds() - start;
     return made;
   };
-  worker_.Start(work, [then = std::move(reading.then), map, reply](Result<Answer> answer) {
+  worker_.Start(work, [then = std::move(reading.then), map, reply](LateAnswer made) {
     if (then) then(*map);
-    reply(std::move(answer));
+    reply(std::move(made));
   });
 }
 
@@ -172,19 +177,22 @@ Result<MapRequests::Reading> MapRequests::ReadMeshGap(const map_request_t& reque
   MeshPublisher& publisher = map_.publisher().mesh();
   MeshGap gap = publisher.GapSince(map_.session().map(), *position);
   const int64_t revision = gap.revision;
-  return Reading{
-      [this, &publisher, gap = std::move(gap),
-       meshing = options_.meshing](const MapSnapshot& map) -> Result<Answer> {
-        MeshPublisher::MakeMessages(
-            gap, map.map, map.metadata.map_id, meshing, [&](mesh_delta_t message) {
-              worker_.Post([&publisher, message = std::move(message)] { publisher.Send(message); });
-            });
-        return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
-      },
-      // What was published meanwhile builds on a revision that the follower lacked.
-      [this, &publisher, revision](const MapSnapshot& map) {
-        publisher.PublishNewer(map_.session().map(), {map.metadata.map_id, revision});
-      }};
+  return Reading{[this, &publisher, gap = std::move(gap),
+                  meshing = options_.meshing](const MapSnapshot& map) -> Result<Answer> {
+                   MeshPublisher::MakeMessages(
+                       gap, map.map, map.metadata.map_id, meshing, [&](mesh_delta_t message) {
+                         while (!bus_.WaitForRoom(0.1) && !bus_.stop_requested()) {
+                         }
+                         worker_.Post([&publisher, message = std::move(message)]() mutable {
+                           publisher.Send(std::move(message));
+                         });
+                       });
+                   return Answer{"published on " + std::string(kMeshDeltaChannel.name)};
+                 },
+                 // What was published meanwhile builds on a revision that the follower lacked.
+                 [this, &publisher, revision](const MapSnapshot& map) {
+                   publisher.PublishNewer(map_.session().map(), {map.metadata.map_id, revision});
+                 }};
 }
 
 Result<MapRequests::Reading> MapRequests::ReadPoints(const map_request_t& request) {
@@ -264,7 +272,7 @@ Result<MapRequests::Reading> MapRequests::ReadSpaceGap(const map_request_t& requ
       },
       // Frames that were published meanwhile build on a revision that the follower lacked.
       [this, &publisher, messages](const MapSnapshot& map) {
-        publisher.Send(*messages);
+        publisher.Send(std::move(*messages));
         publisher.PublishNewer(map_.session().map(), map.position());
       }};
 }

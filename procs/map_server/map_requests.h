@@ -65,6 +65,7 @@ class MapRequests {
 
   OutputOptions options_;
   LiveMap& map_;
+  Bus& bus_;
   RequestServer server_;
   Worker worker_;
 };

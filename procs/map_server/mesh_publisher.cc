@@ -42,7 +42,7 @@ void MeshPublisher::PublishAll(const SemanticMap& map) {
 
 void MeshPublisher::PublishSince(const SemanticMap& map, const FollowerPosition& position) {
   MakeMessages(GapSince(map, position), map, map_id_, options_,
-               [this](const mesh_delta_t& message) { Send(message); });
+               [this](mesh_delta_t message) { Send(std::move(message)); });
 }
 
 void MeshPublisher::PublishNewer(const SemanticMap& map, const FollowerPosition& position) {
@@ -72,9 +72,9 @@ void MeshPublisher::SendPart(const SemanticMap& map, MeshPart part) {
   Send(MessageOf(map, map_id_, std::move(part)));
 }
 
-void MeshPublisher::Send(const mesh_delta_t& message) {
+void MeshPublisher::Send(mesh_delta_t message) {
   if (message.map_id != map_id_) return;
-  bus_->Publish(kMeshDeltaChannel, message);
+  bus_->Publish(kMeshDeltaChannel, std::move(message));
   heartbeat_pacer_.Restart();
 }
 

@@ -41,7 +41,7 @@ class MeshPublisher {
                            const MeshingOptions& options,
                            const std::function<void(mesh_delta_t)>& receive);
   /// Publishes a message unless the map has been replaced since.
-  void Send(const mesh_delta_t& message);
+  void Send(mesh_delta_t message);
   /// Publishes the present revision without a change, when nothing was published for a second: from
   /// it a follower learns that it missed the last update.
   void Heartbeat(const SemanticMap& map);

@@ -68,9 +68,9 @@ std::vector<map_delta_t> OccupancyPublisher::MessagesFor(const OccupancyGap& gap
                   std::move(delta)});
 }
 
-void OccupancyPublisher::Send(const std::vector<map_delta_t>& messages) {
-  for (const map_delta_t& message : messages) {
-    if (message.map_id == position_.map_id) bus_->Publish(kMapDeltaChannel, message);
+void OccupancyPublisher::Send(std::vector<map_delta_t> messages) {
+  for (map_delta_t& message : messages) {
+    if (message.map_id == position_.map_id) bus_->Publish(kMapDeltaChannel, std::move(message));
   }
   heartbeat_pacer_.Restart();
 }

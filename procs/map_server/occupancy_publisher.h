@@ -44,7 +44,7 @@ class OccupancyPublisher {
   static std::vector<map_delta_t> MessagesFor(const OccupancyGap& gap, const SemanticMap& map,
                                               const OccupancyOptions& options);
   /// Publishes messages unless the map has been replaced since.
-  void Send(const std::vector<map_delta_t>& messages);
+  void Send(std::vector<map_delta_t> messages);
   /// The present revision without a change, when nothing else was said for a second: from it a
   /// follower learns that it missed the last update.
   void Heartbeat();

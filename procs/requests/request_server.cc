@@ -27,6 +27,11 @@ size_t SizeOf(const map_reply_t& reply) {
   return reply.payload.size() + reply.message.size() + reply.requester.size() + 200;
 }
 
+// Whether one answer serves both, for requests that consist of verb and argument.
+bool AreEqual(const map_request_t& a, const map_request_t& b) {
+  return a.source == b.source && a.verb == b.verb && a.argument == b.argument;
+}
+
 void SetFacts(const OctreeFacts& facts, map_reply_t* reply) {
   reply->has_octree = true;
   reply->data_utime = facts.utime;
@@ -72,6 +77,22 @@ std::optional<map_request_t> WaitingRequests::Next() {
   return next;
 }
 
+std::vector<map_request_t> WaitingRequests::TakeEqual(const map_request_t& request) {
+  std::vector<map_request_t> equal;
+  for (auto of_source = by_source_.begin(); of_source != by_source_.end(); ++of_source) {
+    if (of_source->front().source != request.source) continue;
+    std::erase_if(*of_source, [&](const map_request_t& other) {
+      if (!AreEqual(other, request)) return false;
+      equal.push_back(other);
+      return true;
+    });
+    if (of_source->empty()) by_source_.erase(of_source);
+    break;
+  }
+  size_ -= equal.size();
+  return equal;
+}
+
 RequestReceiver ReceiverOf(const std::string& verb) {
   const auto& navigation = kNavigationVerbs;
   const bool exporter = verb.starts_with("octomap") ||
@@ -100,7 +121,7 @@ Result<void> RequestServer::OnRequest(const map_request_t& request) {
     return Fail("the source of a request has " + std::to_string(request.source.size()) +
                 " characters; expected at most " + std::to_string(kMaxSource));
   }
-  if (!IsForUs(request) || begun_.contains({request.source, request.request_id})) return {};
+  if (!IsForUs(request) || Join(request)) return {};
   if (!waiting_.Add(request)) {
     status_->Count("requests_not_taken");
     LogWarningRateLimited("requests",
@@ -129,22 +150,47 @@ void RequestServer::Serve(const map_request_t& request) {
   Finish(request, CarryOut(request));
 }
 
+// Returns whether the request gets the answer of one that has begun: it is the same one again, or
+// an equal one of those that are joined.
+bool RequestServer::Join(const map_request_t& request) {
+  for (auto& [id, requests] : begun_) {
+    const bool equal = is_joined_ && is_joined_(request) && AreEqual(requests.front(), request);
+    const bool known = std::any_of(requests.begin(), requests.end(), [&](const auto& other) {
+      return other.source == request.source && other.request_id == request.request_id;
+    });
+    if (equal && !known && requests.size() < WaitingRequests::kMostOfSource)
+      requests.push_back(request);
+    if (equal || known) return true;
+  }
+  return false;
+}
+
 void RequestServer::Begin(const map_request_t& request, const LateHandler& handler) {
   const std::pair<std::string, int64_t> id(request.source, request.request_id);
-  if (!begun_.insert(id).second) return;
-  handler(request, [this, request, id](Result<Answer> answer) {
-    if (begun_.erase(id) > 0) Finish(request, std::move(answer));
+  if (begun_.contains(id)) return;
+  std::vector<map_request_t> requests = {request};
+  if (is_joined_ && is_joined_(request)) {
+    for (map_request_t& equal : waiting_.TakeEqual(request)) requests.push_back(std::move(equal));
+  }
+  begun_[id] = std::move(requests);
+  handler(request, [this, id](LateAnswer late) {
+    const auto begun = begun_.extract(id);
+    if (begun.empty()) return;
+    const std::vector<map_request_t>& all = begun.mapped();
+    for (size_t i = 1; i < all.size(); ++i) Finish(all[i], late);
+    Finish(all.front(), std::move(late));
   });
 }
 
-void RequestServer::Finish(const map_request_t& request, Result<Answer> answer) {
-  if (answer && answer->worked_s > 0)
-    next_due_ = std::max(next_due_, MonotonicSeconds() + PauseAfter(answer->worked_s, share_));
+void RequestServer::Finish(const map_request_t& request, LateAnswer late) {
+  if (late.worked_s > 0)
+    next_due_ = std::max(next_due_, MonotonicSeconds() + PauseAfter(late.worked_s, share_));
+  Result<Answer>& answer = late.answer;
   if (answer && answer->payload.size() > kLargestPayload) {
     answer = Fail("the answer has " + FormatBytes(answer->payload.size()) + ", and at most " +
                   FormatBytes(kLargestPayload) + " can be sent; save the map instead");
   }
-  map_reply_t reply = MakeReply(request, std::move(answer));
+  map_reply_t reply = MakeReply(request, std::move(late));
   status_->Count(reply.ok ? "requests_done" : "requests_refused");
   if (!reply.ok) {
     LogWarningRateLimited("refused", "request '" + PrintableText(request.verb, kMaxVerb) + "' of " +
@@ -192,8 +238,9 @@ std::string RequestServer::KnownVerbs() const {
 
 // Unless the answer says it, the position is that after the request, which may have changed the
 // map.
-map_reply_t RequestServer::MakeReply(const map_request_t& request, Result<Answer> answer) const {
-  const FollowerPosition position = answer && answer->position ? *answer->position : position_();
+map_reply_t RequestServer::MakeReply(const map_request_t& request, LateAnswer late) const {
+  const FollowerPosition position = late.position ? *late.position : position_();
+  Result<Answer>& answer = late.answer;
   map_reply_t reply{};
   reply.utime = WallUtime();
   reply.requester = request.source;

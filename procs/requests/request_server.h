@@ -37,7 +37,16 @@ struct Answer {
   std::string encoding{};  ///< of the payload: "json", "ply", "bt"; empty = no payload
   std::vector<uint8_t> payload{};
   std::optional<OctreeFacts> octree{};  ///< when the payload is an octree
-  /// Of which map it is; nullopt = the present one.
+};
+
+/// The answer to a request that was begun, or why there is none.
+struct LateAnswer {
+  LateAnswer(Answer made) : answer(std::move(made)) {}               // NOLINT: it is one
+  LateAnswer(Result<Answer> made) : answer(std::move(made)) {}       // NOLINT: it is one
+  LateAnswer(tl::unexpected<Error> why) : answer(std::move(why)) {}  // NOLINT: it is one
+
+  Result<Answer> answer;
+  /// Of the map that it was made from; nullopt = of the present one.
   std::optional<FollowerPosition> position{};
   double worked_s = 0;  ///< time of another thread that it took [s]
 };
@@ -60,6 +69,8 @@ class WaitingRequests {
   bool Add(map_request_t request);
   /// Removes and returns the request whose turn it is; nullopt = none waits.
   std::optional<map_request_t> Next();
+  /// Removes and returns the requests of its source with the same verb and argument.
+  std::vector<map_request_t> TakeEqual(const map_request_t& request);
   size_t size() const { return size_; }
 
  private:
@@ -74,7 +85,7 @@ class WaitingRequests {
 ///
 /// Requests do not wait for the messages of other channels. While those come, requests take at most
 /// a share of the time: with a fifth, after one that took a second, the next is carried out four
-/// seconds later. Time of other threads counts, too (Answer::worked_s).
+/// seconds later. Time of other threads counts, too (LateAnswer::worked_s).
 /// One for which there is no room (see WaitingRequests) is counted and not answered; its sender
 /// repeats it.
 class RequestServer {
@@ -90,7 +101,7 @@ class RequestServer {
   RequestServer& operator=(const RequestServer&) = delete;
 
   /// Sends the answer to a request that was begun, now or later; once.
-  using Reply = std::function<void(Result<Answer>)>;
+  using Reply = std::function<void(LateAnswer)>;
   /// Begins to carry out a request, which may wait for other programs or threads. It must call the
   /// Reply in the end; the server must outlive it.
   using LateHandler = std::function<void(const map_request_t&, Reply)>;
@@ -100,6 +111,12 @@ class RequestServer {
   /// The same for answers that may take longer than the handler. Until the answer is there, other
   /// requests are carried out, and a repetition of this one begins nothing.
   void HandleLate(const std::string& verb, LateHandler handler);
+  /// Requests for which this holds are joined: what waits of the same source, verb and argument
+  /// when one begins, or comes until it is answered, gets the same answer. For followers, which ask
+  /// again after some time for what they still lack.
+  void JoinEqual(std::function<bool(const map_request_t&)> is_joined) {
+    is_joined_ = std::move(is_joined);
+  }
   /// While so many have begun and have no answer, all others wait; kUsuallyBegun at the start.
   void SetMostBegun(size_t most) { most_begun_ = most; }
   /// The share of the time that requests may take, see PauseAfter; kUsualShare at the start.
@@ -113,10 +130,11 @@ class RequestServer {
   void Serve(const map_request_t& request);
   bool RepeatReply(const map_request_t& request);
   bool IsForUs(const map_request_t& request) const;
+  bool Join(const map_request_t& request);
   void Begin(const map_request_t& request, const LateHandler& handler);
-  void Finish(const map_request_t& request, Result<Answer> answer);
+  void Finish(const map_request_t& request, LateAnswer late);
   Result<Answer> CarryOut(const map_request_t& request) const;
-  map_reply_t MakeReply(const map_request_t& request, Result<Answer> answer) const;
+  map_reply_t MakeReply(const map_request_t& request, LateAnswer late) const;
   void Remember(map_reply_t reply);
   std::string KnownVerbs() const;
 
@@ -126,7 +144,9 @@ class RequestServer {
   Status* status_;
   std::map<std::string, Handler> handlers_;  // by verb
   std::map<std::string, LateHandler> late_handlers_;
-  std::set<std::pair<std::string, int64_t>> begun_;  // without an answer: source and request_id
+  // Without an answer, by source and request_id; the first of each is the one that was begun.
+  std::map<std::pair<std::string, int64_t>, std::vector<map_request_t>> begun_;
+  std::function<bool(const map_request_t&)> is_joined_;  // see JoinEqual; may be empty
   size_t most_begun_ = kUsuallyBegun;
   WaitingRequests waiting_;
   double share_ = kUsualShare;

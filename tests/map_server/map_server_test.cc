@@ -47,8 +47,9 @@ class ServerOnABus : public ::testing::Test {
 
   void Start() { server_ = std::make_unique<MapServer>(config_, bus_.get(), &status_); }
   void Deliver() {
-    while (bus_->Spin(0)) {
-    }
+    do {
+      bus_->WaitUntilSent(10);
+    } while (bus_->Spin(0));
   }
   /// The commits that a frame leads to.
   std::vector<frame_commit_t> Send(const segmented_frame_t& message) {
@@ -291,6 +292,73 @@ TEST_F(ServerOnABus, FollowersGetInStepWhileFramesComeWithoutAPause) {
   }
   EXPECT_TRUE(space.in_sync());
   EXPECT_TRUE(mesh.in_sync());
+}
+
+// The parts of a surface that a follower asked for, made and sent by other threads, and what the
+// map server publishes meanwhile.
+TEST_F(ServerOnABus, UpdatesStayInOrderWhenAThreadSendsThem) {
+  bus_->SendByThread();
+  config_.map_server.mesh_period_s = 0;
+  Start();
+  MeshFollower mesh;
+  bool hears = false, has_surface = false;
+  bus_->Subscribe<mesh_delta_t>(kMeshDeltaChannel, [&](const mesh_delta_t& message) {
+    if (!hears) return;
+    mesh.Apply(message);
+    has_surface = mesh.in_sync() && mesh.position().revision >= 0;
+  });
+  int64_t utime = 0;
+  const auto frame = [&] {
+    utime += 1000;
+    bus_->Publish(kSegmentedFrameChannel,
+                  MovedMessage(utime, 0.01 * static_cast<double>(utime / 1000 % 50)));
+    bus_->WaitUntilSent(10);
+    bus_->Spin(0);
+  };
+  for (int i = 0; i < 20; ++i) frame();
+  const auto ask = [&] {
+    map_request_t request{};
+    request.verb = "mesh";
+    request.argument = ToText(mesh.position());
+    request.request_id = ++last_request_;
+    bus_->Publish(kMapRequestChannel, request);
+  };
+  const double deadline = MonotonicSeconds() + 20;
+  for (int round = 0; round < 5; ++round) {
+    mesh = MeshFollower();
+    has_surface = false;
+    hears = true;
+    for (int i = 0; !has_surface && MonotonicSeconds() < deadline; ++i) {
+      if (i % 50 == 0) ask();
+      frame();
+    }
+    EXPECT_TRUE(has_surface);
+  }
+  EXPECT_EQ(bus_->counters().at("MESH_DELTA").lost, 0);
+  const std::string digest = Ask("mesh", "digest").message;
+  EXPECT_EQ(mesh.Digest(), digest);
+}
+
+TEST_F(ServerOnABus, ALoadWaitsForTheSaveBeforeIt) {
+  const TempFolder folder;
+  config_.map_server.map_folder = (folder / "maps").string();
+  Start();
+  for (int64_t utime = 1; utime <= 3; ++utime) {
+    Send(SmallMessage(1000 * utime));
+    map_request_t request{};
+    for (const char* verb : {"save", "load"}) {
+      request.verb = verb;
+      request.path = "a";
+      request.request_id = ++last_request_;
+      bus_->Publish(kMapRequestChannel, request);
+    }
+    replies_.clear();
+    const double deadline = MonotonicSeconds() + 10;
+    while (replies_.size() < 2 && MonotonicSeconds() < deadline) bus_->Spin(0.01);
+    ASSERT_THAT(replies_, SizeIs(2));
+    EXPECT_THAT(replies_[0].message, HasSubstr("saved"));
+    EXPECT_THAT(replies_[1].message, HasSubstr("with " + std::to_string(utime) + " frames"));
+  }
 }
 
 TEST_F(ServerOnABus, ARequestThatIsStillAnsweredWhenTheMapIsReplacedIsAboutTheOldOne) {

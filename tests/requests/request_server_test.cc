@@ -84,6 +84,56 @@ TEST_F(Requests, ALateAnswerDoesNotKeepOthersWaitingAndComesOnce) {
   EXPECT_EQ(replies_.back().message, "at last") << "a repetition gets the same answer";
 }
 
+TEST_F(Requests, LateAnswersStateTheMapThatWasLookedAtAlsoWhenTheyFail) {
+  Send(Request(1, "wait"));
+  Send(Request(2, "wait"));
+  const FollowerPosition looked_at = position_;
+  position_ = {"map", 100};
+  for (size_t i = 0; i < 2; ++i) {
+    LateAnswer late = i == 0 ? Result<Answer>(Answer{"seen"}) : Fail("nothing there");
+    late.position = looked_at;
+    waiting_[i](late);
+  }
+  Settle();
+  ASSERT_EQ(replies_.size(), 2u);
+  EXPECT_TRUE(replies_[0].ok);
+  EXPECT_FALSE(replies_[1].ok);
+  for (const map_reply_t& reply : replies_) EXPECT_EQ(reply.revision, looked_at.revision);
+}
+
+TEST_F(Requests, EqualOnesThatAreJoinedAreCarriedOutOnce) {
+  server_.SetMostBegun(1);
+  server_.JoinEqual([](const map_request_t& request) { return request.argument == "gap"; });
+  const auto send = [&](int64_t id, const std::string& argument, const std::string& source) {
+    map_request_t request = Request(id, "wait");
+    request.argument = argument;
+    request.source = source;
+    bus_->PublishAsIs(kMapRequestChannel, request);
+    for (int i = 0; i < 20; ++i) bus_->Spin(0.002);
+  };
+  send(1, "gap", "a");
+  send(2, "gap", "a");
+  send(2, "gap", "a");
+  send(3, "gap", "b");
+  send(4, "other", "a");
+  send(5, "gap", "b");
+  EXPECT_EQ(status_.counter("requests_waiting"), 3);
+  ASSERT_EQ(waiting_.size(), 1u);
+  waiting_[0](Answer{"sent"});
+  for (int i = 0; i < 50; ++i) bus_->Spin(0.002);
+  ASSERT_EQ(replies_.size(), 2u);
+  EXPECT_EQ(replies_[0].request_id + replies_[1].request_id, 3) << "1 and 2, each once";
+  for (size_t next = 1; next < 3; ++next) {
+    ASSERT_EQ(waiting_.size(), next + 1);
+    waiting_[next](Answer{"sent"});
+    for (int i = 0; i < 300 && waiting_.size() == next + 1; ++i) bus_->Spin(0.002);
+  }
+  ASSERT_EQ(replies_.size(), 5u);
+  EXPECT_EQ(waiting_.size(), 3u) << "3 and 5 together, and 4";
+  send(6, "gap", "a");
+  EXPECT_EQ(waiting_.size(), 4u) << "after the answer it is a new question";
+}
+
 TEST_F(Requests, WaitWhileAsManyHaveBegunAsMay) {
   server_.SetMostBegun(1);
   Send(Request(1, "wait"));
