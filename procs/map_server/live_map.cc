@@ -30,6 +30,8 @@ MapMetadata LiveMap::NewMetadata() const {
 
 void LiveMap::Start(MapSession session) {
   session_ = std::make_unique<MapSession>(std::move(session));
+  trajectory_ = {};
+  trajectory_.Follow(session_->metadata().trajectory);
   publisher_.Start(*session_);
 }
 
@@ -74,13 +76,17 @@ Result<std::string> LiveMap::Recover() {
 MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
   MappedFrame mapped = MapFrame(frame, session_.get(), StageTimings(status_));
   if (!mapped.delta.refused.empty()) return mapped;
+  trajectory_.Follow(session_->metadata().trajectory);
   store_.AddFrame({frame.frame.header.camera_id, frame.frame.header.utime});
   publisher_.PublishFrame(*session_, mapped.delta);
   return mapped;
 }
 
-std::shared_ptr<const MapSnapshot> LiveMap::Snapshot() const {
-  return std::make_shared<const MapSnapshot>(MapSnapshot{session_->map(), session_->metadata()});
+std::shared_ptr<MapSnapshot> LiveMap::Snapshot() const {
+  const MapMetadata& all = session_->metadata();
+  MapMetadata metadata{all.map_id, all.config, all.created_by, all.class_names, {}};
+  return std::make_shared<MapSnapshot>(
+      MapSnapshot{session_->map(), std::move(metadata), trajectory_});
 }
 
 void LiveMap::PublishAndSaveIfDue(double share) {

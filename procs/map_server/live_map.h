@@ -41,8 +41,9 @@ class LiveMap {
   Result<std::string> Recover();
   /// Saves the map as configured. Returns a sentence with the absolute path.
   Result<std::string> Save() { return store_.Save(*session_); }
-  /// The map as it is now, to be read by another thread. Takes little time.
-  std::shared_ptr<const MapSnapshot> Snapshot() const;
+  /// The map as it is now, to be read by another thread, which must call Complete first. Takes
+  /// little time.
+  std::shared_ptr<MapSnapshot> Snapshot() const;
   /// Saves the map as configured when the server ends. Returns a sentence.
   Result<std::string> SaveAtEnd() { return store_.SaveAtEnd(*session_); }
   /// Replaces the map by an empty one. Publishes nothing.
@@ -65,6 +66,7 @@ class LiveMap {
   MapPublisher publisher_;
   MapStore store_;
   std::unique_ptr<MapSession> session_;
+  SharedTrajectory trajectory_;  // that of the session
 };
 
 }  // namespace vismap

@@ -96,9 +96,10 @@ void MapRequests::HandleReading(const std::string& verb,
 }
 
 void MapRequests::Read(Reading reading, const RequestServer::Reply& reply) {
-  const std::shared_ptr<const MapSnapshot> map = map_.Snapshot();
+  const std::shared_ptr<MapSnapshot> map = map_.Snapshot();
   const auto work = [answer = std::move(reading.answer), map] {
     const double start = MonotonicSeconds();
+    map->Complete();
     LateAnswer made = Guarded(answer, *map);
     made.position = map->position();
     made.worked_s = MonotonicSeconds() - start;

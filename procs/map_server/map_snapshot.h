@@ -2,6 +2,7 @@
 
 #include "map/map_metadata.h"
 #include "map/semantic_map.h"
+#include "map_server/shared_trajectory.h"
 #include "wire/update_sequence.h"
 
 namespace vismap {
@@ -10,8 +11,11 @@ namespace vismap {
 /// wait. It shares with the map what has not changed since, see Shared.
 struct MapSnapshot {
   SemanticMap map;
-  MapMetadata metadata;
+  MapMetadata metadata;  ///< without its trajectory until Complete
+  SharedTrajectory trajectory{};
 
+  /// Fills in the trajectory, which takes time in proportion to the frames.
+  void Complete() { metadata.trajectory = trajectory.Collect(); }
   FollowerPosition position() const { return {metadata.map_id, map.revision}; }
 };
 
