@@ -83,6 +83,28 @@ function difference(a, b) {
   return [...new Set([...Object.keys(a), ...Object.keys(b)])].reduce((sum, key) => sum + Math.abs((a[key] ?? 0) - (b[key] ?? 0)), 0) / 2;
 }
 
+test("The map is seen from above also when the upward direction comes late and is another one", async () => {
+  // From above, what is nearest is lowest on the page. Nearest is where three short lines along the axes are longest together.
+  const seenFromAbove = (upAxis) => page.evaluate((axis) => {
+    const others = [0, 1, 2].filter((other) => other !== axis);
+    const around = Array.from({ length: 16 }, (_, i) => {
+      const p = [2, 1.5, 1];
+      p[others[0]] += 0.5 * Math.cos((i * Math.PI) / 8);
+      p[others[1]] += 0.5 * Math.sin((i * Math.PI) / 8);
+      const [u, v] = window.vismap.project(...p);
+      const ends = [0, 1, 2].map((a) => window.vismap.project(...p.map((value, i) => value + (i === a ? 0.05 : 0))));
+      return { height: v, length: Math.hypot(...ends.map(([x, y]) => Math.hypot(u - x, v - y))) };
+    });
+    const nearest = around.reduce((best, one) => (one.length > best.length ? one : best));
+    return nearest.height > window.vismap.project(2, 1.5, 1)[1] + 5;
+  }, upAxis);
+  assert.ok(await seenFromAbove(2));
+  assert.ok(!(await seenFromAbove(1)));
+  mock.map.up = [0, 1, 0];
+  for (let tries = 0; tries < 50 && !(await seenFromAbove(1)); ++tries) await page.waitForTimeout(200);
+  assert.ok(await seenFromAbove(1));
+});
+
 test("The page has what the server has, and draws nothing while nothing changes", async () => {
   await page.waitForTimeout(800);
   const drawn = await state("renderCount");

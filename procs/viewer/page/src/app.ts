@@ -88,9 +88,13 @@ function updateLegend(): void {
 }
 
 function setUp(up: [number, number, number]): void {
+  const before = view.camera.up.clone();
   view.setUp(up);
   surface.setUp(up);
   space.setUp(up);
+  if (view.camera.up.equals(before)) return;
+  shownRadius = 0; // a view from above the map is another one now
+  keepInView();
 }
 
 function setColouring(chosen: Colouring): void {
