@@ -26,6 +26,7 @@ class OccupancyWatch {
   std::vector<BlockIndex> ChangedAfter(int64_t revision) const;
   /// Number of blocks that are not unknown everywhere.
   size_t size() const { return digest_.blocks(); }
+  size_t bytes() const { return entries_.bytes(); }  ///< memory, about
   /// The same as that of an OccupancyMap with the same content.
   std::string Digest(double cell_size) const { return digest_.Hex(cell_size); }
 

@@ -7,6 +7,7 @@
 
 #include "base/digest.h"
 #include "base/parallel.h"
+#include "map/map_bytes.h"
 #include "map/surface_reader.h"
 
 namespace vismap {
@@ -79,11 +80,18 @@ void AddRecord(const LabelRecord& record, Digest& digest) {
 }  // namespace
 
 size_t BytesOf(const SemanticMap& map) {
-  // Of a label with some evidence, of a pair of labels, and of a frame: its pose and its time.
-  constexpr size_t kLabel = sizeof(LabelRecord) + 192, kPair = 96, kFrame = 256;
-  return map.voxels.bytes() + map.labels.records().size() * kLabel +
-         (map.labels.pairs().size() + map.labels.bonds().pairs().size()) * kPair +
-         static_cast<size_t>(std::max<int64_t>(map.revision, 0)) * kFrame;
+  return map.voxels.bytes() + BytesOf(map.labels) + TrajectoryBytes(map.revision);
+}
+
+size_t BytesOf(const LabelTable& labels) {
+  constexpr size_t kLabel = sizeof(LabelRecord) + 192, kPair = 96;  // a label has some evidence
+  return labels.records().size() * kLabel +
+         (labels.pairs().size() + labels.bonds().pairs().size()) * kPair;
+}
+
+size_t TrajectoryBytes(int64_t frames) {
+  constexpr size_t kFrame = 256;  // its pose and its time
+  return static_cast<size_t>(std::max<int64_t>(frames, 0)) * kFrame;
 }
 
 SegmentLabel StrongestLabel(const std::array<LabelVote, kVoteSlots>& votes) {

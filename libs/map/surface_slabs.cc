@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "map/block.h"
+#include "map/map_bytes.h"
 
 namespace vismap {
 namespace {
@@ -31,6 +32,10 @@ class Slabs {
     const std::lock_guard lock(mutex_);
     free_.push_back(voxels);  // never allocates, see AddSlab
   }
+  size_t free_bytes() {
+    const std::lock_guard lock(mutex_);
+    return free_.size() * kSlot;
+  }
 
  private:
   void AddSlab() {
@@ -53,6 +58,8 @@ Slabs& TheSlabs() {
 }
 
 }  // namespace
+
+size_t SpareVoxelBytes() { return kSlabs ? TheSlabs().free_bytes() : 0; }
 
 void* SurfaceVoxels::operator new(size_t size) {
   return kSlabs && size <= kSlot ? TheSlabs().Allocate() : ::operator new(size);

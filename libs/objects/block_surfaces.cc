@@ -40,6 +40,19 @@ std::optional<std::array<uint8_t, 3>> OffsetInBlock(const Eigen::Vector3d& from_
 void BlockSurfaces::Clear() {
   blocks_.clear();
   amounts_.clear();
+  piece_bytes_ = 0;
+}
+
+size_t BlockSurfaces::BytesOf(const std::vector<Piece>& pieces) {
+  constexpr size_t kAllocation = 16;
+  size_t bytes = kAllocation + pieces.capacity() * sizeof(Piece);
+  for (const Piece& piece : pieces) bytes += kAllocation + piece.points.capacity() * sizeof(Point);
+  return bytes;
+}
+
+size_t BlockSurfaces::bytes() const {
+  constexpr size_t kEntry = sizeof(BlockIndex) + sizeof(std::vector<Piece>) + 12;
+  return blocks_.bucket_count() * kEntry + piece_bytes_ + amounts_.capacity() * sizeof(Amount);
 }
 
 std::vector<BlockSurfaces::Piece> BlockSurfaces::PiecesOf(const BlockMesh& block,
@@ -90,6 +103,7 @@ bool BlockSurfaces::Update(const BlockMesh& block, double voxel_size) {
   const bool had = found != blocks_.end();
   if (had) {
     for (const Piece& piece : found->second) Count(piece, -1);
+    piece_bytes_ -= BytesOf(found->second);
   }
   if (block.mesh.triangles.empty()) {
     if (had) blocks_.erase(found);
@@ -97,6 +111,7 @@ bool BlockSurfaces::Update(const BlockMesh& block, double voxel_size) {
   }
   std::vector<Piece> pieces = PiecesOf(block, voxel_size);
   for (const Piece& piece : pieces) Count(piece, +1);
+  piece_bytes_ += BytesOf(pieces);
   blocks_[block.block] = std::move(pieces);
   return true;
 }

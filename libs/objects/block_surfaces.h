@@ -35,6 +35,9 @@ class BlockSurfaces {
   /// The blocks that have a surface, in no particular order.
   std::vector<BlockIndex> Blocks() const;
 
+  /// Memory [bytes], about; takes constant time.
+  size_t bytes() const;
+
   /// Zero for labels that never had a surface.
   Amount AmountOf(SegmentLabel label) const;
   /// Appends an even sample of half the vertices of a label in one block [m], rounded to 1/32 of a
@@ -55,9 +58,11 @@ class BlockSurfaces {
 
   static std::vector<Piece> PiecesOf(const BlockMesh& block, double voxel_size);
   void Count(const Piece& piece, int sign);
+  static size_t BytesOf(const std::vector<Piece>& pieces);
 
   tsl::robin_map<BlockIndex, std::vector<Piece>, BlockIndexHash> blocks_;
   std::vector<Amount> amounts_;  // by label
+  size_t piece_bytes_ = 0;       // of all blocks
 };
 
 }  // namespace vismap

@@ -26,6 +26,8 @@ class ChangeLog {
   /// The blocks that changed after `revision`, ascending; nullopt when some of these changes are
   /// forgotten.
   std::optional<std::vector<BlockIndex>> Since(int64_t revision) const;
+  /// Memory [bytes], about.
+  size_t bytes() const { return last_change_.bucket_count() * (sizeof(BlockIndex) + 20); }
 
  private:
   void ForgetOldest();

@@ -14,6 +14,7 @@ class DirtyBlocks {
   void Add(const BlockChanges& changes);
   bool empty() const { return dirty_.empty(); }
   void Clear() { dirty_.clear(); }
+  size_t bytes() const { return dirty_.capacity() * sizeof(Dirty); }  ///< memory
   /// The blocks whose surface may differ now, ascending (see BlocksToMesh); none is dirty after it.
   std::vector<BlockIndex> TakeBlocksToMesh(const VoxelMap& map);
 

@@ -51,6 +51,15 @@ void LabelPlaces::MergeAll(const LabelTable& labels) {
   }
 }
 
+size_t LabelPlaces::bytes() const {
+  constexpr size_t kEntry = sizeof(BlockIndex) + 12;
+  size_t bytes =
+      known_.bucket_count() * kEntry + places_.capacity() * sizeof(std::vector<BlockIndex>);
+  for (const std::vector<BlockIndex>& blocks : places_)
+    bytes += blocks.capacity() * sizeof(BlockIndex);
+  return bytes;
+}
+
 std::span<const BlockIndex> LabelPlaces::BlocksOf(SegmentLabel label) const {
   const size_t at = Raw(label);
   return at < places_.size() ? std::span<const BlockIndex>(places_[at])

@@ -26,6 +26,8 @@ class LabelPlaces {
   /// Blocks where the label, or one merged into it, has votes or had votes once; some blocks may be
   /// listed twice.
   std::span<const BlockIndex> BlocksOf(SegmentLabel label) const;
+  /// Memory [bytes], about.
+  size_t bytes() const;
 
  private:
   void AddBlock(BlockIndex index, const std::vector<SegmentLabel>& palette);

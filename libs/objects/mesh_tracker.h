@@ -68,6 +68,11 @@ class MeshTracker {
   const BlockSurfaces& surfaces() const { return surfaces_; }
   /// The blocks of each label, with all changes so far.
   const LabelPlaces& places() const { return places_; }
+  /// Memory [bytes], about.
+  size_t bytes() const {
+    return dirty_.bytes() + shown_.capacity() * sizeof(ShownLabel) + surfaces_.bytes() +
+           places_.bytes() + log_.bytes();
+  }
 
  private:
   void AddBlocksShownDifferently(const SemanticMap& map);

@@ -118,9 +118,11 @@ Answer AnswerMapFile(const MapSnapshot& map) {
   return {HashMap(map.map), "vismap", EncodeMap(map.map, map.metadata)};
 }
 
-Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest) {
+Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest,
+                        const std::vector<MemoryLayer>& memory) {
   auto json = nlohmann::ordered_json::parse(StatisticsJson(map.map, map.metadata));
   json["occupancy_digest"] = occupancy_digest;
+  json["memory"] = ToJson(memory);
   return {json["hash"].get<std::string>(), "json", Bytes(json.dump())};
 }
 

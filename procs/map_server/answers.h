@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "exports/outputs.h"
+#include "map_server/map_memory.h"
 #include "map_server/map_snapshot.h"
 #include "objects/object_query.h"
 #include "requests/request_server.h"
@@ -29,8 +30,10 @@ Result<Answer> AnswerSurface(const MapSnapshot& map, std::span<const ObjectSumma
                              bool points_only);
 /// "map": the whole map as a saved one. Its message is the hash of the map.
 Answer AnswerMapFile(const MapSnapshot& map);
-/// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA.
-Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest);
+/// "statistics": figures of the map as JSON, with the digest of what was published on MAP_DELTA and
+/// the memory of the server by layer.
+Answer AnswerStatistics(const MapSnapshot& map, const std::string& occupancy_digest,
+                        const std::vector<MemoryLayer>& memory);
 /// "frames": [camera, utime] of every frame in the map as JSON; with the argument "poses", [camera,
 /// utime, digest of the pose] (PoseDigest); with "positions=N", [x, y, z] in W [m] of the camera at
 /// frame N and those after it, in the order of integration; with "trajectory=N", the same as

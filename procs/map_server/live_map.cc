@@ -85,8 +85,25 @@ MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
 std::shared_ptr<MapSnapshot> LiveMap::Snapshot() const {
   const MapMetadata& all = session_->metadata();
   MapMetadata metadata{all.map_id, all.config, all.created_by, all.class_names, {}};
-  return std::make_shared<MapSnapshot>(
-      MapSnapshot{session_->map(), std::move(metadata), trajectory_});
+  auto copy =
+      std::make_shared<MapSnapshot>(MapSnapshot{session_->map(), std::move(metadata), trajectory_});
+  copy_ = copy;
+  return copy;
+}
+
+std::vector<MemoryLayer> LiveMap::Memory() {
+  return MeasureLayers(*session_, publisher_, copy_.expired() ? 0 : 1);
+}
+
+void LiveMap::ReportMemoryIfDue() {
+  constexpr double kShare = 0.01;  // of the time
+  const auto report = [this] {
+    for (const MemoryLayer& layer : Memory()) {
+      status_->SetCounter(std::string("memory.") + layer.name + "_bytes",
+                          static_cast<int64_t>(layer.bytes));
+    }
+  };
+  memory_pacer_.RunIfDue(report, kShare);
 }
 
 void LiveMap::PublishAndSaveIfDue(double share) {

@@ -5,10 +5,12 @@
 #include <string>
 
 #include "config/config.h"
+#include "map_server/map_memory.h"
 #include "map_server/map_publisher.h"
 #include "map_server/map_snapshot.h"
 #include "map_server/map_store.h"
 #include "runtime/bus.h"
+#include "runtime/pacer.h"
 #include "runtime/status.h"
 #include "session/map_frame.h"
 
@@ -48,6 +50,10 @@ class LiveMap {
   Result<std::string> SaveAtEnd() { return store_.SaveAtEnd(*session_); }
   /// Replaces the map by an empty one. Publishes nothing.
   void Reset();
+  /// What it takes of memory.
+  std::vector<MemoryLayer> Memory();
+  /// Tells it in STATUS, as counters memory.LAYER_bytes, now and then.
+  void ReportMemoryIfDue();
 
   const MapSession& session() const { return *session_; }
   MapPublisher& publisher() { return publisher_; }
@@ -66,7 +72,9 @@ class LiveMap {
   MapPublisher publisher_;
   MapStore store_;
   std::unique_ptr<MapSession> session_;
-  SharedTrajectory trajectory_;  // that of the session
+  SharedTrajectory trajectory_;                    // that of the session
+  mutable std::weak_ptr<const MapSnapshot> copy_;  // the newest one
+  Pacer memory_pacer_{5.0};
 };
 
 }  // namespace vismap

@@ -279,10 +279,10 @@ Result<MapRequests::Reading> MapRequests::ReadSpaceGap(const map_request_t& requ
 }
 
 Result<MapRequests::Reading> MapRequests::ReadStatistics(const map_request_t&) {
-  return Reading{
-      [digest = map_.publisher().occupancy().Digest()](const MapSnapshot& map) -> Result<Answer> {
-        return AnswerStatistics(map, digest);
-      }};
+  return Reading{[digest = map_.publisher().occupancy().Digest(),
+                  memory = map_.Memory()](const MapSnapshot& map) -> Result<Answer> {
+    return AnswerStatistics(map, digest, memory);
+  }};
 }
 
 Result<MapRequests::Reading> MapRequests::ReadMap(const map_request_t&) {

@@ -18,6 +18,7 @@ MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
     requests_.SetShare(frames_.side_share());
     map_.PublishAndSaveIfDue(frames_.side_share());
     map_.Repeat();
+    map_.ReportMemoryIfDue();
   });
 }
 

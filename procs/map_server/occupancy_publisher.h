@@ -52,6 +52,7 @@ class OccupancyPublisher {
   /// What followers have that missed nothing.
   std::string Digest() const { return watch_.Digest(cell_size_); }
   size_t blocks() const { return watch_.size(); }  ///< of which anything is known
+  size_t bytes() const { return watch_.bytes(); }  ///< memory, about
 
  private:
   void Publish(int64_t base_revision, OccupancyDelta delta);

@@ -7,6 +7,7 @@ const kLayers: Record<string, string> = {
   colours: "colours of voxels",
   labels: "votes for labels, and what is known of each label",
   packed: "all layers of blocks that no camera has seen for a while, packed",
+  spare: "room that packed voxels have left, for the next ones",
   free_space: "space that was seen empty, and hits of thin things",
   table: "the table of blocks",
   surface: "what the surface and objects are followed by",
