@@ -49,6 +49,7 @@ PROCS = {
     "bridge": ["queueing", "settings"],
     "doctor": ["runtime", "settings"],
     "settings": ["runtime", "config"],
+    "sequence_mapper": ["runtime", "logs"],
 }
 # Tests of one room see what the room sees; these folders of tests/ see everything.
 # Tests of rooms that read a map may also include the makers, since they need maps to read.

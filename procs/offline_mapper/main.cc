@@ -13,11 +13,12 @@
 #include "exports/statistics.h"
 #include "logs/recording.h"
 #include "map/far_parts.h"
-#include "offline_mapper/offline_mapper.h"
 #include "plausibility/depth_losses.h"
 #include "runtime/clock.h"
 #include "runtime/progress.h"
 #include "runtime/version.h"
+#include "sequence_mapper/map_sequence.h"
+#include "sequence_mapper/sequence_input.h"
 #include "settings/settings.h"
 
 namespace {
@@ -55,29 +56,6 @@ void AddOptions(CommandLine& line, Arguments* arguments) {
   arguments->calibration.AddTo(line);
   line.Option("--out", &arguments->out, "Folder for the results").Required();
   arguments->threads.AddTo(line);
-}
-
-// The detections to use: those asked for, else those inside the sequence; none when told so or when
-// there are none.
-Result<std::unique_ptr<DetectionSource>> FindDetections(const Arguments& arguments,
-                                                        const Dataset& dataset) {
-  if (arguments.detections == "none") return nullptr;
-  const std::string& prefix = arguments.config.pipeline.channel_prefix;
-  if (!arguments.detections.empty()) return OpenRecordedDetections(arguments.detections, prefix);
-  if (const std::optional<std::string> inside = dataset.default_detections_path())
-    return OpenRecordedDetections(*inside, prefix);
-  LogWarning(dataset.name() +
-             " has no detections, so only geometry is mapped and no object gets a class");
-  return nullptr;
-}
-
-// The network to use; none when detections are named, or no network is.
-Result<std::unique_ptr<DnnDetector>> FindNetwork(const Arguments& arguments) {
-  const DetectorOptions& config = arguments.config.detector;
-  const bool recorded =
-      !arguments.detections.empty() || config.backend == DetectorBackend::kRecorded;
-  if (config.dnn.model.empty() || (recorded && arguments.model.empty())) return nullptr;
-  return DnnDetector::Load(config.dnn);
 }
 
 nlohmann::ordered_json FiguresJson(const StageTimes& times) {
@@ -277,23 +255,22 @@ Outcome MapDataset(Arguments& arguments, ProcessContext& context) {
   const Dataset& dataset = *recording->dataset;
   for (const std::string& remark : recording->remarks) LogWarning(remark);
   for (const std::string& remark : dataset.remarks()) LogInfo(remark);
-  const auto network = FindNetwork(arguments);
-  if (!network) return ExitWith(ExitCode::kUnreadable, network.error().message);
-  const auto detections = *network ? Result<std::unique_ptr<DetectionSource>>(nullptr)
-                                   : FindDetections(arguments, dataset);
-  if (!detections) return ExitWith(ExitCode::kUnreadable, detections.error().message);
+  const Result<SequenceDetector> detector = OpenSequenceDetector(
+      arguments.detections, !arguments.model.empty(), arguments.config, dataset);
+  if (!detector) return ExitWith(ExitCode::kUnreadable, detector.error().message);
 
   const NewFolders created(arguments.out);
   if (const auto usable = ProbeFolder(arguments.out, kLeastSpace); !usable)
     return ExitWith(ExitCode::kFailed, usable.error().message);
   const IntegrationOptions& integration = arguments.config.integration;
   Run run{dataset,
-          detections->get(),
+          detector->recorded.get(),
           MapSession(arguments.config, MetadataOf(arguments, dataset)),
           {},
           SequenceCheck({integration.min_range_m, integration.max_range_m}),
           {}};
-  if (const Outcome mapped = MapFrames(arguments, network->get(), context, &run); !mapped) {
+  if (const Outcome mapped = MapFrames(arguments, detector->network.get(), context, &run);
+      !mapped) {
     created.RemoveEmpty();
     return mapped;
   }

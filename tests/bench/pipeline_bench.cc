@@ -20,7 +20,7 @@
 #include "mapfile/map_file.h"
 #include "meshing/marching_cubes.h"
 #include "objects/read_out.h"
-#include "offline_mapper/stage_times.h"
+#include "sequence_mapper/stage_times.h"
 #include "runtime/command_line.h"
 #include "session/derived_options.h"
 #include "support/mesh_blocks.h"

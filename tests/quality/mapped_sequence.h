@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "exports/outputs.h"
-#include "offline_mapper/offline_mapper.h"
+#include "sequence_mapper/map_sequence.h"
 #include "simulation/scene.h"
 #include "simulation/sequence.h"
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "exports/outputs.h"
-#include "offline_mapper/offline_mapper.h"
+#include "sequence_mapper/map_sequence.h"
 #include "simulation/sequence.h"
 #include "support/temp_folder.h"
 

@@ -2,7 +2,7 @@
 
 #include "evaluation/scores.h"
 #include "exports/outputs.h"
-#include "offline_mapper/offline_mapper.h"
+#include "sequence_mapper/map_sequence.h"
 #include "simulation/room.h"
 #include "simulation/sequence.h"
 #include "support/mesh_scores.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "offline_mapper/offline_mapper.h"
+#include "sequence_mapper/map_sequence.h"
 #include "simulation/simulate.h"
 #include "simulation/synthetic_dataset.h"
 

@@ -1,4 +1,4 @@
-#include "offline_mapper/offline_mapper.h"
+#include "sequence_mapper/map_sequence.h"
 
 #include <algorithm>
 #include <optional>
@@ -60,6 +60,7 @@ class Mapper {
     if (detections != nullptr) CountDetections(*detections);
     const auto check = [&](const SegmentedFrame& segmented) {
       if (input_.check != nullptr) input_.check->Add(segmented, frame->depth_unit_m);
+      if (input_.on_segmented) input_.on_segmented(segmented);
     };
     const MappedFrame mapped = watch_.Measure("total", [&] {
       return MapFrame(std::move(frame->frame), detections, options_, &session_, watch_, check);
@@ -69,6 +70,7 @@ class Mapper {
       return {};
     }
     ++mapped_.frames;
+    if (input_.on_mapped) input_.on_mapped(mapped.delta);
     mapped_.blocks_left_out += mapped.delta.blocks_left_out;
     return {};
   }

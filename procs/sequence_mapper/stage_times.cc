@@ -1,4 +1,4 @@
-#include "offline_mapper/stage_times.h"
+#include "sequence_mapper/stage_times.h"
 
 #include <algorithm>
 

@@ -10,9 +10,9 @@
 #include "datasets/detections_file.h"
 #include "detection/dnn_detector.h"
 #include "geometry/saturated_depth.h"
-#include "offline_mapper/stage_times.h"
 #include "plausibility/sequence_check.h"
 #include "segmentation/segment_frame.h"
+#include "sequence_mapper/stage_times.h"
 #include "session/map_session.h"
 
 namespace vismap {
@@ -24,6 +24,10 @@ struct OfflineInput {
   const DetectionSource* detections = nullptr;
   DnnDetector* network = nullptr;  ///< used instead of `detections`; needs frames with colour
   SequenceCheck* check = nullptr;  ///< sees every frame
+  /// Sees every frame with its segments before it is mapped, ...
+  std::function<void(const SegmentedFrame&)> on_segmented = {};
+  /// ... and what it changed, unless the map refused it.
+  std::function<void(const MapDelta&)> on_mapped = {};
 };
 
 /// Detections whose score is below this in all frames name no object: a label needs more than a
