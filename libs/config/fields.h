@@ -179,7 +179,8 @@ inline constexpr auto FieldsOf(const ViewerOptions&) {
   return std::tuple(VISMAP_FIELD(listen), VISMAP_FIELD(page_folder), VISMAP_FIELD(hosts),
                     VISMAP_FIELD(max_clients), VISMAP_FIELD(budget_mb_s),
                     VISMAP_FIELD(max_picture_hz), VISMAP_FIELD(max_map_mb),
-                    VISMAP_FIELD(evidence_mb), VISMAP_FIELD(evidence_hz));
+                    VISMAP_FIELD(evidence_mb), VISMAP_FIELD(evidence_hz), VISMAP_FIELD(log_mb),
+                    VISMAP_FIELD(log_folder));
 }
 
 inline constexpr auto FieldsOf(const SensorReplayOptions&) {

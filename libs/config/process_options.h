@@ -89,6 +89,8 @@ struct ViewerOptions {
   int max_map_mb = 1024;      ///< of the copy of the surface, and again of that of space
   int evidence_mb = 64;       ///< of frames kept to show objects in them; 0 = none is kept
   double evidence_hz = 2;     ///< frames per second that are looked at for this
+  int log_mb = 2000;          ///< of a log's recording on disk and of its index in memory
+  std::string log_folder;     ///< of this recording; empty = $TMPDIR, or /var/tmp
 };
 
 struct SensorReplayOptions {

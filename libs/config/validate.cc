@@ -144,6 +144,7 @@ std::vector<std::string> Problems(const ViewerOptions& viewer) {
   VISMAP_CHECK_RANGE(check, viewer.max_map_mb, 1, 1048576);
   VISMAP_CHECK_RANGE(check, viewer.evidence_mb, 0, 1048576);
   VISMAP_CHECK_RANGE(check, viewer.evidence_hz, 0.01, 60);
+  VISMAP_CHECK_RANGE(check, viewer.log_mb, 16, 1048576);
   check.Unless(viewer.hosts.size() <= 64, "hosts must be at most 64");
   return std::move(check).problems();
 }

@@ -16,8 +16,8 @@ namespace vismap {
 class Board {
  public:
   /// Subjects of which only the newest text counts.
-  enum class Topic { kObjects, kProcesses, kCameras, kNavigation };
-  static constexpr size_t kTopics = 4;
+  enum class Topic { kObjects, kProcesses, kCameras, kNavigation, kTimeline };
+  static constexpr size_t kTopics = 5;
   struct Post {
     FrameBytes bytes;    ///< nullptr = nothing yet
     int64_t number = 0;  ///< of the change; 0 = nothing yet

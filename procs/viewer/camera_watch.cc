@@ -1,77 +1,39 @@
 #include "viewer/camera_watch.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/class_names.h"
 #include "base/printable.h"
 #include "codecs/color_codec.h"
 #include "codecs/label_codec.h"
 #include "codecs/raw_image.h"
+#include "viewer/segment_picture.h"
 #include "wire/channels.h"
 #include "wire/rgbd_frame.h"
 
 namespace vismap {
 namespace {
 
-constexpr int kMostColumns = 320;      // of the sampled segments
 constexpr size_t kMostJpeg = 1 << 20;  // larger ones are encoded again [bytes]
 constexpr int kQuality = 75;
-constexpr size_t kMostSegments = 4096;              // told of
 constexpr double kJoinPeriod = 2, kJoinTime = 0.1;  // [s]
 constexpr int kMostRounds = 8;                      // of reading at a time
 
-using PictureJson = nlohmann::ordered_json;
-
-// [value, length, value, length, ...] row by row over every step-th pixel.
-PictureJson RunsOf(const SegmentImage& image, int step, int width, int height) {
-  PictureJson runs = PictureJson::array();
-  int32_t value = 0;
-  int64_t length = 0;
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      const auto at = static_cast<int32_t>(image.index(v * step, u * step));
-      if (length > 0 && at != value) {
-        runs.push_back(value);
-        runs.push_back(length);
-        length = 0;
-      }
-      value = at;
-      ++length;
-    }
-  }
-  if (length > 0) {
-    runs.push_back(value);
-    runs.push_back(length);
-  }
-  return runs;
-}
-
-Result<PictureJson> SegmentsOf(const segmented_frame_t& message) {
+Result<SegmentImage> SegmentsOf(const segmented_frame_t& message) {
   const camera_t& camera = CameraOf(message.frame);
   if (camera.width < 1 || camera.height < 1) return Fail("the camera has no pixels");
-  const Result<SegmentImage> image =
-      DecodeSegmentImage(message.labels, camera.width, camera.height);
-  if (!image) return tl::unexpected(image.error());
-  const int step = (camera.width + kMostColumns - 1) / kMostColumns;
-  const int width = (camera.width + step - 1) / step, height = (camera.height + step - 1) / step;
-  PictureJson json{{"width", width},
-                   {"height", height},
-                   {"runs", RunsOf(*image, step, width, height)},
-                   {"list", PictureJson::array()}};
+  return DecodeSegmentImage(message.labels, camera.width, camera.height);
+}
+
+std::vector<FrameSegment> ListOf(const segmented_frame_t& message) {
+  std::vector<FrameSegment> segments;
   for (const frame_segment_t& segment : message.segments) {
-    if (json["list"].size() >= kMostSegments) break;
     const bool named = segment.class_id > 0 && segment.class_id <= 65535;
-    json["list"].push_back({{"pixels", segment.pixels},
-                            {"class_id", segment.class_id},
-                            {"class_name", named ? ClassName(static_cast<ClassId>(segment.class_id))
-                                                 : std::string("unknown")},
-                            {"score", segment.score},
-                            {"overlap", segment.overlap},
-                            {"detection", segment.detection}});
+    segments.push_back({segment.pixels, static_cast<DetectionIndex>(segment.detection),
+                        named ? static_cast<ClassId>(segment.class_id) : ClassId::kUnknown,
+                        segment.score, segment.overlap});
   }
-  return json;
+  return segments;
 }
 
 }  // namespace
@@ -91,18 +53,15 @@ Result<std::vector<uint8_t>> JpegOf(const rgbd_frame_t& frame) {
 
 std::vector<uint8_t> MakePicture(const segmented_frame_t& message) {
   const camera_t& camera = CameraOf(message.frame);
-  PictureJson json{{"camera_id", message.frame.camera_id},
-                   {"utime", message.utime},
-                   {"width", camera.width},
-                   {"height", camera.height}};
-  Result<PictureJson> segments = SegmentsOf(message);
+  const Result<SegmentImage> image = SegmentsOf(message);
   const Result<std::vector<uint8_t>> jpeg = JpegOf(message.frame);
-  if (segments) json["segments"] = std::move(*segments);
-  if (!jpeg) json["problem"] = PrintableText(jpeg.error().message, 300);
-  if (!segments) json["problem"] = PrintableText(segments.error().message, 300);
-  return EncodePicture(message.frame.camera_id,
-                       json.dump(-1, ' ', false, PictureJson::error_handler_t::replace),
-                       jpeg ? *jpeg : std::vector<uint8_t>());
+  const std::string problem = !image  ? PrintableText(image.error().message, 300)
+                              : !jpeg ? PrintableText(jpeg.error().message, 300)
+                                      : "";
+  const std::string text =
+      PictureText(message.frame.camera_id, message.utime, camera.width, camera.height,
+                  image ? &*image : nullptr, ListOf(message), problem);
+  return EncodePicture(message.frame.camera_id, text, jpeg ? *jpeg : std::vector<uint8_t>());
 }
 
 CameraWatch::CameraWatch(BusOptions bus_options, Rates rates, Board* board, Sink sink)

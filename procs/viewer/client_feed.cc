@@ -56,8 +56,9 @@ Result<std::optional<Eigen::Vector3d>> ReadCentre(const nlohmann::json& point) {
 
 }  // namespace
 
-ClientFeed::ClientFeed(const MapCopy* map, const Board* board, std::string hello)
-    : map_(map), board_(board), hello_(std::move(hello)) {
+ClientFeed::ClientFeed(SurfaceView* surface, const Board* board, std::string hello,
+                       FeedLimits limits)
+    : surface_(surface), board_(board), hello_(std::move(hello)), limits_(limits) {
   Restart();
 }
 
@@ -66,7 +67,8 @@ void ClientFeed::Restart() {
   map_due_ = 0;
   batch_.clear();
   dirty_.clear();
-  for (const BlockIndex& index : map_->SortedIndices()) dirty_.insert(index);
+  surface_->OnForget();
+  for (const BlockIndex& index : surface_->SortedIndices()) dirty_.insert(index);
 }
 
 void ClientFeed::OnChanges(const SurfaceChanges& changes) {
@@ -74,12 +76,20 @@ void ClientFeed::OnChanges(const SurfaceChanges& changes) {
   dirty_.insert(changes.blocks.begin(), changes.blocks.end());
 }
 
+void ClientFeed::SetLacking(const std::vector<BlockIndex>& blocks) {
+  batch_.clear();
+  dirty_.clear();
+  dirty_.insert(blocks.begin(), blocks.end());
+}
+
 void ClientFeed::AddNotice(std::string level, std::string sentence) {
   if (notices_.size() >= kMostNotices) notices_.pop_front();
   notices_.push_back(NoticeText(std::move(level), std::move(sentence)));
 }
 
-void ClientFeed::Allow(double bytes) { allowance_ = std::min(allowance_ + bytes, kMostAllowance); }
+void ClientFeed::Allow(double bytes) {
+  allowance_ = std::min(allowance_ + bytes, limits_.most_allowance);
+}
 
 Result<void> ClientFeed::OnText(std::string_view text, double now) {
   if (now - second_ >= 1) {
@@ -95,8 +105,10 @@ Result<void> ClientFeed::OnText(std::string_view text, double now) {
   const auto kind = (*json)["kind"].get<std::string>();
   if (kind == "ack") return ReadAck(*json);
   if (kind == "want") return ReadWant(*json);
+  if (kind == "moment" && limits_.has_moments) return ReadMoment(*json);
   if (kind != "resync")
-    return Fail("the kind of a message must be want, ack or resync, found " +
+    return Fail("the kind of a message must be want, ack or resync" +
+                std::string(limits_.has_moments ? ", or moment" : "") + ", found " +
                 DescribeJson((*json)["kind"]));
   if (now < next_resync_) return {};
   next_resync_ = now + kResyncPeriod;
@@ -115,8 +127,9 @@ Result<void> ClientFeed::ReadAck(const nlohmann::json& json) {
 }
 
 Result<void> ClientFeed::ReadWant(const nlohmann::json& json) {
-  if (!ReadFlag(json, "mesh", &wants_mesh_) || !ReadFlag(json, "processes", &wants_processes_))
-    return Fail("want: mesh and processes must be true or false");
+  if (!ReadFlag(json, "mesh", &wants_mesh_) || !ReadFlag(json, "processes", &wants_processes_) ||
+      !ReadFlag(json, "batches", &wants_batches_))
+    return Fail("want: mesh, processes and batches must be true or false");
   if (json.contains("pictures")) {
     Result<std::set<int>> cameras = ReadCameras(json["pictures"]);
     if (!cameras) return tl::unexpected(cameras.error());
@@ -130,15 +143,23 @@ Result<void> ClientFeed::ReadWant(const nlohmann::json& json) {
   return {};
 }
 
+Result<void> ClientFeed::ReadMoment(const nlohmann::json& json) {
+  const bool newest = json.contains("frames") && json["frames"].is_null();
+  if (!newest && (!json.contains("frames") || !json["frames"].is_number_integer()))
+    return Fail("moment: frames must be a whole number, or null for the newest moment");
+  moment_wanted_ = newest ? kNewestMoment : json["frames"].get<int64_t>();
+  return {};
+}
+
 std::optional<OutFrame> ClientFeed::Next(double now) {
   if (!wants_mesh_ || waiting() == 0) text_debt_ = 0;
   if (auto text = NextText(now)) return text;
-  if (allowance_ <= 0 || unacknowledged() >= kMostUnacknowledged) return std::nullopt;
+  if (allowance_ <= 0 || unacknowledged() >= limits_.most_unacknowledged) return std::nullopt;
   if (auto path = NextPath()) return path;
   if (auto picture = NextPicture()) return picture;
   if (!wants_mesh_) return std::nullopt;
   FollowCentre(now);
-  return NextBlock();
+  return NextBlocks();
 }
 
 // Sorting all that waits is expensive, and a page may move its centre often.
@@ -212,16 +233,32 @@ std::optional<OutFrame> ClientFeed::NextPicture() {
   return std::nullopt;
 }
 
-std::optional<OutFrame> ClientFeed::NextBlock() {
+std::optional<OutFrame> ClientFeed::NextBlocks() {
+  FrameBytes first = NextBlock();
+  if (first == nullptr) return std::nullopt;
+  if (!wants_batches_) return Count(std::move(first));
+  const auto most = static_cast<size_t>(std::min<double>(allowance_, kBatchBytes));
+  size_t bytes = first->size();
+  std::vector<FrameBytes> blocks{std::move(first)};
+  while (bytes < most) {
+    FrameBytes next = NextBlock();
+    if (next == nullptr) break;
+    bytes += next->size();
+    blocks.push_back(std::move(next));
+  }
+  if (blocks.size() == 1) return Count(std::move(blocks.front()));
+  return Count(std::make_shared<const std::vector<uint8_t>>(EncodeBlockBatch(blocks)));
+}
+
+FrameBytes ClientFeed::NextBlock() {
   if (batch_.empty()) FillBatch();
-  if (batch_.empty()) return std::nullopt;
+  if (batch_.empty()) return nullptr;
   const BlockIndex index = batch_.back();
   batch_.pop_back();
   dirty_.erase(index);  // it may have changed again since the batch was filled
-  const MapCopy::Held* held = map_->Find(index);
-  if (held != nullptr) return Count(held->bytes);
-  return Count(std::make_shared<const std::vector<uint8_t>>(
-      EncodeDeletedBlock(index, map_->block_edge_m(), map_->position().revision)));
+  if (FrameBytes bytes = surface_->BytesOf(index)) return bytes;
+  return std::make_shared<const std::vector<uint8_t>>(
+      EncodeDeletedBlock(index, surface_->block_edge_m(), surface_->revision()));
 }
 
 // The nearest block comes last in the batch. Blocks that change later wait for the next batch, so
@@ -230,7 +267,7 @@ void ClientFeed::FillBatch() {
   batch_.assign(dirty_.begin(), dirty_.end());
   dirty_.clear();
   sorted_centre_W_ = centre_W_;
-  const double edge = std::max(map_->block_edge_m(), 1e-3);
+  const double edge = std::max(surface_->block_edge_m(), 1e-3);
   const Eigen::Vector3d centre =
       centre_W_ ? Eigen::Vector3d(*centre_W_ / edge) : Eigen::Vector3d::Zero();
   const auto distance = [&](const BlockIndex& b) {

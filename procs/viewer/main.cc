@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "settings/settings.h"
+#include "viewer/log_viewer.h"
 #include "viewer/viewer.h"
 
 namespace {
@@ -22,6 +23,28 @@ std::string FindPage(const std::string& configured) {
       .string();
 }
 
+void TellAddress(const std::string& page, const std::string& address) {
+  if (!std::filesystem::exists(std::filesystem::path(page) / "index.html"))
+    LogWarning("there is no page in " + page + "; scripts/page builds it");
+  LogInfo("the page is at " + address);
+  std::printf("%s\n", address.c_str());
+  std::fflush(stdout);
+}
+
+Outcome ServeLog(const ProcessContext& context, const VismapConfig& config,
+                 const std::string& path) {
+  const Result<std::unique_ptr<LogSource>> source = LogSource::Open(path, config);
+  if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
+  const std::string page = FindPage(config.viewer.page_folder);
+  LogViewer viewer(config.viewer, config.free_space, page, source->get());
+  if (const Result<void> listening = viewer.Listen(); !listening)
+    return ExitWith(ExitCode::kUsage, listening.error().message);
+  TellAddress(page, viewer.address());
+  (*source)->Start();
+  viewer.Run(context.stop);
+  return {};
+}
+
 Outcome Serve(ProcessContext& context, const VismapConfig& config) {
   const std::string page = FindPage(config.viewer.page_folder);
   BusOptions pictures{context.options.lcm_url, context.options.name + "-pictures", 0, &context.stop,
@@ -29,11 +52,7 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
   MapViewer viewer(config.viewer, std::move(pictures), page, context.bus, context.status);
   if (const Result<void> listening = viewer.Listen(); !listening)
     return ExitWith(ExitCode::kUsage, listening.error().message);
-  if (!std::filesystem::exists(std::filesystem::path(page) / "index.html"))
-    LogWarning("there is no page in " + page + "; scripts/page builds it");
-  LogInfo("the page is at " + viewer.address());
-  std::printf("%s\n", viewer.address().c_str());
-  std::fflush(stdout);
+  TellAddress(page, viewer.address());
   context.status->Set(ProcessState::kReady);
   viewer.Run(context.stop);
   return {};
@@ -43,11 +62,13 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
 
 int main(int argc, char** argv) {
   VismapConfig config;
+  std::string log;
+  ThreadOption threads;
   ProcessSpec spec;
   spec.name = "viewer";
   spec.summary =
       "Serves a web page that shows the live map: surface, objects, free space, cameras, "
-      "processes.";
+      "processes; or the map of a log as it was at any moment.";
   spec.add_options = [&](CommandLine& line) {
     line.Option("--bind", &config.viewer.listen,
                 "ADDRESS:PORT for browsers; 127.0.0.1 = this computer alone, 0.0.0.0 = all "
@@ -56,8 +77,19 @@ int main(int argc, char** argv) {
     line.Option("--max-clients", &config.viewer.max_clients,
                 "Pages that may be connected at the same time")
         .AtLeast(1);
+    line.Option("--log", &log,
+                "Log of LCM messages, or another sequence that vismap-offline-mapper can map: it "
+                "is mapped without a bus, and the page has a timeline");
+    threads.AddTo(line);
   };
   UseConfig(&config, &spec);
-  spec.run = [&](ProcessContext& context) { return Serve(context, config); };
+  spec.prepare = [&]() -> Outcome {
+    spec.joins_bus = log.empty();
+    return {};
+  };
+  spec.run = [&](ProcessContext& context) {
+    const std::unique_ptr<ThreadLimit> limit = threads.Limit();
+    return log.empty() ? Serve(context, config) : ServeLog(context, config, log);
+  };
   return RunProcess(argc, argv, spec);
 }

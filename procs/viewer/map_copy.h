@@ -8,23 +8,16 @@
 #include <vismap/mesh_delta_t.hpp>
 
 #include "viewer/object_mask.h"
-#include "viewer/page_messages.h"
+#include "viewer/surface_view.h"
 #include "wire/update_sequence.h"
 
 namespace vismap {
-
-/// The blocks of a MapCopy that changed.
-struct SurfaceChanges {
-  bool reset = false;  ///< another map: all blocks that a page has are wrong
-  std::vector<BlockIndex>
-      blocks;  ///< changed, new or gone, ascending; of the new map after a reset
-};
 
 /// A copy of the surface of the server's map, from its MESH_DELTA updates, as the page gets it:
 /// each block is encoded once, whatever the number of pages. Like MeshFollower, it detects missing
 /// updates and is bounded in memory. A snapshot of the same map changes only the blocks that
 /// differ.
-class MapCopy {
+class MapCopy : public SurfaceView {
  public:
   struct Held {
     FrameBytes bytes;   ///< see EncodePageBlock
@@ -47,16 +40,20 @@ class MapCopy {
 
   /// nullptr when the block has no surface.
   const Held* Find(BlockIndex index) const;
-  /// All blocks with a surface, ascending.
-  std::vector<BlockIndex> SortedIndices() const;
+  FrameBytes BytesOf(BlockIndex index) override {
+    const Held* held = Find(index);
+    return held == nullptr ? nullptr : held->bytes;
+  }
+  std::vector<BlockIndex> SortedIndices() const override;
   /// All blocks with a surface, in any order.
   std::vector<SurfaceBlock> Blocks() const;
   /// Without age_s and voxel_size_m.
   MapSummary Summary() const;
   bool in_sync() const { return sequence_.in_sync(); }
   const FollowerPosition& position() const { return sequence_.position(); }
-  int64_t gaps() const { return sequence_.gaps(); }      ///< how often an update was missing
-  double block_edge_m() const { return block_edge_m_; }  ///< 0 = no block yet
+  int64_t gaps() const { return sequence_.gaps(); }  ///< how often an update was missing
+  double block_edge_m() const override { return block_edge_m_; }
+  int64_t revision() const override { return position().revision; }
   /// Memory of the copy and of the parts that wait [bytes], about.
   size_t bytes() const { return sequence_.staged_bytes() + held_bytes(); }
 

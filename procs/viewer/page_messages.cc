@@ -13,7 +13,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 using PageJson = nlohmann::ordered_json;
 
-constexpr uint8_t kBlockKind = 1, kPictureKind = 2;
+constexpr uint8_t kBlockKind = 1, kPictureKind = 2, kBatchKind = 3;
 constexpr uint16_t kWideIndices = 1;    // flag
 constexpr int32_t kMostNarrow = 65535;  // vertices whose indices fit into 16 bits
 constexpr int kClasses = 91;            // of COCO
@@ -127,6 +127,7 @@ PageJson CameraJson(const CameraView& view) {
   json["picture"] = view.picture;
   json["had_detections"] = view.had_detections;
   json["n_detections"] = view.detections;
+  if (view.positions >= 0) json["positions"] = view.positions;
   return json;
 }
 
@@ -156,9 +157,26 @@ std::vector<uint8_t> EncodeDeletedBlock(BlockIndex index, double edge_m, int64_t
   return bytes;
 }
 
-std::string HelloText(const std::string& version, const std::string& source) {
+std::vector<uint8_t> EncodeBlockBatch(std::span<const FrameBytes> blocks) {
+  std::vector<uint8_t> bytes;
+  size_t size = 8;
+  for (const FrameBytes& block : blocks) size += 4 + block->size();
+  bytes.reserve(size);
+  Put(kBatchKind, &bytes);
+  Put(uint8_t{0}, &bytes);
+  Put(uint16_t{0}, &bytes);
+  Put(static_cast<uint32_t>(blocks.size()), &bytes);
+  for (const FrameBytes& block : blocks) {
+    Put(static_cast<uint32_t>(block->size()), &bytes);
+    bytes.insert(bytes.end(), block->begin(), block->end());
+  }
+  return bytes;
+}
+
+std::string HelloText(const std::string& version, const std::string& source,
+                      const std::string& mode) {
   PageJson json{{"kind", "hello"}, {"protocol", 1},    {"version", version},
-                {"mode", "live"},  {"control", false}, {"source", source}};
+                {"mode", mode},    {"control", false}, {"source", source}};
   for (int id = 1; id < kClasses; ++id) {
     const ClassId class_id{static_cast<uint16_t>(id)};
     json["class_names"][std::to_string(id)] = ClassName(class_id);

@@ -30,6 +30,9 @@ std::vector<uint8_t> EncodePageBlock(const mesh_block_t& block, uint64_t hash, i
 /// The same for a block that no longer has a surface.
 std::vector<uint8_t> EncodeDeletedBlock(BlockIndex index, double edge_m, int64_t revision);
 inline constexpr size_t kPageBlockHeader = 48;  // [bytes]
+/// Several blocks in one message, kind 3: u8 kind, u8 0, u16 0, u32 number of blocks; then for each
+/// block u32 size and its bytes, which are a multiple of 4.
+std::vector<uint8_t> EncodeBlockBatch(std::span<const FrameBytes> blocks);
 
 /// The map as a whole, see MapText.
 struct MapSummary {
@@ -46,7 +49,9 @@ struct MapSummary {
   int64_t server_start_utime = 0;        ///< when the map server was started [us]; 0 = not known
 };
 
-std::string HelloText(const std::string& version, const std::string& source);
+/// `mode`: "live" or "log".
+std::string HelloText(const std::string& version, const std::string& source,
+                      const std::string& mode = "live");
 /// `waiting`: blocks that this page does not have yet. `reset`: it must forget all blocks.
 std::string MapText(const MapSummary& map, size_t waiting, bool reset);
 std::string ObjectsText(const object_list_t& objects);
@@ -62,6 +67,7 @@ struct CameraView {
   int64_t picture = 0;  ///< number of its newest picture; 0 = none
   bool had_detections = false;
   size_t detections = 0;
+  int64_t positions = -1;  ///< of its path that belong to what is shown; -1 = all
 };
 std::string CamerasText(std::span<const CameraView> cameras);
 

@@ -510,6 +510,7 @@ void WebServer::Impl::Tick() {
 // open its own at any time.
 void WebServer::Impl::WatchBus() {
   bus_descriptors_.clear();
+  if (bus_ == nullptr) return;
   for (const int descriptor : bus_->FileDescriptors()) {
     const int copy = dup(descriptor);
     if (copy < 0) continue;  // the tick handles messages, too
@@ -522,6 +523,7 @@ void WebServer::Impl::WatchBus() {
 }
 
 void WebServer::Impl::HandleBus() {
+  if (bus_ == nullptr) return;
   bus_descriptors_.clear();
   if (bus_->Spin(0)) {
     // Browsers get their turn between two rounds of messages.

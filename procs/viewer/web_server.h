@@ -64,7 +64,8 @@ class WebServer {
 
   /// Asks for the next message of all pages to which none is on its way.
   void Wake();
-  /// Serves, and handles the messages of the bus, until stop is requested.
+  /// Serves, and handles the messages of the bus, until stop is requested. `bus` = nullptr: there
+  /// is none.
   void Run(Bus* bus, const StopSignal& stop);
 
  private:

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "viewer/map_copy.h"
 #include "viewer/mesh_messages.h"
 #include "wire/mesh_follower.h"
 
@@ -55,8 +56,7 @@ struct PageModel {
 };
 
 struct Feed {
-  explicit Feed(const MapCopy* map, const Board* board)
-      : feed(map, board, "{\"kind\":\"hello\"}") {}
+  explicit Feed(MapCopy* map, const Board* board) : feed(map, board, "{\"kind\":\"hello\"}") {}
   // Takes at most `most` messages, and acknowledges all of them.
   int Drain(double now, int most = 1 << 30) {
     int taken = 0;
@@ -202,8 +202,8 @@ TEST_F(ClientFeedTest, PageThatDoesNotAcknowledgeGetsNoMoreSurface) {
     feed.feed.Allow(1e6);
     if (const auto frame = feed.feed.Next(0.1 * i)) page.Take(*frame);
   }
-  EXPECT_GE(page.binary_bytes, ClientFeed::kMostUnacknowledged);
-  EXPECT_LT(page.binary_bytes, ClientFeed::kMostUnacknowledged + 1000000);
+  EXPECT_GE(page.binary_bytes, FeedLimits{}.most_unacknowledged);
+  EXPECT_LT(page.binary_bytes, FeedLimits{}.most_unacknowledged + 1000000);
   EXPECT_GT(page.texts.size(), 90u);  // it still learns what happens
   EXPECT_TRUE(feed.feed.OnText("{\"kind\":\"ack\",\"bytes\":9000000000}", 2000));
   EXPECT_EQ(feed.feed.unacknowledged(), 0);
@@ -332,6 +332,56 @@ TEST_F(ClientFeedTest, WrongMessagesEndTheConnectionWithAReason) {
     ASSERT_FALSE(handled) << text;
     EXPECT_THAT(handled.error().message, HasSubstr(reason)) << text;
   }
+}
+
+TEST_F(ClientFeedTest, PageThatWantsBatchesGetsSeveralBlocksInOneMessage) {
+  Apply(SomeUpdate("a", -1, 1, {SomeBlock(0, 0, 0, 1), SomeBlock(1, 0, 0, 2)}));
+  Feed feed(&map, &board);
+  ASSERT_TRUE(feed.feed.OnText("{\"kind\":\"want\",\"batches\":true}", 0));
+  feed.feed.Allow(1e6);
+  ASSERT_TRUE(feed.feed.Next(0)->is_text);  // hello
+  ASSERT_TRUE(feed.feed.Next(0)->is_text);  // map
+  const std::optional<OutFrame> frame = feed.feed.Next(0);
+  ASSERT_TRUE(frame);
+  const std::vector<uint8_t>& bytes = *frame->bytes;
+  const std::vector<uint8_t>& first = *map.Find({0, 0, 0})->bytes;
+  const std::vector<uint8_t>& second = *map.Find({1, 0, 0})->bytes;
+  ASSERT_EQ(bytes.size(), 8 + 4 + first.size() + 4 + second.size());
+  EXPECT_THAT(std::vector<uint8_t>(bytes.begin(), bytes.begin() + 8),
+              testing::ElementsAre(3, 0, 0, 0, 2, 0, 0, 0));
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), bytes.begin() + 12));
+  EXPECT_TRUE(std::equal(second.rbegin(), second.rend(), bytes.rbegin()));
+  EXPECT_EQ(feed.feed.unacknowledged(), static_cast<int64_t>(bytes.size()));
+  EXPECT_FALSE(feed.feed.Next(0));
+}
+
+TEST_F(ClientFeedTest, MomentsAreForPagesOfLogsOnly) {
+  Feed live(&map, &board);
+  EXPECT_FALSE(live.feed.OnText("{\"kind\":\"moment\",\"frames\":3}", 0));
+  ClientFeed log(&map, &board, "{}", {1e6, 1000, true});
+  EXPECT_FALSE(log.TakeMoment());
+  ASSERT_TRUE(log.OnText("{\"kind\":\"moment\",\"frames\":3}", 0));
+  EXPECT_EQ(log.TakeMoment(), 3);
+  EXPECT_FALSE(log.TakeMoment()) << "asked once";
+  ASSERT_TRUE(log.OnText("{\"kind\":\"moment\",\"frames\":null}", 0));
+  EXPECT_EQ(log.TakeMoment(), ClientFeed::kNewestMoment);
+  for (const char* wrong : {"{\"kind\":\"moment\"}", "{\"kind\":\"moment\",\"frames\":\"3\"}",
+                            "{\"kind\":\"moment\",\"frames\":1.5}"}) {
+    const Result<void> handled = log.OnText(wrong, 0);
+    ASSERT_FALSE(handled) << wrong;
+    EXPECT_THAT(handled.error().message, HasSubstr("whole number"));
+  }
+}
+
+TEST_F(ClientFeedTest, WhatAPageLacksReplacesWhatItLackedBefore) {
+  Apply(SomeUpdate("a", -1, 1, {SomeBlock(0, 0, 0, 1), SomeBlock(1, 0, 0, 2)}));
+  Feed feed(&map, &board);
+  EXPECT_EQ(feed.feed.waiting(), 2u);
+  feed.feed.SetLacking({{1, 0, 0}});
+  EXPECT_EQ(feed.feed.waiting(), 1u);
+  feed.Drain(0);
+  EXPECT_EQ(feed.page.blocks.size(), 1u);
+  EXPECT_TRUE(feed.page.blocks.contains({1, 0, 0}));
 }
 
 TEST_F(ClientFeedTest, FastPageMayAcknowledgeAsOftenAsItHasTo) {

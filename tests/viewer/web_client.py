@@ -148,19 +148,29 @@ class Page:
         if self.bytes - self.acknowledged > 1 << 18:
             self.acknowledged = self.bytes
             self.socket.send_json({"kind": "ack", "bytes": self.bytes})
-        if payload[0] == 1:
-            flags, i, j, k, edge, revision, vertices, triangles, digest = struct.unpack_from("<xxHiiifIIIQ", payload)
-            size = 48 + 24 * vertices + (2 * vertices + 3) // 4 * 4
-            size += ((12 if flags & 1 else 6) * triangles + 3) // 4 * 4
-            assert edge > 0, "a block without its size"
-            assert len(payload) == (size if vertices else 48), (len(payload), size)
-            if vertices:
-                self.blocks[i, j, k] = (digest, triangles)
-            else:
-                self.blocks.pop((i, j, k), None)
+        if payload[0] == 3:
+            at = 8
+            for _ in range(struct.unpack_from("<I", payload, 4)[0]):
+                size = struct.unpack_from("<I", payload, at)[0]
+                self._take_block(payload[at + 4:at + 4 + size])
+                at += 4 + size
+            assert at == len(payload)
+        elif payload[0] == 1:
+            self._take_block(payload)
         elif payload[0] == 2:
             size = struct.unpack_from("<I", payload, 4)[0]
             self.pictures[payload[1]] = (json.loads(payload[8:8 + size]), payload[8 + size:])
+
+    def _take_block(self, payload):
+        flags, i, j, k, edge, revision, vertices, triangles, digest = struct.unpack_from("<xxHiiifIIIQ", payload)
+        size = 48 + 24 * vertices + (2 * vertices + 3) // 4 * 4
+        size += ((12 if flags & 1 else 6) * triangles + 3) // 4 * 4
+        assert edge > 0, "a block without its size"
+        assert len(payload) == (size if vertices else 48), (len(payload), size)
+        if vertices:
+            self.blocks[i, j, k] = (digest, triangles)
+        else:
+            self.blocks.pop((i, j, k), None)
 
     def digest(self):
         return f"{sum(digest for digest, _ in self.blocks.values()) % 2**64:016x}"

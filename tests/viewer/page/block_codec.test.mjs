@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 import { arrayBuffer, blockBytes, pictureBytes, vertex } from "./page_bytes.mjs";
 
-const { decodeBlock, positionsInto, decodePicture } = await load("block_codec", "picture_codec");
+const { blocksOfBatch, decodeBlock, positionsInto, decodePicture } = await load("block_codec", "picture_codec");
 
 const triangle = {
   index: [-2, 0, 3],
@@ -96,4 +96,28 @@ test("The block that the viewer's own test writes is decoded", async () => {
     assert.deepEqual([...block.colours.subarray(4 * v, 4 * v + 4)], [10 + v, 20, 30, 200 + v]);
     assert.deepEqual([block.segments[v], block.instances[v], block.classes[v]], [100000 + v, 7, 62]);
   }
+});
+
+function batchOf(...blocks) {
+  const parts = [Buffer.from([3, 0, 0, 0, blocks.length, 0, 0, 0])];
+  for (const block of blocks) {
+    const size = Buffer.alloc(4);
+    size.writeUInt32LE(block.length);
+    parts.push(size, block);
+  }
+  return Buffer.concat(parts);
+}
+
+test("Several blocks of one message are as if each had come alone, in memory of their own", () => {
+  const [first, second] = [blockBytes(triangle), blockBytes({ ...triangle, index: [1, 1, 1], wide: true })];
+  const blocks = [...blocksOfBatch(arrayBuffer(batchOf(first, second)))];
+  assert.deepEqual(blocks, [decodeBlock(arrayBuffer(first)), decodeBlock(arrayBuffer(second))]);
+  assert.equal(blocks[0].positions.buffer.byteLength, first.length);
+  assert.deepEqual([...blocksOfBatch(arrayBuffer(batchOf()))], []);
+});
+
+test("A message of several blocks that is too short or too long is an error", () => {
+  const whole = batchOf(blockBytes(triangle), blockBytes(triangle));
+  for (const wrong of [whole.subarray(0, 5), whole.subarray(0, whole.length - 4), Buffer.concat([whole, Buffer.alloc(4)])])
+    assert.throws(() => [...blocksOfBatch(arrayBuffer(wrong))], /wrong size/);
 });

@@ -123,6 +123,36 @@ test("A growing and shrinking map: counts and digest follow", async () => {
   assert.equal(map.blocks.size, 100);
 });
 
+test("A paused page stays as it is and says what it lacks, until it goes on", async () => {
+  const { map } = mock;
+  const before = await state("blocks");
+  await page.keyboard.press("Space");
+  assert.equal(await page.textContent("#pause"), "Continue");
+  const was = map.revision;
+  map.revision = was + 2;
+  map.remove([0, 0, 1]);
+  map.remove([-5, -5, 0]);
+  await page.waitForFunction(() => document.querySelector("#behind").textContent === "paused, 2 updates behind", null, kWait);
+  await page.waitForTimeout(500);
+  assert.equal(await state("blocks"), before);
+  assert.equal(await state("revision"), was);
+  await page.click("#pause");
+  await complete();
+  assert.equal(await page.isVisible("#behind"), false);
+  assert.equal((await state("received")).resyncs, 0);
+});
+
+test("A paused page whose connection is lost has the right map when it goes on", async () => {
+  await page.click("#pause");
+  mock.dropClients();
+  mock.map.revision += 1;
+  mock.map.remove([0, 0, 1]);
+  await page.waitForFunction(() => document.querySelector("#banners").textContent.includes("is back"), null, kWait);
+  await page.waitForTimeout(1500);
+  await page.click("#pause");
+  await complete();
+});
+
 test("An object is picked by its pixel: selected, boxed with its sizes, with a link to its PLY, and put aside by Escape", async () => {
   await clickAt(0.2, 0.2, 0.6);
   assert.equal(await state("selected"), "7");

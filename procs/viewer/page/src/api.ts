@@ -5,7 +5,24 @@ export type Answer<T> = { value: T; error: null } | { value: null; error: string
 
 const kPatience = 15000; // [ms]
 
-async function get<T>(path: string, read: (response: Response) => Promise<T>): Promise<Answer<T>> {
+let frames: number | null = null; // of the moment of a log that is shown; null = there is no log
+
+/** Questions are about the map after so many frames of a log from now on. */
+export function askAbout(moment: number): void {
+  frames = moment;
+}
+
+/** Whether the page shows a log. */
+export function isLog(): boolean {
+  return frames !== null;
+}
+
+function atMoment(path: string): string {
+  return frames === null ? path : `${path}${path.includes("?") ? "&" : "?"}frames=${frames}`;
+}
+
+async function get<T>(question: string, read: (response: Response) => Promise<T>): Promise<Answer<T>> {
+  const path = atMoment(question);
   try {
     const response = await fetch(path, { signal: AbortSignal.timeout(kPatience), cache: "no-store" });
     if (response.ok) return { value: await read(response), error: null };

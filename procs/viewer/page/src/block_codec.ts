@@ -19,6 +19,7 @@ export interface Block {
 }
 
 export const kBlockKind = 1;
+export const kBatchKind = 3;
 const kHeaderBytes = 48;
 const kMaxVertices = 1 << 24;
 
@@ -71,6 +72,20 @@ export function decodeBlock(bytes: ArrayBuffer): Block {
     if (vertex >= n) throw new Error(`A triangle of block ${block.key} names vertex ${vertex} of ${n}.`);
   }
   return block;
+}
+
+/** The blocks of a message that has several, each in memory of its own, so that none keeps the others'. */
+export function* blocksOfBatch(bytes: ArrayBuffer): Generator<Block> {
+  const view = new DataView(bytes);
+  const count = bytes.byteLength >= 8 ? view.getUint32(4, true) : -1;
+  let at = 8;
+  for (let i = 0; i < count; ++i) {
+    const size = at + 4 <= bytes.byteLength ? view.getUint32(at, true) : -1;
+    if (size < 0 || at + 4 + size > bytes.byteLength) break;
+    yield decodeBlock(bytes.slice(at + 4, at + 4 + size));
+    at += 4 + size;
+  }
+  if (count < 0 || at !== bytes.byteLength) throw new Error(`A message of ${bytes.byteLength} bytes with several blocks has a wrong size.`);
 }
 
 /** Writes the positions of a block's vertices [m] in W into `out` from number `from` on, three numbers each. */

@@ -11,6 +11,7 @@ class CameraMark {
   private readonly path: THREE.Line;
   private positions: number[] = [];
   private pose = "";
+  private count = -1; // positions of the path that are drawn; -1 = all
 
   constructor(id: number) {
     const [r, g, b] = colourOfId(3 * id + 2);
@@ -24,12 +25,15 @@ class CameraMark {
   }
 
   get length(): number {
-    return this.positions.length / 3;
+    return this.count < 0 ? this.positions.length / 3 : this.count;
   }
 
   setState(camera: CameraState): boolean {
     const pose = camera.pose.join();
-    if (pose === this.pose) return false;
+    const other = camera.positions !== this.count;
+    this.count = camera.positions;
+    this.cutPath();
+    if (pose === this.pose) return other;
     this.pose = pose;
     this.frustum.geometry.dispose();
     this.frustum.geometry = frustumOf(camera);
@@ -44,6 +48,11 @@ class CameraMark {
     this.path.geometry.dispose();
     this.path.geometry = new THREE.BufferGeometry();
     this.path.geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions, 3));
+    this.cutPath();
+  }
+
+  private cutPath(): void {
+    this.path.geometry.setDrawRange(0, this.count < 0 ? Infinity : this.count);
   }
 }
 
@@ -71,6 +80,9 @@ export class CameraScene {
   /** Takes the newest states; answers whether any camera has moved. */
   setCameras(cameras: CameraState[]): boolean {
     const moved = cameras.filter((camera) => this.mark(camera.id).setState(camera));
+    // At a moment of a log, a camera may not have taken a frame yet.
+    const known = new Set(cameras.map((camera) => camera.id));
+    for (const [id, mark] of this.marks) mark.group.visible = known.has(id);
     return moved.length > 0;
   }
 

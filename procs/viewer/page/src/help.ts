@@ -19,7 +19,7 @@ export function fillHelp(dialog: HTMLDialogElement, commands: Command[]): void {
   const close = el("button", { type: "button" }, "Close");
   close.addEventListener("click", () => dialog.close());
   const keys = commands.map((command) =>
-    el("tr", {}, el("th", { scope: "row" }, ...command.keys.flatMap((key) => [el("kbd", {}, key), " "])), el("td", {}, command.text)),
+    el("tr", {}, el("th", { scope: "row" }, ...command.keys.flatMap((key) => [el("kbd", {}, key === " " ? "Space" : key), " "])), el("td", {}, command.text)),
   );
   const pointer = kPointer.map(([what, text]) => el("tr", {}, el("th", { scope: "row" }, what), el("td", {}, text)));
   dialog.replaceChildren(
@@ -36,6 +36,8 @@ export function listenForKeys(commands: Command[]): void {
     if (document.querySelector("dialog[open]") && event.key !== "?") return; // the browser closes it at Escape
     const typing = event.target instanceof HTMLInputElement && event.target.type !== "range" && event.target.type !== "checkbox";
     if ((typing || event.target instanceof HTMLSelectElement) && event.key !== "Escape") return;
+    // Space on a button presses it.
+    if (event.key === " " && event.target instanceof Element && event.target.closest("button, summary, a, input, [role=tab]")) return;
     const command = commands.find((candidate) => candidate.keys.includes(event.key));
     if (!command) return;
     event.preventDefault();

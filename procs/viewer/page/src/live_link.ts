@@ -10,6 +10,7 @@ export interface LinkHandlers {
 const kFirstWait = 500; // [ms]
 const kLongestWait = 5000; // [ms]
 const kAckInterval = 100; // [ms]
+const kMomentInterval = 100; // [ms]
 const kWantInterval = 100; // [ms], since the server closes the connection at 50 messages per second
 
 export class LiveLink {
@@ -19,6 +20,9 @@ export class LiveLink {
   private bytes = 0;
   private ackTimer: ReturnType<typeof setTimeout> | null = null;
   private wantTimer: ReturnType<typeof setTimeout> | null = null;
+  private moment: number | null | undefined = undefined; // of a log; undefined = none was wanted yet
+  private sentMoment: number | null | undefined = undefined;
+  private momentTimer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(
     private readonly url: string,
@@ -49,6 +53,17 @@ export class LiveLink {
     }, kWantInterval);
   }
 
+  /** Says which moment of a log the page wants: the first wish at once, further ones now and then. */
+  setMoment(frames: number | null): void {
+    this.moment = frames;
+    if (this.momentTimer) return;
+    this.sendMoment();
+    this.momentTimer = setTimeout(() => {
+      this.momentTimer = null;
+      if (this.moment !== undefined && this.moment !== this.sentMoment) this.setMoment(this.moment);
+    }, kMomentInterval);
+  }
+
   resync(): void {
     this.send({ kind: "resync" });
   }
@@ -59,6 +74,12 @@ export class LiveLink {
     this.bytes = 0;
     this.handlers.onState("open", "");
     if (this.want) this.send({ kind: "want", ...this.want });
+    if (this.moment !== undefined) this.sendMoment();
+  }
+
+  private sendMoment(): void {
+    this.sentMoment = this.moment;
+    this.send({ kind: "moment", frames: this.moment });
   }
 
   private closed(event: CloseEvent): void {

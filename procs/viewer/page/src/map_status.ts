@@ -56,9 +56,13 @@ export class MapStatus {
     const silent = map.revision >= 0 && map.age > kOldMap;
     this.banners.hold("age", "warning", silent ? "The map server is silent; what you see may be old." : "");
     this.banners.hold("sync", "info", map.inSync || map.revision < 0 ? "" : "Updates of the map are missing; they were asked for.");
-    this.banners.hold("empty", "info", map.revision < 0 ? "There is no map yet: the viewer waits for the map server." : "");
+    this.banners.hold("empty", "info", map.revision < 0 ? this.isLog ? "No frame of the log is mapped yet." : "There is no map yet: the viewer waits for the map server." : "");
     setText(this.summary, summaryText(map, silent));
     return change;
+  }
+
+  get isLog(): boolean {
+    return this.hello?.mode === "log";
   }
 
   takeNavigation(message: NavigationMessage): void {

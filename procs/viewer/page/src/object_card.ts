@@ -1,4 +1,5 @@
 /** What is known of the selected object, with its PLY and the frames that it was seen in. */
+import { isLog } from "./api";
 import { css } from "./colours";
 import { count, el } from "./dom";
 import type { EvidenceStrip } from "./evidence_strip";
@@ -67,6 +68,6 @@ export class ObjectCard {
     fly.addEventListener("click", this.onFly);
     const file = `${object.name.replace(/\W+/g, "_")}_${object.id}.ply`;
     const ply = el("a", { href: `api/object/${encodeURIComponent(object.id)}.ply`, download: file }, "Download as PLY");
-    return el("div", { class: "row" }, fly, ply);
+    return el("div", { class: "row" }, fly, ...(isLog() ? [] : [ply])); // the viewer of a log has no PLY
   }
 }

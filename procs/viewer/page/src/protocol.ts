@@ -1,5 +1,6 @@
 /** The messages of vismap-viewer in text, as the page uses them. */
 import { asList, asNumber, asNumberOrNull, asNumbers, asObject, asText, asVector, isObject, type Json } from "./json";
+import { readTimeline, type TimelineMessage } from "./timeline_data";
 
 export interface HelloMessage {
   kind: "hello";
@@ -76,6 +77,7 @@ export interface CameraState {
   cy: number;
   picture: number; // revision of the newest picture, 0 = none
   detections: number | null; // in its newest frame; null = no detector looked
+  positions: number; // of its path that belong to what is shown; -1 = all
 }
 
 export interface CamerasMessage {
@@ -111,7 +113,8 @@ export type ServerMessage =
   | CamerasMessage
   | TrajectoryMessage
   | NoticeMessage
-  | NavigationMessage;
+  | NavigationMessage
+  | TimelineMessage;
 
 /** Reads a message; null when it is of a kind that this page does not know. Throws when it is no JSON object. */
 export function parseMessage(text: string): ServerMessage | null {
@@ -134,6 +137,8 @@ export function parseMessage(text: string): ServerMessage | null {
       return { kind: "notice", level: readLevel(json.level), text: asText(json.text), id: asText(json.id) };
     case "navigation":
       return { kind: "navigation", message: asText(json.message), inSync: json.in_sync !== false };
+    case "timeline":
+      return readTimeline(json);
     default:
       return null;
   }
@@ -213,6 +218,7 @@ function readCamera(value: unknown): CameraState[] {
       cy: asNumber(json.cy, 240),
       picture: asNumber(json.picture),
       detections: json.had_detections === true ? asNumber(json.n_detections) : null,
+      positions: asNumber(json.positions, -1),
     },
   ];
 }

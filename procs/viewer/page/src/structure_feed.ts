@@ -1,9 +1,10 @@
 /** Structure and the upward direction, which do not come over the bus: asked for now and then. */
-import { getJson } from "./api";
+import { getJson, isLog } from "./api";
 import { asList, asObject, asVector, isObject } from "./json";
 import { readObject, type MapObject } from "./objects";
 
 const kInterval = 30000; // [ms]
+const kLogInterval = 500; // [ms] of a log, whose viewer has the answers
 
 export class StructureFeed {
   private asked = -Infinity;
@@ -16,7 +17,7 @@ export class StructureFeed {
   /** Asks if the map has changed, the page is looked at, and the last time was long ago. */
   async refresh(revision: number): Promise<void> {
     const now = performance.now();
-    if (this.asking || revision < 0 || revision === this.revision || document.hidden || now - this.asked < kInterval) return;
+    if (this.asking || revision < 0 || revision === this.revision || document.hidden || now - this.asked < (isLog() ? kLogInterval : kInterval)) return;
     this.asking = true;
     this.asked = now;
     const map = this.map;

@@ -4,6 +4,7 @@ import type { Latency } from "./latency";
 import type { MapStatus } from "./map_status";
 import type { Selection } from "./selection";
 import type { Surface } from "./surface";
+import type { TimelineBar } from "./timeline_bar";
 import type { View } from "./view";
 import type { WorkerClient } from "./worker_client";
 
@@ -15,9 +16,10 @@ interface Parts {
   worker: WorkerClient;
   space: FreeSpacePanel;
   latency: Latency;
+  timeline: TimelineBar;
 }
 
-function snapshot({ view, surface, selection, status, worker, space, latency }: Parts): object {
+function snapshot({ view, surface, selection, status, worker, space, latency, timeline }: Parts): object {
   return {
     blocks: surface.blocks, // drawn
     triangles: surface.triangles,
@@ -31,6 +33,8 @@ function snapshot({ view, surface, selection, status, worker, space, latency }: 
     selected: selection.id,
     colouring: surface.colouring,
     latency: latency.summary(), // [ms] from the arrival of a block to its drawing
+    moment: { shown: timeline.watch.shown, isDone: timeline.watch.isDone, ...timeline.watch.summary() }, // [ms] from the wish to the drawing
+    goTo: (frames: number) => timeline.goTo(frames),
     renderCount: view.renderCount,
     drawCalls: view.drawCalls,
     pixelRatio: view.pixelRatio,

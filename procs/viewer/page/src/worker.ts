@@ -1,13 +1,16 @@
 /** The worker: receives, decodes and merges, so that the window only draws. */
-import { decodeBlock, kBlockKind } from "./block_codec";
+import { blocksOfBatch, decodeBlock, kBatchKind, kBlockKind, type Block } from "./block_codec";
 import { ChunkStore } from "./chunk_store";
+import { sameDigest } from "./digest";
+import { Hold } from "./hold";
 import { LiveLink } from "./live_link";
 import { decodePicture, kPictureKind } from "./picture_codec";
-import { parseMessage, type MapMessage } from "./protocol";
+import { parseMessage, type MapMessage, type ServerMessage } from "./protocol";
 import { Staleness } from "./staleness";
 import type { ToWindow, ToWorker } from "./worker_messages";
 
 const kMergeInterval = 120; // [ms] between two rounds of merging
+const kMomentInterval = 700; // [ms] the same while blocks of a moment of a log come: most chunks get several
 const kMostUntaken = 6; // chunks that the window has not taken yet
 
 const scope = self as unknown as {
@@ -22,6 +25,10 @@ let mapId = "";
 let untaken = 0;
 let resyncs = 0;
 let mergeTimer: ReturnType<typeof setTimeout> | null = null;
+let isLog = false;
+let server: MapMessage | null = null; // what it said last
+const hold = new Hold();
+let paused = false;
 
 function tell(message: ToWindow, transfer: Transferable[] = []): void {
   scope.postMessage(message, transfer);
@@ -61,7 +68,19 @@ function mergeSome(): void {
 }
 
 function mergeSoon(): void {
-  mergeTimer ??= setTimeout(mergeSome, kMergeInterval);
+  mergeTimer ??= setTimeout(mergeSome, isLog ? kMomentInterval : kMergeInterval);
+}
+
+/** Whether the page has all blocks that the server told of. */
+function isLevel(): boolean {
+  return server !== null && store.blockCount === server.blocks && sameDigest(store.digestText, server.digest);
+}
+
+/** When a moment of a log is complete, nothing is left to wait for. */
+function mergeWhenComplete(): void {
+  if (!isLog || !isLevel()) return mergeSoon();
+  if (mergeTimer) clearTimeout(mergeTimer);
+  mergeSome();
 }
 
 function takeMap(message: MapMessage): void {
@@ -70,6 +89,8 @@ function takeMap(message: MapMessage): void {
     mergeSoon();
   }
   mapId = message.mapId;
+  server = message;
+  if (isLog && store.dirtyCount > 0) mergeWhenComplete();
   if (staleness.check(Date.now(), { blocks: store.blockCount, digest: store.digestText }, message)) {
     ++resyncs;
     link?.resync();
@@ -79,16 +100,44 @@ function takeMap(message: MapMessage): void {
 function takeText(text: string): void {
   const message = parseMessage(text);
   if (!message) return;
+  if (message.kind === "hello") isLog = message.mode === "log";
+  if (paused && hold.keeps(message)) return tell({ kind: "held", updates: hold.behind });
+  takeMessage(message);
+}
+
+function takeMessage(message: ServerMessage): void {
   if (message.kind === "map") takeMap(message);
   tell({ kind: "message", message });
+}
+
+function takeBlock(block: Block): void {
+  if (paused) hold.keepBlock(block);
+  else store.put(block);
+}
+
+/** Holds what comes, or goes on with the newest of everything. */
+function setPaused(pause: boolean): void {
+  if (pause === paused) return;
+  paused = pause;
+  if (pause) return hold.begin(server?.revision ?? 0);
+  const { isReset, blocks, messages } = hold.release();
+  if (isReset) store.clear();
+  for (const block of blocks) store.put(block);
+  staleness.blockCame(Date.now());
+  for (const message of messages) takeMessage(message);
+  mergeSoon();
 }
 
 function takeBytes(bytes: ArrayBuffer): void {
   const kind = bytes.byteLength > 0 ? new Uint8Array(bytes)[0] : -1;
   if (kind === kBlockKind) {
-    store.put(decodeBlock(bytes));
+    takeBlock(decodeBlock(bytes));
     staleness.blockCame(Date.now());
-    mergeSoon();
+    mergeWhenComplete();
+  } else if (kind === kBatchKind) {
+    for (const block of blocksOfBatch(bytes)) takeBlock(block);
+    staleness.blockCame(Date.now());
+    mergeWhenComplete();
   } else if (kind === kPictureKind) {
     const picture = decodePicture(bytes);
     tell({ kind: "picture", picture }, [bytes]);
@@ -112,7 +161,9 @@ function connect(url: string): void {
     onBytes: guarded(takeBytes),
     onState: (state, text) => {
       if (state === "open") {
-        store.clear(); // the server sends all blocks to a new client
+        // The server sends all blocks to a new client.
+        if (paused) hold.reset();
+        else store.clear();
         mergeSoon();
       }
       tell({ kind: "link", state, text });
@@ -125,6 +176,8 @@ scope.onmessage = (event) => {
   const message = event.data;
   if (message.kind === "connect") connect(message.url);
   if (message.kind === "want") link?.setWant(message.want);
+  if (message.kind === "moment") link?.setMoment(message.frames);
+  if (message.kind === "pause") setPaused(message.paused);
   if (message.kind === "taken") {
     untaken -= message.count;
     if (store.dirtyCount > 0) mergeSoon();

@@ -4,7 +4,7 @@ import type { Received, ToWindow, ToWorker, Want } from "./worker_messages";
 export class WorkerClient {
   received: Received = { blocks: 0, triangles: 0, digest: "", waiting: 0, bytes: 0, resyncs: 0 };
   private readonly worker = new Worker("worker.js", { type: "module" });
-  private want: Want = { mesh: true, pictures: [], processes: true, centre: null };
+  private want: Want = { mesh: true, pictures: [], processes: true, centre: null, batches: true };
 
   constructor(take: (message: ToWindow) => void) {
     this.worker.onmessage = (event: MessageEvent<ToWindow>) => {
@@ -29,6 +29,16 @@ export class WorkerClient {
   setWant(change: Partial<Want>): void {
     this.want = { ...this.want, ...change };
     this.send({ kind: "want", want: this.want });
+  }
+
+  /** Wants a moment of a log; null = the newest one. */
+  setMoment(frames: number | null): void {
+    this.send({ kind: "moment", frames });
+  }
+
+  /** What comes waits while the page is paused. */
+  setPaused(paused: boolean): void {
+    this.send({ kind: "pause", paused });
   }
 
   private send(message: ToWorker): void {

@@ -9,6 +9,7 @@ export interface Want {
   pictures: number[]; // camera ids
   processes: boolean;
   centre: [number, number, number] | null; // blocks near it come first
+  batches: boolean; // several blocks may come in one message
 }
 
 export type LinkState = "connecting" | "open" | "closed";
@@ -30,9 +31,12 @@ export type ToWindow =
   | { kind: "drop"; key: string }
   | { kind: "received"; received: Received }
   | { kind: "picture"; picture: Picture }
+  | { kind: "held"; updates: number } // the page is paused, and lacks so many updates of the map
   | { kind: "problem"; text: string };
 
 export type ToWorker =
   | { kind: "connect"; url: string }
   | { kind: "want"; want: Want }
+  | { kind: "moment"; frames: number | null } // of a log; null = the newest one
+  | { kind: "pause"; paused: boolean }
   | { kind: "taken"; count: number }; // the window has taken so many chunks

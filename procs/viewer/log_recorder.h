@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/config.h"
+#include "freespace/occupancy_watch.h"
+#include "mapping/integrate.h"
+#include "objects/mesh_tracker.h"
+#include "objects/object_tracker.h"
+#include "session/map_session.h"
+#include "viewer/log_recording.h"
+
+namespace vismap {
+
+/// Writes into a recording what a map becomes while a log is mapped, see MapSequence.
+class LogRecorder {
+ public:
+  /// All must outlive it.
+  LogRecorder(const VismapConfig& config, const MapSession* session, LogRecording* recording);
+
+  /// A frame before it is mapped.
+  void OnSegmented(const SegmentedFrame& frame);
+  /// What it changed.
+  void OnMapped(const MapDelta& delta);
+  /// The log has ended: the last moment, with all objects measured anew.
+  void Finish();
+  /// Why nothing is recorded any more, a sentence; "" = it is.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  void AddMoment();
+  std::vector<RecordedBlock> SurfaceChanges();
+  std::vector<RecordedBlock> SpaceChanges();
+  void AddObjects(const std::vector<ObjectSummary>& objects, const UpDirection& up);
+  void AddMarks(const std::vector<ObjectSummary>& objects);
+  void AddCopyIfDue();
+  void Expect(const Result<void>& outcome);
+  const SemanticMap& map() const { return session_->map(); }
+
+  const VismapConfig& config_;
+  const MapSession* session_;
+  LogRecording* recording_;
+  MeshTracker mesh_;
+  ObjectTracker objects_;
+  OccupancyWatch space_;
+  CameraView view_;                  // of the frame that is being mapped
+  std::vector<uint8_t> picture_;     // of it
+  std::vector<BlockIndex> changed_;  // since the last moment
+  size_t changed_since_copy_ = 0;
+  int64_t recorded_ = 0;                        // frames of the last moment
+  int64_t objects_utime_ = INT64_MIN;           // of the last list
+  std::map<std::string, std::string> present_;  // objects in the last list: id and name
+  std::string failure_;
+};
+
+}  // namespace vismap

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "base/result.h"
+#include "config/config.h"
+#include "logs/recording.h"
+#include "sequence_mapper/sequence_input.h"
+#include "viewer/log_recording.h"
+
+namespace vismap {
+
+/// Maps a log, or another recorded sequence, in a thread of its own, as vismap-offline-mapper does,
+/// and records what the map becomes.
+class LogSource {
+ public:
+  /// Opens the log and its detections: see OpenRecording and OpenSequenceDetector. Fails when it
+  /// has no usable frame, and says which channels it has.
+  static Result<std::unique_ptr<LogSource>> Open(const std::string& path,
+                                                 const VismapConfig& config);
+  /// Ends the mapping.
+  ~LogSource();
+
+  void Start();
+  const LogRecording& recording() const { return *recorded_; }
+  const std::string& name() const { return name_; }
+
+ private:
+  LogSource(const VismapConfig& config, Recording log, SequenceDetector detector,
+            std::unique_ptr<LogRecording> recorded);
+  void Map();
+  void MapAll();
+
+  VismapConfig config_;
+  Recording log_;
+  SequenceDetector detector_;
+  std::unique_ptr<LogRecording> recorded_;
+  std::string name_;
+  RecordingState state_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace vismap
