@@ -42,16 +42,16 @@ class Mapper {
       : input_(input), options_(options), session_(*session), watch_(WatchInto(times)) {}
 
   Result<void> MapOne(size_t i) {
+    const FrameHeader header = input_.dataset.Header(i);
+    if (session_.Contains(header.camera_id, header.utime)) {
+      mapped_.left_out.Add("the map has a frame of its camera and utime already");
+      return {};
+    }
     Result<ReadyFrame> frame = watch_.Measure("reading", [&] {
       return ReadFrame(input_.dataset, i, options_.surface, &rectifier_, &mapped_.depth_losses);
     });
     if (!frame) {
       mapped_.left_out.Add(frame.error().message);
-      return {};
-    }
-    const FrameHeader header = frame->frame.header;
-    if (session_.Contains(header.camera_id, header.utime)) {
-      mapped_.left_out.Add("the map has a frame of its camera and utime already");
       return {};
     }
     if (!frame->frame.color_problem.empty()) mapped_.without_color.Add(frame->frame.color_problem);

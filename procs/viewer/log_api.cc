@@ -31,25 +31,25 @@ Result<int64_t> TakeFrames(HttpTarget* target) {
 
 }  // namespace
 
-HttpAnswer LogApi::Get(HttpTarget target) {
+void LogApi::Get(HttpTarget target, const WebHandler::Reply& reply) {
   const Result<int64_t> frames = TakeFrames(&target);
-  if (!frames) return ErrorAnswer(400, frames.error().message);
+  if (!frames) return reply(ErrorAnswer(400, frames.error().message));
   const std::string& path = target.path;
-  if (path == "/api/timeline") return JsonAnswer(TimelineText(*recording_));
+  if (path == "/api/timeline") return reply(JsonAnswer(TimelineText(*recording_)));
   const std::optional<Moment> moment = recording_->MomentAt(*frames);
-  if (!moment) return ErrorAnswer(503, "no frame of the log is mapped yet; try again");
+  if (!moment) return reply(ErrorAnswer(503, "no frame of the log is mapped yet; try again"));
   if (path == "/api/map") {
     PageMoment surface(recording_);
     surface.Show(*moment);
-    return JsonAnswer(MapText(surface.Summary(), 0, false));
+    return reply(JsonAnswer(MapText(surface.Summary(), 0, false)));
   }
-  if (path == "/api/objects") return GetObjects(moment->frames);
-  if (path == "/api/cell") return GetCell(target, moment->frames);
-  if (path == "/api/slice") return GetSlice(target, *moment);
-  return ErrorAnswer(404, "there is no '" + PrintableText(path, 100) +
-                              "' for a log; there are /api/timeline, /api/map, /api/objects, "
-                              "/api/slice?axis=z&at=1.0 and /api/cell?at=x,y,z, each of them with "
-                              "&frames=N for the map after so many frames");
+  if (path == "/api/objects") return reply(GetObjects(moment->frames));
+  if (path == "/api/cell") return GetCell(target, moment->frames, reply);
+  if (path == "/api/slice") return reply(GetSlice(target, *moment));
+  reply(ErrorAnswer(404, "there is no '" + PrintableText(path, 100) +
+                             "' for a log; there are /api/timeline, /api/map, /api/objects, "
+                             "/api/slice?axis=z&at=1.0 and /api/cell?at=x,y,z, each of them with "
+                             "&frames=N for the map after so many frames"));
 }
 
 HttpAnswer LogApi::GetObjects(int64_t frames) const {
@@ -59,17 +59,36 @@ HttpAnswer LogApi::GetObjects(int64_t frames) const {
   return JsonAnswer(*json);
 }
 
-HttpAnswer LogApi::GetCell(const HttpTarget& target, int64_t frames) const {
+void LogApi::GetCell(const HttpTarget& target, int64_t frames, const WebHandler::Reply& reply) {
   if (target.query.size() != 1 || !target.query.contains("at"))
-    return ErrorAnswer(400, "cell: say where with at=x,y,z [m]");
+    return reply(ErrorAnswer(400, "cell: say where with at=x,y,z [m]"));
   const Result<std::vector<double>> at = ReadNumbersOf("at", target.query.at("at"), 3);
-  if (!at) return ErrorAnswer(400, "cell: " + at.error().message);
-  const std::shared_ptr<const LoadedMap> copy = recording_->CopyAt(frames);
-  if (copy == nullptr) return ErrorAnswer(503, "too few frames are mapped yet; try again");
+  if (!at) return reply(ErrorAnswer(400, "cell: " + at.error().message));
+  if (recording_->CopyAt(frames) == nullptr)
+    return reply(ErrorAnswer(503, "too few frames are mapped yet; try again"));
+  const CellQuestion question{
+      {(*at)[0], (*at)[1], (*at)[2]}, frames, MonotonicSeconds() + kLongestWait, reply};
+  if (Answer(question)) return;
+  if (waiting_.size() >= kMostWaiting)
+    return reply(ErrorAnswer(429, "too many questions wait for maps that are being computed"));
+  waiting_.push_back(question);
+}
+
+bool LogApi::Answer(const CellQuestion& question) {
+  const std::shared_ptr<const LoadedMap> map = maps_.Get(question.frames);
+  if (map == nullptr && MonotonicSeconds() < question.give_up) return false;
+  if (map == nullptr) {
+    question.reply(ErrorAnswer(503, "the map at this moment is being computed; try again"));
+    return true;
+  }
   const Result<std::string> json =
-      ExplainCell(copy->map, copy->metadata, options_, {(*at)[0], (*at)[1], (*at)[2]}, ClassName);
-  if (!json) return ErrorAnswer(400, "cell: " + json.error().message);
-  return JsonAnswer(*json);
+      ExplainCell(map->map, map->metadata, options_, question.at_W, ClassName);
+  question.reply(json ? JsonAnswer(*json) : ErrorAnswer(400, "cell: " + json.error().message));
+  return true;
+}
+
+void LogApi::Poll() {
+  std::erase_if(waiting_, [this](const CellQuestion& question) { return Answer(question); });
 }
 
 HttpAnswer LogApi::GetSlice(const HttpTarget& target, const Moment& moment) {

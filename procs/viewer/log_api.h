@@ -7,21 +7,29 @@
 #include "freespace/occupancy.h"
 #include "viewer/http_rules.h"
 #include "viewer/log_recording.h"
+#include "viewer/moment_maps.h"
 #include "viewer/slice.h"
+#include "viewer/web_server.h"
 
 namespace vismap {
 
 /// Answers GET /api/... about a log at a moment: the argument frames=N, without it at the newest.
 class LogApi {
  public:
-  /// `recording` must outlive it.
-  LogApi(const LogRecording* recording, const OccupancyOptions& options)
-      : recording_(recording), options_(options) {}
-  HttpAnswer Get(HttpTarget target);
+  static constexpr double kLongestWait = 12;  ///< for a map that has to be computed [s]
+  static constexpr size_t kMostWaiting = 16;  ///< questions
+
+  /// `source` must outlive it.
+  LogApi(const LogSource* source, const OccupancyOptions& options)
+      : recording_(&source->recording()), options_(options), maps_(source) {}
+  /// `reply` is called once, now or by Poll.
+  void Get(HttpTarget target, const WebHandler::Reply& reply);
+  /// Answers what had to wait. To be called often.
+  void Poll();
 
  private:
   HttpAnswer GetObjects(int64_t frames) const;
-  HttpAnswer GetCell(const HttpTarget& target, int64_t frames) const;
+  void GetCell(const HttpTarget& target, int64_t frames, const WebHandler::Reply& reply);
   HttpAnswer GetSlice(const HttpTarget& target, const Moment& moment);
   Result<const OccupancyMap*> SpaceAt(const Moment& moment);
 
@@ -35,6 +43,15 @@ class LogApi {
     OccupancyMap map;
   };
   std::list<Space> spaces_;
+  MomentMaps maps_;
+  struct CellQuestion {
+    Eigen::Vector3d at_W;  // [m]
+    int64_t frames = 0;
+    double give_up = 0;  // MonotonicSeconds
+    WebHandler::Reply reply;
+  };
+  bool Answer(const CellQuestion& question);
+  std::list<CellQuestion> waiting_;
 };
 
 }  // namespace vismap

@@ -105,12 +105,32 @@ void LogSource::Map() {
   recorded_->SetState(state_);
 }
 
-void LogSource::MapAll() {
+MapMetadata LogSource::NewMetadata() const {
   MapMetadata metadata;
   metadata.map_id = recorded_->map_id();
   metadata.config = PrintConfig(config_);
   metadata.created_by = std::string("vismap-viewer ") + Version();
-  MapSession session(config_, std::move(metadata));
+  return metadata;
+}
+
+std::shared_ptr<const LoadedMap> LogSource::MapAfter(int64_t frames,
+                                                     const std::atomic<bool>* stop) const {
+  const std::shared_ptr<const LoadedMap> copy = recorded_->CopyAt(frames);
+  const bool begins = copy == nullptr || copy->map.revision > frames;
+  Result<MapSession> session =
+      begins ? MapSession(config_, NewMetadata()) : MapSession::Continue(config_, LoadedMap(*copy));
+  if (!session) return nullptr;
+  const OfflineInput input{*log_.dataset, detector_.recorded.get(), detector_.network.get()};
+  StageTimes times;
+  const auto proceed = [&](size_t) { return !*stop && session->map().revision < frames; };
+  // Frames that are in the copy are passed over without being read.
+  const auto mapped = MapSequence(input, config_, proceed, &*session, &times);
+  if (!mapped || session->map().revision != frames) return nullptr;
+  return std::make_shared<const LoadedMap>(LoadedMap{session->map(), session->metadata(), ""});
+}
+
+void LogSource::MapAll() {
+  MapSession session(config_, NewMetadata());
   LogRecorder recorder(config_, &session, recorded_.get());
   StageTimes times;
   Progress progress("mapping " + name_, state_.total);

@@ -29,7 +29,7 @@ LogViewer::LogViewer(const ViewerOptions& options, const OccupancyOptions& space
       page_folder_(std::move(page_folder)),
       source_(source),
       recording_(&source->recording()),
-      api_(recording_, space) {}
+      api_(source, space) {}
 
 Result<void> LogViewer::Listen() {
   Result<std::unique_ptr<WebServer>> server =
@@ -40,8 +40,8 @@ Result<void> LogViewer::Listen() {
 }
 
 void LogViewer::OnGet(const HttpTarget& target, Reply reply) {
-  reply(target.path.starts_with("/api/") ? api_.Get(target)
-                                         : ReadPageFile(page_folder_, target.path));
+  if (target.path.starts_with("/api/")) return api_.Get(target, reply);
+  reply(ReadPageFile(page_folder_, target.path));
 }
 
 void LogViewer::OnOpen(PageId page) {
@@ -124,6 +124,7 @@ void LogViewer::TellTimeline() {
 void LogViewer::OnTick() {
   const double now = MonotonicSeconds();
   TellTimeline();
+  api_.Poll();
   const std::optional<Moment> newest = recording_->Newest();
   for (auto& [id, page] : pages_) {
     page->feed.Allow(kMostAllowance);

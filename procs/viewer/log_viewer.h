@@ -59,8 +59,8 @@ class LogViewer : public WebHandler {
   std::string page_folder_;
   const LogSource* source_;
   const LogRecording* recording_;
+  std::unique_ptr<WebServer> server_;  // before what may keep its replies
   LogApi api_;
-  std::unique_ptr<WebServer> server_;
   std::map<PageId, std::unique_ptr<Page>> pages_;
   std::string timeline_;
   int64_t timeline_changes_ = -1;

@@ -70,7 +70,7 @@ class OfflineMaps:
     def map(self, log, frames):
         out = self.folder / f"map-{frames}"
         run(BIN / "vismap-offline-mapper", "--dataset", log, "--max-frames", frames, "--out", out)
-        return {"objects": json.loads((out / "objects.json").read_text())}
+        return {"objects": json.loads((out / "objects.json").read_text()), "map": self.folder / "maps" / f"after-{frames}.vismap"}
 
     def add_digests(self):
         processes = Processes(BIN, self.folder)
@@ -183,8 +183,13 @@ class MomentsTest(unittest.TestCase):
             self.assertEqual(status, 200, body)
             known.append(len([c for c in body[4 + struct.unpack_from("<I", body)[0]:] if c]))
         self.assertLess(known[0], known[1])
-        status, _, body = get(self.viewer.address, f"/api/cell?at=0,0,0.5&frames={FRAMES}")
-        self.assertEqual((status, json.loads(body)["revision"]), (200, FRAMES))
+        for frames in (6, 18, FRAMES):
+            status, _, body = get(self.viewer.address, f"/api/cell?at=0.1,0.2,0.72&frames={frames}")
+            self.assertEqual(status, 200, body)
+            offline = json.loads(run(BIN / "vismap-map", "cell", self.offline[frames]["map"], "--at", "0.1,0.2,0.72", "--json"))
+            answer = json.loads(body)
+            self.assertEqual(answer["revision"], frames)
+            self.assertEqual({k: v for k, v in answer.items() if k != "map_id"}, {k: v for k, v in offline.items() if k != "map_id"})
         said = json.loads(get(self.viewer.address, "/api/map?frames=13")[2])
         self.assertEqual((said["revision"], said["triangles"]), (13, self.offline[13]["triangles"]))
         for path, expected in (("/api/slice?axis=z&at=0&frames=x", 400), ("/api/cell?frames=3", 400), ("/api/object/1.ply", 404)):

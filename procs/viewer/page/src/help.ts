@@ -38,6 +38,8 @@ export function listenForKeys(commands: Command[]): void {
     if ((typing || event.target instanceof HTMLSelectElement) && event.key !== "Escape") return;
     // Space on a button presses it.
     if (event.key === " " && event.target instanceof Element && event.target.closest("button, summary, a, input, [role=tab]")) return;
+    // Home and End have their own meaning in lists and on other sliders.
+    if (/^(Home|End)$/.test(event.key) && event.target instanceof Element && !event.target.matches("body, canvas, #timeline *")) return;
     const command = commands.find((candidate) => candidate.keys.includes(event.key));
     if (!command) return;
     event.preventDefault();
