@@ -12,7 +12,7 @@ namespace vismap {
 namespace {
 
 constexpr int kMostColumns = 320;  // of the sampled segments
-constexpr int kPictureQuality = 75;
+constexpr int kRecordedQuality = 75;
 constexpr size_t kMostListed = 4096;  // segments
 using SegmentsJson = nlohmann::ordered_json;
 
@@ -79,7 +79,7 @@ std::vector<uint8_t> MakePicture(const SegmentedFrame& frame) {
       camera_id,
       PictureText(camera_id, header.utime, header.camera.width, header.camera.height, &frame.image,
                   frame.segments, colored ? "" : "the frame has no colour"),
-      colored ? EncodeJpeg(frame.frame.color, kPictureQuality) : std::vector<uint8_t>());
+      colored ? EncodeJpeg(frame.frame.color, kRecordedQuality) : std::vector<uint8_t>());
 }
 
 }  // namespace vismap

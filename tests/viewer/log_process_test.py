@@ -16,6 +16,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "python"), str(ROOT / "tests" / "viewer")]
 from support import DEADLINE, Processes, wait_until  # noqa: E402
+from viewer_process_test import Reader  # noqa: E402
 from web_client import Page, get  # noqa: E402
 
 BIN = None  # from the command line
@@ -100,8 +101,8 @@ class MomentsTest(unittest.TestCase):
         cls.log = make_log(folder / "room.lcmlog")
         cls.viewer = LogViewer(folder, cls.log)
         cls.addClassCleanup(cls.viewer.processes.stop_all)
-        cls.early = Page(cls.viewer.address)  # while the log is mapped
-        cls.addClassCleanup(cls.early.socket.close)
+        cls.early = Reader(Page(cls.viewer.address))  # while the log is mapped
+        cls.addClassCleanup(cls.early.stop)
         cls.timeline = cls.viewer.wait_until_mapped()
         (folder / "offline").mkdir()
         cls.offline = OfflineMaps(folder / "offline", cls.log).figures
@@ -126,9 +127,11 @@ class MomentsTest(unittest.TestCase):
             self.assertEqual(said["mesh_digest"], offline["digest"])
 
     def test_a_page_that_was_there_from_the_beginning_has_the_end(self):
-        self.early.run_until(lambda p: p.is_level() and p.texts["map"]["revision"] == FRAMES)
-        self.assertEqual(self.early.texts["hello"]["mode"], "log")
-        self.assertEqual(self.early.texts["map"]["mesh_digest"], self.offline[FRAMES]["digest"])
+        page = self.early.page
+        wait_until(lambda: self.early.failure or page.is_level() and page.texts["map"]["revision"] == FRAMES, "the end of the log")
+        self.assertIsNone(self.early.failure)
+        self.assertEqual(page.texts["hello"]["mode"], "log")
+        self.assertEqual(page.texts["map"]["mesh_digest"], self.offline[FRAMES]["digest"])
 
     def test_the_timeline_has_all_moments(self):
         self.assertEqual(self.timeline["frames"], list(range(1, FRAMES + 1)))
