@@ -1,10 +1,8 @@
 /** The page: makes its parts and leads messages from one to the other. */
-import { askAbout } from "./api";
 import { Banners } from "./banners";
 import { CameraPanel } from "./camera_panel";
 import { CameraScene, sightOf } from "./camera_scene";
 import { makeCommands, makeToggles } from "./commands";
-import { sameDigest } from "./digest";
 import { byId } from "./dom";
 import { EvidenceDialog } from "./evidence_dialog";
 import { EvidenceStrip } from "./evidence_strip";
@@ -22,11 +20,10 @@ import { detectionDelays } from "./process_summary";
 import type { MapMessage, ServerMessage } from "./protocol";
 import { Selection } from "./selection";
 import { SelectionBox } from "./selection_box";
-import { PauseButton } from "./pause_button";
 import { StructureFeed } from "./structure_feed";
 import { Surface } from "./surface";
 import { Tabs } from "./tabs";
-import { TimelineBar } from "./timeline_bar";
+import { TimeControls } from "./time_controls";
 import { publishForTests } from "./test_window";
 import { ThemeSwitch } from "./theme";
 import { View } from "./view";
@@ -52,8 +49,7 @@ const cameraPanel = new CameraPanel(byId("cameras", HTMLElement), {
   onWant: () => wantForTab(tabs.shown),
   lengthOf: (id) => cameras.lengthOf(id),
 });
-const timeline = new TimelineBar(byId("timeline", HTMLElement), (frames) => worker.setMoment(frames));
-const pauseButton = new PauseButton(byId("pause", HTMLButtonElement), byId("behind", HTMLElement), (paused) => worker.setPaused(paused));
+const time = new TimeControls(view, surface, status, () => worker);
 const processPanel = new ProcessPanel(byId("processes", HTMLElement));
 
 const filter = byId("filter", HTMLInputElement);
@@ -131,8 +127,8 @@ let shownRadius = 0;
 function keepInView(): void {
   if (view.touched || surface.bounds.isEmpty()) return;
   const radius = surface.bounds.min.distanceTo(surface.bounds.max) / 2;
-  if (Math.abs(radius - shownRadius) < 0.05 * shownRadius) return;
-  if (status.isLog && radius < shownRadius) return; // going back must not turn the view about
+  // Going back in a log must not turn the view about.
+  if (Math.abs(radius - shownRadius) < 0.05 * shownRadius || (status.isLog && radius < shownRadius)) return;
   const first = shownRadius === 0;
   shownRadius = radius;
   view.showAll(surface.bounds, first);
@@ -149,22 +145,18 @@ function takeMap(message: MapMessage): void {
     showObjects();
   }
   if (before && before.revision !== message.revision) refreshSlicesSoon();
-  if (status.isLog) {
-    askAbout(message.frames);
-    timeline.takeMap(message.frames);
-  }
+  time.takeMap(message);
   processPanel.setMemory(message.bytes);
   space.setVoxel(message.voxelSize);
   if (message.up) setUp(message.up);
   void structureFeed.refresh(message.revision);
-  checkMoment();
 }
 
 function takeMessage(message: ServerMessage): void {
   switch (message.kind) {
     case "hello":
       status.takeHello(message);
-      return message.mode === "log" ? showLog() : undefined;
+      return time.takeHello(message.mode);
     case "map":
       return takeMap(message);
     case "objects":
@@ -186,24 +178,8 @@ function takeMessage(message: ServerMessage): void {
       if (message.id === "") return banners.flash(message.level, message.text);
       return banners.hold(`notice ${message.id}`, message.level, message.text);
     case "timeline":
-      return timeline.take(message);
+      return time.bar.take(message);
   }
-}
-
-/** A log has a timeline, and no processes. */
-function showLog(): void {
-  timeline.show();
-  pauseButton.hide();
-  byId("tab-processes", HTMLButtonElement).hidden = true;
-}
-
-/** Whether exactly the map that the server told of is in the scene. */
-function checkMoment(): void {
-  const { map } = status;
-  const { received } = worker;
-  if (!map || !status.isLog) return;
-  const level = received.waiting === 0 && received.blocks === map.blocks && surface.blocks === map.blocks && sameDigest(received.digest, map.digest);
-  if (timeline.watch.has(map.frames, level)) view.invalidate();
 }
 
 function take(message: ToWindow): void {
@@ -223,9 +199,9 @@ function take(message: ToWindow): void {
       surface.drop(message.key);
       return view.surfaceChanged();
     case "held":
-      return pauseButton.takeBehind(message.updates);
+      return time.pause.takeBehind(message.updates);
     case "received":
-      return checkMoment();
+      return time.check();
     case "picture":
       return cameraPanel.takePicture(message.picture);
     case "problem":
@@ -237,7 +213,6 @@ function take(message: ToWindow): void {
 
 view.addDetailHandler((coarse) => surface.setCoarse(coarse));
 view.addAfterRender(() => latency.drawn(Date.now()));
-view.addAfterRender(() => timeline.watch.drawn(performance.now()));
 view.addAfterRender(() => box.place(view.camera, stage.clientWidth, stage.clientHeight));
 view.addClickHandler((ray) => {
   const hit = surface.pick(ray);
@@ -265,10 +240,8 @@ const toggles = makeToggles((both) => {
   surface.setBothSides(both);
   view.invalidate();
 });
-const commands = makeCommands({ view, surface, selection, tabs, space, theme, toggles, filter, help, setColouring, colouring,
-  togglePause: () => (status.isLog ? timeline.toggle() : pauseButton.toggle()),
-  ofTimeline: timeline.commands(),
-});
+const ofTime = { togglePause: () => time.toggle(), ofTimeline: time.commands };
+const commands = makeCommands({ view, surface, selection, tabs, space, theme, toggles, filter, help, setColouring, colouring, ...ofTime });
 fillHelp(help, commands);
 listenForKeys(commands);
 byId("help-button", HTMLButtonElement).addEventListener("click", () => help.showModal());
@@ -278,6 +251,6 @@ colouring.addEventListener("change", () => setColouring(colouring.value as Colou
 const worker = new WorkerClient(take);
 view.addMovedHandler(() => worker.setWant({ centre: view.target.toArray() }));
 if (!view.canDraw) banners.hold("webgl", "warning", "This browser has no WebGL 2, so there is no 3-D view. The lists work all the same.");
-publishForTests({ view, surface, selection, status, worker, space, latency, timeline });
+publishForTests({ view, surface, selection, status, worker, space, latency, timeline: time.bar });
 updateLegend();
 worker.connect();
