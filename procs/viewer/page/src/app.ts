@@ -127,8 +127,7 @@ let shownRadius = 0;
 function keepInView(): void {
   if (view.touched || surface.bounds.isEmpty()) return;
   const radius = surface.bounds.min.distanceTo(surface.bounds.max) / 2;
-  // Going back in a log must not turn the view about.
-  if (Math.abs(radius - shownRadius) < 0.05 * shownRadius || (status.isLog && radius < shownRadius)) return;
+  if (Math.abs(radius - shownRadius) < 0.05 * shownRadius || (status.isLog && radius < shownRadius)) return; // going back turns no view
   const first = shownRadius === 0;
   shownRadius = radius;
   view.showAll(surface.bounds, first);
@@ -155,8 +154,7 @@ function takeMap(message: MapMessage): void {
 function takeMessage(message: ServerMessage): void {
   switch (message.kind) {
     case "hello":
-      status.takeHello(message);
-      return time.takeHello(message.mode);
+      return time.takeHello(message);
     case "map":
       return takeMap(message);
     case "objects":

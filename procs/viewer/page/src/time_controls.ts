@@ -5,7 +5,7 @@ import { byId } from "./dom";
 import type { Command } from "./help";
 import type { MapStatus } from "./map_status";
 import { PauseButton } from "./pause_button";
-import type { MapMessage } from "./protocol";
+import type { HelloMessage, MapMessage } from "./protocol";
 import type { Surface } from "./surface";
 import { TimelineBar } from "./timeline_bar";
 import type { View } from "./view";
@@ -26,8 +26,9 @@ export class TimeControls {
   }
 
   /** A log has a timeline, and no processes. */
-  takeHello(mode: string): void {
-    if (mode !== "log") return;
+  takeHello(message: HelloMessage): void {
+    this.status.takeHello(message);
+    if (message.mode !== "log") return;
     this.bar.show();
     this.pause.hide();
     byId("tab-processes", HTMLButtonElement).hidden = true;

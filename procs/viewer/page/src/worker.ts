@@ -180,6 +180,6 @@ scope.onmessage = (event) => {
   if (message.kind === "pause") setPaused(message.paused);
   if (message.kind === "taken") {
     untaken -= message.count;
-    if (store.dirtyCount > 0) mergeSoon();
+    if (store.dirtyCount > 0) mergeWhenComplete();
   }
 };
