@@ -92,11 +92,17 @@ void LogApi::Poll() {
 }
 
 HttpAnswer LogApi::GetSlice(const HttpTarget& target, const Moment& moment) {
-  if (const auto question = ReadSlice(target); !question)
-    return ErrorAnswer(400, question.error().message);
+  const auto question = ReadSlice(target);
+  if (!question) return ErrorAnswer(400, question.error().message);
   const Result<const OccupancyMap*> space = SpaceAt(moment);
   if (!space) return ErrorAnswer(500, space.error().message);
-  return slices_.Get(target, **space, {recording_->map_id(), moment.frames}, MonotonicSeconds());
+  const FollowerPosition position{recording_->map_id(), moment.frames};
+  const auto found = slices_.Find(*question, **space, position, MonotonicSeconds());
+  if (!found) return found.error();
+  const std::string problem =
+      AsksForDistances(target) ? "the viewer of a log knows no distances" : "";
+  return {200, "application/octet-stream",
+          EncodeSlice(**found, *question, position, nullptr, problem), ""};
 }
 
 Result<const OccupancyMap*> LogApi::SpaceAt(const Moment& moment) {
