@@ -52,7 +52,10 @@ TEST(MomentMaps, AnyMomentIsTheMapOfSoManyFramesBitForBit) {
 }
 
 TEST(MomentMaps, EndsWhileItComputes) {
-  const auto source = LogSource::Open(kLog, {});
+  VismapConfig config;
+  config.grid.voxel_size_m = 0.03;
+  DeriveOptions(&config);
+  const auto source = LogSource::Open(kLog, config);
   ASSERT_TRUE(source);
   (*source)->Start();
   while (!(*source)->recording().state().done)

@@ -238,8 +238,7 @@ const toggles = makeToggles((both) => {
   surface.setBothSides(both);
   view.invalidate();
 });
-const ofTime = { togglePause: () => time.toggle(), ofTimeline: time.commands };
-const commands = makeCommands({ view, surface, selection, tabs, space, theme, toggles, filter, help, setColouring, colouring, ...ofTime });
+const commands = makeCommands({ view, surface, selection, tabs, space, theme, toggles, filter, help, setColouring, colouring, time });
 fillHelp(help, commands);
 listenForKeys(commands);
 byId("help-button", HTMLButtonElement).addEventListener("click", () => help.showModal());

@@ -7,6 +7,7 @@ import type { Selection } from "./selection";
 import type { Surface } from "./surface";
 import type { Tabs } from "./tabs";
 import type { ThemeSwitch } from "./theme";
+import type { TimeControls } from "./time_controls";
 import type { View } from "./view";
 
 export interface Toggles {
@@ -45,12 +46,11 @@ interface Parts {
   help: HTMLDialogElement;
   colouring: HTMLSelectElement;
   setColouring(chosen: Colouring): void;
-  togglePause(): void;
-  ofTimeline: Command[];
+  time: TimeControls;
 }
 
 export function makeCommands(parts: Parts): Command[] {
-  const { view, surface, selection, tabs, space, theme, toggles, filter, help, colouring, setColouring, togglePause, ofTimeline } = parts;
+  const { view, surface, selection, tabs, space, theme, toggles, filter, help, colouring, setColouring, time } = parts;
   const colourings = kColourings.map((name, i): Command => {
     const text = `colour by ${colouring.options[i]!.text}`;
     return { keys: [String(i + 1)], text, run: () => setColouring(name) };
@@ -75,8 +75,8 @@ export function makeCommands(parts: Parts): Command[] {
     { keys: ["h"], text: "horizontal slice of free space", run: () => space.toggleHorizontal() },
     { keys: ["v"], text: "vertical slice of free space", run: () => space.toggleVertical() },
     { keys: ["b"], text: "back faces on or off", run: () => toggles.bothSides() },
-    { keys: [" "], text: "pause and go on; a log: play and pause", run: togglePause },
-    ...ofTimeline,
+    { keys: [" "], text: "pause and go on; a log: play and pause", run: () => time.toggle() },
+    ...time.commands,
     { keys: ["p"], text: "hide or show the lists", run: () => toggles.panel() },
     { keys: ["t"], text: "dark or light", run: () => theme.toggle() },
     { keys: ["?"], text: "this help", run: () => (help.open ? help.close() : help.showModal()) },
