@@ -162,8 +162,10 @@ double SliceCellFor(const OccupancyMap& map, int axis, const SlicePictureOptions
   const std::array<int32_t, 3> size{known->max.x - known->min.x, known->max.y - known->min.y,
                                     known->max.z - known->min.z};
   const std::array<int, 2> others = OtherAxes(axis);
-  const double wide = size[static_cast<size_t>(others[0])] * 1.0 / options.width;
-  const double high = size[static_cast<size_t>(others[1])] * 1.0 / options.height;
+  // Cells are aligned, so there may be one more.
+  const auto most = static_cast<int>(kMostSliceSide) - 1;
+  const double wide = size[static_cast<size_t>(others[0])] * 1.0 / std::min(options.width, most);
+  const double high = size[static_cast<size_t>(others[1])] * 1.0 / std::min(options.height, most);
   return std::ceil(std::max({wide, high, 1.0})) * map.cell_size();
 }
 

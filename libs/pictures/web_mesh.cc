@@ -158,8 +158,11 @@ class OwnerIndex {
 WebMesh CoarsenMesh(const Mesh& mesh, size_t max_vertices) {
   constexpr double kFinest = 1e-5;  // [m]; joins nothing but equal places
   WebMesh coarse{Joined(mesh, kFinest), 0};
+  const Bounds bounds = BoundsOf(coarse.mesh);
+  const double size = (bounds.high - bounds.low).maxCoeff();
   double cell_m = 0.01;
-  while (!Fits(coarse.mesh, max_vertices)) {
+  // With more labels than may be vertices, a cell as large as the mesh does not fit either.
+  while (!Fits(coarse.mesh, max_vertices) && coarse.cell_m <= size) {
     coarse = {Joined(mesh, cell_m), cell_m};
     cell_m *= kGrowth;
   }

@@ -18,7 +18,8 @@ struct WebMesh {
 
 /// Joins vertices of the same owner that look into about the same direction in cubes, which get
 /// larger until at most `max_vertices` and 2.5 times as many triangles are left. Vertices that are
-/// not finite are left out with their triangles.
+/// not finite are left out with their triangles. Owners are never joined, so with more of them than
+/// that the mesh stays larger.
 WebMesh CoarsenMesh(const Mesh& mesh, size_t max_vertices);
 
 /// The number of vertices whose surface takes less than 10 MB in a report.

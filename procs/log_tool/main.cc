@@ -165,7 +165,12 @@ Result<McapExport> WriteSequence(const Arguments& arguments) {
 
 // Writes a log as it is, or the sequence of which a map is to be made.
 Result<McapExport> WriteMcapOf(const Arguments& arguments) {
-  if (arguments.with_map || !IsLog(arguments.input)) return WriteSequence(arguments);
+  const std::string file = arguments.input.substr(0, arguments.input.find('?'));
+  if (const auto other = CheckIsNotInput(file, arguments.out); !other)
+    return tl::unexpected(other.error());
+  const bool has_parameters = file != arguments.input;
+  if (arguments.with_map || has_parameters || !IsLog(arguments.input))
+    return WriteSequence(arguments);
   Result<LogReader> reader =
       LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
   if (!reader) return tl::unexpected(reader.error());

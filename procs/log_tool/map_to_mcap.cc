@@ -134,6 +134,7 @@ class SequenceExporter {
   McapExport Finish() {
     if (map_) map_->Finish();
     frames_.Finish();
+    if (!frames_.Remark().empty()) result_.remarks.push_back(frames_.Remark());
     result_.topics = file_.counts();
     return std::move(result_);
   }

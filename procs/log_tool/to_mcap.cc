@@ -22,6 +22,8 @@
 namespace vismap {
 namespace {
 
+constexpr size_t kMostNamed = 256;  // channels without a counterpart
+
 /// Writes the messages of a log one after the other.
 class LogExporter {
  public:
@@ -64,7 +66,7 @@ class LogExporter {
     } else if (covered_.contains(own)) {
       ++result_.other_octrees[event.channel];
     } else {
-      ++result_.without_counterpart[event.channel];
+      CountWithoutCounterpart(event.channel);
     }
     if (!write) return;
     newest_us_ = event.timestamp;
@@ -74,6 +76,7 @@ class LogExporter {
 
   McapExport Finish() {
     frames_.Finish();
+    if (!frames_.Remark().empty()) result_.remarks.push_back(frames_.Remark());
     surface_.Finish(newest_us_);
     space_.Finish(newest_us_);
     AddGaps("surface", surface_.gaps());
@@ -103,6 +106,11 @@ class LogExporter {
     if (value) return std::move(*value);
     CountUnusable(channel.name, value.error());
     return std::nullopt;
+  }
+  void CountWithoutCounterpart(const std::string& channel) {
+    std::map<std::string, int64_t>& counts = result_.without_counterpart;
+    const bool named = counts.size() < kMostNamed || counts.contains(channel);
+    ++counts[named ? channel : "other channels"];
   }
   void CountUnusable(const std::string& channel, const Error& error) {
     result_.unusable.Add(channel + ": " + error.message);
@@ -249,7 +257,10 @@ Result<std::set<std::string>> OwnChannelsOf(const LogReader& log) {
   if (!reader) return tl::unexpected(reader.error());
   std::set<std::string> channels;
   const auto on_event = [&](const LogEvent& event) -> Result<void> {
-    channels.insert(reader->OwnChannel(event));
+    const std::string own = reader->OwnChannel(event);
+    const bool ours = std::any_of(kAllChannels.begin(), kAllChannels.end(),
+                                  [&](const Channel& channel) { return own == channel.name; });
+    if (ours) channels.insert(own);
     return {};
   };
   const Result<void> read = ForEachEvent(*reader, on_event, [](const LogDamage&) {});
@@ -257,18 +268,19 @@ Result<std::set<std::string>> OwnChannelsOf(const LogReader& log) {
   return channels;
 }
 
-Result<void> CheckOut(const LogReader& reader, const std::filesystem::path& out) {
+}  // namespace
+
+Result<void> CheckIsNotInput(const std::filesystem::path& input, const std::filesystem::path& out) {
   std::error_code none;
-  if (std::filesystem::equivalent(reader.path(), out, none))
+  if (std::filesystem::equivalent(input, out, none))
     return Fail(out.string() + ": this is the log itself; name another file");
   return {};
 }
 
-}  // namespace
-
 Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
                              const std::filesystem::path& out) {
-  if (const auto other = CheckOut(reader, out); !other) return tl::unexpected(other.error());
+  if (const auto other = CheckIsNotInput(reader.path(), out); !other)
+    return tl::unexpected(other.error());
   const Result<std::set<std::string>> channels = OwnChannelsOf(reader);
   if (!channels) return tl::unexpected(channels.error());
   Result<FoxgloveFile> file = FoxgloveFile::Create(out);

@@ -99,8 +99,11 @@ void MapRequests::Read(Reading reading, const RequestServer::Reply& reply) {
   const std::shared_ptr<MapSnapshot> map = map_.Snapshot();
   const auto work = [answer = std::move(reading.answer), map] {
     const double start = MonotonicSeconds();
-    map->Complete();
-    LateAnswer made = Guarded(answer, *map);
+    const auto complete = [&](const MapSnapshot&) {
+      map->Complete();
+      return answer(*map);
+    };
+    LateAnswer made = Guarded(complete, *map);
     made.position = map->position();
     made.worked_s = MonotonicSeconds() - start;
     return made;

@@ -147,7 +147,8 @@ Outcome AddProcesses(const MapToolArguments& arguments, const ProcessContext& co
         "The report is not of a log, so nothing is known of processes and channels.";
     return {};
   }
-  auto summary = SummarizeLog(arguments.map, context.options.channel_prefix);
+  auto summary = SummarizeLog(arguments.map.substr(0, arguments.map.find('?')),
+                              context.options.channel_prefix);
   if (!summary) return ExitWith(ExitCode::kUnreadable, summary.error().message);
   input->processes = std::move(summary->processes);
   input->channels = std::move(summary->channels);

@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "mcap/foxglove_fields.h"
+#include "mcap/map_topics.h"
 
 namespace vismap {
 namespace {
 
-constexpr size_t kRememberedFrames = 4096;
+constexpr size_t kRememberedFrames = 4096, kMostCameras = 256;
 constexpr size_t kMostPoses = 500;        // of a path
 constexpr int64_t kPathPeriod = 1000000;  // [us]
 
@@ -31,11 +32,25 @@ LensCamera DepthLens(const SensorFrame& frame) {
 
 }  // namespace
 
+bool FrameTopics::HasTopics(CameraId camera) {
+  if (cameras_.size() < kMostCameras) cameras_.insert(camera);
+  if (cameras_.contains(camera)) return true;
+  ++left_out_;
+  return false;
+}
+
+std::string FrameTopics::Remark() const {
+  if (left_out_ == 0) return "";
+  return std::to_string(left_out_) + " messages of cameras were left out: only the first " +
+         std::to_string(kMostCameras) + " cameras are written";
+}
+
 bool FrameTopics::WriteFrame(const SensorFrame& frame, int64_t log_us) {
   const FrameHeader& header = frame.header;
   const FrameKey key{header.camera_id, header.utime};
   if (Contains(key)) return false;
   Remember(key);
+  if (!HasTopics(header.camera_id)) return true;
   const MessageTimes times{log_us, header.utime};
   const std::string name = CameraName(header.camera_id), topic = CameraTopic(header.camera_id);
   file_.Write("/tf", times, TransformMessage(kWorldFrame, name, header.T_W_C, header.utime));
@@ -63,12 +78,14 @@ void FrameTopics::WriteImages(const SensorFrame& frame, const std::string& topic
 }
 
 void FrameTopics::WriteDetections(const DetectionSet& set, int64_t log_us) {
+  if (!HasTopics(set.camera_id)) return;
   file_.Write(CameraTopic(set.camera_id) + "/detections", {log_us, set.utime},
               DetectionsMessage(set, ClassName));
 }
 
 void FrameTopics::WriteSegments(const FrameKey& frame, const PinholeCamera& camera,
                                 const SegmentImage& image, int64_t log_us) {
+  if (!HasTopics(frame.camera_id)) return;
   const MessageTimes times{log_us, frame.utime};
   const std::string name = CameraName(frame.camera_id), topic = CameraTopic(frame.camera_id);
   file_.Write(topic + "/segments/calibration", times,
@@ -97,8 +114,9 @@ void FrameTopics::ExtendPath(const SensorFrame& frame, const MessageTimes& times
     path.stride *= 2;
   }
   // Longer paths are written more seldom, so that the paths of a long log take little room.
-  const int64_t period = std::max(kPathPeriod, (times.log_us - path.begun_us) / 50);
-  if (path.frames == 1 || times.log_us - path.written_us >= period)
+  const int64_t period =
+      std::max(kPathPeriod, std::max(times.log_us, path.begun_us) / 50 - path.begun_us / 50);
+  if (path.frames == 1 || Passed(path.written_us, times.log_us, period))
     WritePath(frame.header.camera_id, &path);
 }
 

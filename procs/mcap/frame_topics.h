@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "mcap/camera_messages.h"
@@ -27,6 +28,8 @@ class FrameTopics {
   /// `camera` = of the segment image.
   void WriteSegments(const FrameKey& frame, const PinholeCamera& camera, const SegmentImage& image,
                      int64_t log_us);
+  /// What was left out, a sentence; "" = nothing.
+  std::string Remark() const;
   /// Writes the whole path of each camera once more, with its last poses.
   void Finish();
 
@@ -39,6 +42,7 @@ class FrameTopics {
     int64_t begun_us = 0, written_us = 0;  // times of the log
     MessageTimes newest;
   };
+  bool HasTopics(CameraId camera);
   void Remember(const FrameKey& frame);
   void WriteImages(const SensorFrame& frame, const std::string& topic, const std::string& frame_id,
                    const MessageTimes& times);
@@ -49,6 +53,8 @@ class FrameTopics {
   std::set<FrameKey> written_;
   std::deque<FrameKey> written_order_;
   std::map<CameraId, Path> paths_;
+  std::set<CameraId> cameras_;  // that have topics
+  int64_t left_out_ = 0;
 };
 
 }  // namespace vismap

@@ -24,6 +24,12 @@ struct MapTopicOptions {
   FollowLimits limits{};        ///< of the copies of the surface and of free space
 };
 
+/// Whether a period is over; also when the clock of the log went back.
+inline bool Passed(int64_t since_us, int64_t now_us, int64_t period_us) {
+  return now_us < since_us || static_cast<double>(now_us) - static_cast<double>(since_us) >=
+                                  static_cast<double>(period_us);
+}
+
 /// When something was written last, and whether it has changed since. Times are those of the log.
 class WriteTimer {
  public:
@@ -32,7 +38,7 @@ class WriteTimer {
   bool changed() const { return changed_; }
   /// Whether there are changes, and enough time has passed since the last ones were written.
   bool IsDue(int64_t log_us) const {
-    return changed_ && (!written_us_ || log_us - *written_us_ >= period_us_);
+    return changed_ && (!written_us_ || Passed(*written_us_, log_us, period_us_));
   }
   void MarkWritten(int64_t log_us) {
     changed_ = false;

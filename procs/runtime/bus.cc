@@ -249,6 +249,10 @@ bool Bus::SendLater(const Channel& channel, size_t bytes, SendingThread::Encode 
     return false;
   }
   while (!sending_->WaitForRoom(0.02)) {
+    if (stop_requested()) {  // a map that is to be saved does not wait for slow readers
+      ++counters_[channel.name].unsent;
+      return false;
+    }
     if (transport_ != nullptr) transport_->ReadAhead();
   }
   sending_->Add(channel, bytes, std::move(encode));
@@ -272,6 +276,12 @@ Transport* Bus::TransportOfThread() {
   if (now < next_outgoing_attempt_) return nullptr;
   next_outgoing_attempt_ = now + kRejoinPeriod;
   auto opened = OpenTcpqTransport(url_.hub, options_.stop);
+  if (!opened) {
+    LogWarningRateLimited("sending connection",
+                          "no message but STATUS is sent, since the second connection to the hub "
+                          "cannot be opened: " +
+                              opened.error().message);
+  }
   outgoing_ = opened ? std::move(*opened) : nullptr;
   return outgoing_.get();
 }

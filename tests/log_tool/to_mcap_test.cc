@@ -291,6 +291,16 @@ TEST(WriteMcap, FailsWithoutMessagesThatHaveACounterpart) {
   EXPECT_THAT(Export(log, log).error().message, HasSubstr("the log itself"));
 }
 
+TEST(WriteMcap, NamesOnlySoManyOtherChannels) {
+  LogBuilder builder;
+  builder.Frame(1000);
+  for (int i = 0; i < 300; ++i) builder.AddBytes("OTHER_" + std::to_string(i), {1});
+  const auto result = Export(builder.Finish(), builder.folder() / "run.mcap");
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->without_counterpart.size(), 257u);
+  EXPECT_EQ(result->without_counterpart.at("other channels"), 44);
+}
+
 TEST(WriteMcap, NoDamagedLogCrashesIt) {
   LogBuilder builder;
   const std::vector<uint8_t> good = *ReadFileBytes(WholeRun(&builder));

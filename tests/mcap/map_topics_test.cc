@@ -57,6 +57,17 @@ TEST(SurfaceTopics, WritesChangesAtMostOnceInAPeriod) {
   EXPECT_EQ(bench.Count("/map/surface"), 5);
 }
 
+TEST(SurfaceTopics, WritesOnWhenTheClockOfTheLogGoesBack) {
+  TopicBench bench;
+  SurfaceTopics topics({1, 5}, &bench.file);
+  for (const int64_t log_us : {int64_t{900'000'000}, int64_t{100'000'000}, int64_t{100'100'000},
+                               int64_t{102'000'000}, INT64_MAX, INT64_MIN, int64_t{103'000'000}}) {
+    topics.Set(Surface(static_cast<int>(log_us % 1000)), 1);
+    topics.WriteDue(log_us);
+  }
+  EXPECT_EQ(bench.Count("/map/surface"), 6) << "all but the one a tenth of a second after another";
+}
+
 TEST(SurfaceTopics, FollowsUpdatesAndWaitsAfterAGap) {
   TopicBench bench;
   SurfaceTopics topics({0, 0}, &bench.file);
@@ -123,6 +134,17 @@ TEST(FrameTopics, WritesAFrameOnce) {
                           Pair("/camera4/color/calibration", 1), Pair("/camera4/color/image", 1),
                           Pair("/camera4/depth/calibration", 2), Pair("/camera4/depth/image", 2),
                           Pair("/camera4/path", 1), Pair("/camera4/pose", 2), Pair("/tf", 3)));
+}
+
+TEST(FrameTopics, OnlySoManyCamerasHaveTopics) {
+  TopicBench bench;
+  FrameTopics topics(&bench.file);
+  for (int camera = 0; camera < 300; ++camera)
+    EXPECT_TRUE(topics.WriteFrame(SmallSensorFrame(1000, camera), 1000));
+  EXPECT_EQ(bench.Count("/tf"), 256);
+  EXPECT_EQ(bench.Count("/camera255/pose"), 1);
+  EXPECT_EQ(bench.Count("/camera256/pose"), 0);
+  EXPECT_THAT(topics.Remark(), ::testing::StartsWith("44 messages of cameras were left out"));
 }
 
 TEST(FrameTopics, ADepthCameraOfItsOwnHasAFrameOfReference) {

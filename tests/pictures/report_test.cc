@@ -87,6 +87,13 @@ TEST(WebMesh, CoarseMeshKeepsAreaOwnersAndColours) {
   }
 }
 
+TEST(WebMesh, MoreLabelsThanVerticesAreWantedEnd) {
+  Mesh square = Square(20);
+  for (size_t i = 0; i < square.vertices.size(); ++i)
+    square.vertices[i].segment = SegmentLabel{static_cast<uint32_t>(i + 1)};
+  EXPECT_EQ(CoarsenMesh(square, 100).mesh.vertices.size(), 400u);
+}
+
 TEST(WebMesh, WhatIsNotFiniteIsLeftOut) {
   Mesh mesh = Square(3);
   mesh.vertices[4].position_W.x() = std::numeric_limits<float>::quiet_NaN();
