@@ -69,7 +69,7 @@ const map = (revision, rest = {}) => parseMessage(JSON.stringify({ kind: "map", 
 
 test("While paused the newest of everything waits, and what is not about the map goes on", () => {
   const hold = new Hold();
-  hold.begin(10);
+  hold.begin("m", 10);
   assert.equal(hold.keeps(parseMessage('{"kind":"notice","text":"x"}')), false);
   assert.equal(hold.keeps(map(11)), true);
   assert.equal(hold.keeps(map(13)), true);
@@ -79,13 +79,15 @@ test("While paused the newest of everything waits, and what is not about the map
   const released = hold.release();
   assert.equal(released.isReset, false);
   assert.deepEqual(released.blocks, [block("a", 2), block("b", 1)]);
-  assert.deepEqual(released.messages.map((m) => [m.kind, m.from ?? m.revision]), [["trajectory", 4], ["trajectory", 6], ["map", 13]]);
-  assert.deepEqual(hold.release().messages, []);
+  assert.deepEqual(released.messages.map((m) => [m.kind, m.from ?? m.revision]), [["trajectory", 4], ["trajectory", 6]]);
+  assert.equal(released.map.revision, 13);
+  const empty = hold.release();
+  assert.deepEqual([empty.map, empty.blocks, empty.messages], [null, [], []]);
 });
 
 test("A reset during the pause forgets the blocks that wait, and is told once", () => {
   const hold = new Hold();
-  hold.begin(10);
+  hold.begin("m", 10);
   hold.keepBlock(block("a", 1));
   hold.keeps(map(1, { reset: true }));
   hold.keepBlock(block("b", 1));
@@ -93,6 +95,6 @@ test("A reset during the pause forgets the blocks that wait, and is told once", 
   const released = hold.release();
   assert.equal(released.isReset, true);
   assert.deepEqual(released.blocks.map((b) => b.key), ["b"]);
-  assert.deepEqual(released.messages.map((m) => [m.revision, m.reset]), [[2, false]]);
+  assert.deepEqual([released.map.revision, released.map.reset], [2, false]);
   assert.equal(hold.release().isReset, false);
 });

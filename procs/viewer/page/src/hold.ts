@@ -7,14 +7,17 @@ const kAtOnce = new Set<ServerMessage["kind"]>(["hello", "notice", "processes", 
 
 export class Hold {
   private readonly blocks = new Map<string, Block>();
-  private readonly newest = new Map<string, ServerMessage>(); // by kind
+  private readonly newest = new Map<string, ServerMessage>(); // by kind, without that about the map
+  private map: MapMessage | null = null; // the newest one
   private readonly paths: ServerMessage[] = [];
   private isReset = false;
   private shown = 0; // revision that was shown when it began
   private came = 0; // revision of the newest map
+  private mapId = ""; // of the newest map; "" = not known
 
-  /** Begins to hold; the page shows this revision. */
-  begin(revision: number): void {
+  /** Begins to hold; the page shows this revision of this map. */
+  begin(mapId: string, revision: number): void {
+    this.mapId = mapId;
     this.shown = this.came = revision;
   }
 
@@ -42,9 +45,12 @@ export class Hold {
     this.blocks.clear();
   }
 
-  /** Hands over all that waits. */
-  release(): { isReset: boolean; blocks: Block[]; messages: ServerMessage[] } {
-    const released = { isReset: this.isReset, blocks: [...this.blocks.values()], messages: [...this.paths, ...this.newest.values()] };
+  /** Hands over all that waits. The blocks belong to `map` when it is not null. */
+  release(): { isReset: boolean; map: MapMessage | null; blocks: Block[]; messages: ServerMessage[] } {
+    const map = this.map;
+    const messages = [...this.paths, ...this.newest.values()];
+    const released = { isReset: this.isReset, map, blocks: [...this.blocks.values()], messages };
+    this.map = null;
     this.isReset = false;
     this.blocks.clear();
     this.newest.clear();
@@ -53,8 +59,10 @@ export class Hold {
   }
 
   private keepMap(message: MapMessage): void {
-    if (message.reset) this.reset();
+    const isOther = this.mapId !== "" && message.mapId !== this.mapId;
+    if (message.reset || isOther) this.reset();
+    this.mapId = message.mapId;
     this.came = message.revision;
-    this.newest.set("map", { ...message, reset: false });
+    this.map = { ...message, reset: false };
   }
 }

@@ -119,11 +119,12 @@ function takeBlock(block: Block): void {
 function setPaused(pause: boolean): void {
   if (pause === paused) return;
   paused = pause;
-  if (pause) return hold.begin(server?.revision ?? 0);
-  const { isReset, blocks, messages } = hold.release();
+  if (pause) return hold.begin(mapId, server?.revision ?? 0);
+  const { isReset, map, blocks, messages } = hold.release();
   if (isReset) store.clear();
-  for (const block of blocks) store.put(block);
   staleness.blockCame(Date.now());
+  if (map) takeMessage(map); // first, since another map than before empties the store
+  for (const block of blocks) store.put(block);
   for (const message of messages) takeMessage(message);
   mergeSoon();
 }
