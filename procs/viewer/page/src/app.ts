@@ -111,16 +111,6 @@ function wantForTab(panel: string): void {
   worker.setWant({ pictures: panel === "cameras" ? cameraPanel.wanted() : [] });
 }
 
-let sliceTimer: ReturnType<typeof setTimeout> | null = null;
-
-/** A slice of a growing map is asked for again at most every two seconds. */
-function refreshSlicesSoon(): void {
-  sliceTimer ??= setTimeout(() => {
-    sliceTimer = null;
-    space.refresh();
-  }, status.isLog ? 300 : 2000);
-}
-
 let shownRadius = 0;
 
 /** Keeps all of a growing map in view until a person has moved the camera. */
@@ -143,7 +133,7 @@ function takeMap(message: MapMessage): void {
     space.forget();
     showObjects();
   }
-  if (before && before.revision !== message.revision) refreshSlicesSoon();
+  if (before && before.revision !== message.revision) space.refreshSoon(status.isLog ? 300 : 2000);
   time.takeMap(message);
   processPanel.setMemory(message.bytes);
   space.setVoxel(message.voxelSize);

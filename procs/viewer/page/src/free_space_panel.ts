@@ -141,6 +141,7 @@ export class FreeSpacePanel {
   private upAxis: Axis = "z";
   private bounds: THREE.Box3 | null = null;
   private voxel = 0; // [m], 0 = not known
+  private timer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(parent: HTMLElement, scene: THREE.Scene, onChange: () => void) {
     const again = (): void => this.refresh();
@@ -189,9 +190,17 @@ export class FreeSpacePanel {
     this.vertical.setBounds(bounds);
   }
 
-  /** The map has changed. */
-  refresh(): void {
+  /** Asks for the slices again, since a choice has changed. */
+  private refresh(): void {
     for (const control of [this.horizontal, this.vertical]) if (control.isOn) control.refresh();
+  }
+
+  /** The map has changed: asks for the slices again after `wait` [ms], once also when it changes several times until then. */
+  refreshSoon(wait: number): void {
+    this.timer ??= setTimeout(() => {
+      this.timer = null;
+      this.refresh();
+    }, wait);
   }
 
   /** There is another map. */
