@@ -1,6 +1,7 @@
 #include "viewer/evidence.h"
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -18,7 +19,7 @@ constexpr double kIdle = 5;          // [s] after which it is released
 constexpr std::string_view kListPath = "/api/evidence", kFramePath = "/api/frame/";
 
 // Keeps the frame if it is wanted. An Error says why it cannot be kept.
-Result<void> Keep(const segmented_frame_t& message, EvidenceStore* store) {
+Result<void> Keep(const segmented_frame_t& message, EvidenceStore* store) try {
   const Result<FrameHeader> header = DecodeHeader(message.frame);
   if (!header) return tl::unexpected(header.error());
   if (!store->Wants(*header)) return {};
@@ -26,6 +27,8 @@ Result<void> Keep(const segmented_frame_t& message, EvidenceStore* store) {
   if (!frame) return tl::unexpected(frame.error());
   store->Add(std::move(*frame));
   return {};
+} catch (const std::exception& error) {  // such as a lack of memory
+  return Fail(error.what());
 }
 
 }  // namespace
@@ -116,9 +119,9 @@ template <typename Work>
 void Evidence::Start(Work work, const WebHandler::Reply& reply) {
   ++waiting_;
   worker_.Start(
-      [work = std::move(work)] {
+      [work = std::move(work), asked = MonotonicSeconds()] {
         const double begin = MonotonicSeconds();
-        HttpAnswer answer = work();
+        HttpAnswer answer = AnswerInTurn(asked, begin, work);
         return std::pair(std::move(answer), MonotonicSeconds() - begin);
       },
       [this, reply](std::pair<HttpAnswer, double> done) {

@@ -22,7 +22,7 @@ namespace vismap {
 /// its own.
 class Evidence {
  public:
-  static constexpr int kMostWaiting = 64;  ///< requests; further ones are refused
+  static constexpr int kMostWaiting = 16;  ///< requests; further ones are refused
 
   /// All must outlive it.
   Evidence(const ViewerOptions& options, Bus* bus, const MapCopy* surface, Status* status);

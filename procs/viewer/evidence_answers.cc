@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cstdio>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -204,6 +205,16 @@ HttpAnswer EvidencePicture(const PictureQuestion& picture, const EvidenceQuestio
     DrawMask(mask->mask.visible, ColorOf(picture, object->object), &shown);
   }
   return ImageAnswer(shown, picture.png);
+}
+
+HttpAnswer AnswerInTurn(double asked, double now, const std::function<HttpAnswer()>& work) {
+  if (now - asked > kLongestEvidenceWait)
+    return ErrorAnswer(503, "other requests for frames took more than 15 s; try again");
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    return ErrorAnswer(500, "the frames could not be read: " + std::string(error.what()));
+  }
 }
 
 }  // namespace vismap

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,5 +35,11 @@ HttpAnswer EvidenceList(const std::string& name, const EvidenceQuestion& questio
 /// `object` is nullptr when no mask is drawn.
 HttpAnswer EvidencePicture(const PictureQuestion& picture, const EvidenceQuestion* object,
                            EvidenceFinder* finder);
+
+inline constexpr double kLongestEvidenceWait = 15;  ///< [s] as long as pages wait for an answer
+/// The answer of `work` to a request that came at `asked` [s, MonotonicSeconds] and whose turn it
+/// is at `now`. After kLongestEvidenceWait it is 503, and `work` is not called. An exception of
+/// `work` is answered by 500.
+HttpAnswer AnswerInTurn(double asked, double now, const std::function<HttpAnswer()>& work);
 
 }  // namespace vismap

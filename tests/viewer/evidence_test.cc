@@ -1,9 +1,10 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
-#include "viewer/box_scene.h"
 #include "codecs/label_codec.h"
+#include "viewer/box_scene.h"
 #include "viewer/evidence_answers.h"
 
 namespace vismap {
@@ -234,6 +235,22 @@ TEST(Evidence, WrongQuestionsAreRefused) {
   EXPECT_FALSE(ParseObjectName("4294967296"));
   EXPECT_EQ(ParseObjectName("s12")->number, 12U);
   EXPECT_TRUE(ParseObjectName("s12")->is_segment);
+}
+
+TEST(EvidenceRequest, AnExceptionIsAnAnswer) {
+  const HttpAnswer answer =
+      AnswerInTurn(100, 100, []() -> HttpAnswer { throw std::runtime_error("no memory is left"); });
+  EXPECT_EQ(answer.status, 500);
+  EXPECT_THAT(std::string(answer.body.begin(), answer.body.end()),
+              testing::HasSubstr("no memory is left"));
+}
+
+TEST(EvidenceRequest, OneThatWaitedTooLongTakesNoTime) {
+  int calls = 0;
+  const auto work = [&] { return ++calls, JsonAnswer("{}"); };
+  EXPECT_EQ(AnswerInTurn(100, 114.9, work).status, 200);
+  EXPECT_EQ(AnswerInTurn(100, 115.1, work).status, 503);
+  EXPECT_EQ(calls, 1);
 }
 
 }  // namespace
