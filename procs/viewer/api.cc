@@ -16,7 +16,6 @@ namespace vismap {
 namespace {
 
 constexpr double kObjectsKept = 2;  // [s]
-constexpr double kTreeKept = 2;     // [s]
 constexpr size_t kMostPayload = 64 << 20;
 constexpr const char* kExporter = "octomap-exporter";
 constexpr const char* kNoExporter =
@@ -46,12 +45,6 @@ HttpAnswer AnswerWith(const Questions::Answered& answer, const std::string& cont
 
 HttpAnswer BytesAnswer(std::vector<uint8_t> bytes) {
   return {200, "application/octet-stream", std::move(bytes), ""};
-}
-
-HttpAnswer LeavesAnswer(std::span<const uint8_t> tree, const FollowerPosition& position,
-                        const LeafQuestion& question) {
-  const Result<LeafCut> cut = CutLeaves(tree, question.axis, question.at_m);
-  return cut ? JsonAnswer(LeavesText(*cut, position)) : ErrorAnswer(504, cut.error().message);
 }
 
 Result<SliceDistances> DistancesIn(const Questions::Answered& answer, const Slice& slice,
@@ -167,22 +160,17 @@ void Api::GetLeaves(const HttpTarget& target, const WebHandler::Reply& reply) {
   const auto question = ReadLeafQuestion(target);
   if (!question) return reply(ErrorAnswer(400, question.error().message));
   const double now = MonotonicSeconds();
-  const bool same_tree = tree_.closed == question->closed && tree_.inflate_m == question->inflate_m;
-  const bool kept = same_tree && tree_.position.map_id == board_->map.map_id &&
-                    (now < tree_.until || tree_.position.revision == board_->map.revision);
-  if (kept) return reply(LeavesAnswer(tree_.bytes, tree_.position, *question));
+  if (leaves_.Keeps(*question, {board_->map.map_id, board_->map.revision}, now))
+    return reply(leaves_.Cut(*question, now));
   if (!processes_->IsAlive(kExporter, now)) return reply(ErrorAnswer(503, kNoExporter));
+  if (!leaves_.MayCut(now)) return reply(LeafAnswers::Refusal());
   questions_->Ask(TreeRequest(*question),
                   [this, reply, question = *question](const Questions::Answered& answer) {
                     if (!answer) return reply(AnswerWith(answer, "", ""));
                     if (answer->payload.size() > kMostPayload)
                       return reply(ErrorAnswer(413, "the octree is larger than 64 MB"));
-                    tree_ = {question.closed,
-                             question.inflate_m,
-                             {answer->map_id, answer->revision},
-                             answer->payload,
-                             MonotonicSeconds() + kTreeKept};
-                    reply(LeavesAnswer(tree_.bytes, tree_.position, question));
+                    reply(leaves_.Take(question, {answer->map_id, answer->revision},
+                                       answer->payload, MonotonicSeconds()));
                   });
 }
 

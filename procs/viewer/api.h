@@ -3,6 +3,7 @@
 #include <string>
 
 #include "viewer/http_rules.h"
+#include "viewer/leaves.h"
 #include "viewer/process_list.h"
 #include "viewer/questions.h"
 #include "viewer/slice.h"
@@ -33,20 +34,12 @@ class Api {
   ProcessList* processes_;
   Questions* questions_;
   SliceAnswers slices_;
+  LeafAnswers leaves_;
   // The newest answer about all objects, since making it costs the map server a while.
   std::vector<uint8_t> objects_;
   std::string objects_map_id_;
   int64_t objects_revision_ = -1;
   double objects_until_ = 0;  // MonotonicSeconds
-  // The newest octree, so that a slider that moves does not ask for it again.
-  struct Tree {
-    bool closed = false;
-    double inflate_m = 0;
-    FollowerPosition position;
-    std::vector<uint8_t> bytes;
-    double until = 0;  // MonotonicSeconds
-  };
-  Tree tree_;
 };
 
 }  // namespace vismap

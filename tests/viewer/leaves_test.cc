@@ -42,6 +42,31 @@ OctreeBytes TreeOf(const OccupancyMap& map, UnknownPolicy unknown) {
   return *BuildOctree(map, options);
 }
 
+/// Appends the nodes of an octree whose smallest leaves at z = 0 fill a square of 2^`levels` of
+/// them along each side. Returns the number of nodes below this one, which is `depth` below the
+/// root.
+int64_t AddSquare(int depth, int levels, std::vector<uint8_t>* data) {
+  const int first = depth == 0 ? 4 : 0;
+  const int children = depth >= 16 - levels ? 4 : 1;
+  const uint32_t kind = depth == 15 ? 2 : 3;
+  uint32_t code = 0;
+  for (int child = first; child < first + children; ++child) code |= kind << (2 * child);
+  data->push_back(static_cast<uint8_t>(code));
+  data->push_back(static_cast<uint8_t>(code >> 8));
+  int64_t nodes = children;
+  for (int child = 0; depth < 15 && child < children; ++child)
+    nodes += AddSquare(depth + 1, levels, data);
+  return nodes;
+}
+
+std::vector<uint8_t> SquareTree(int levels) {
+  std::vector<uint8_t> data;
+  const std::string header = "# Octomap OcTree binary file\nid OcTree\nsize " +
+                             std::to_string(AddSquare(0, levels, &data) + 1) + "\nres 0.1\ndata\n";
+  data.insert(data.begin(), header.begin(), header.end());
+  return data;
+}
+
 bool Covers(const TreeLeaf& leaf, const Eigen::Vector3d& p_W) {
   for (size_t i = 0; i < 3; ++i) {
     if (std::abs(p_W[static_cast<Eigen::Index>(i)] - leaf.center_W[i]) > leaf.size_m / 2)
@@ -114,14 +139,81 @@ TEST(Leaves, AreBoundedAndTheLargestOnesStay) {
   ASSERT_GT(all.leaves.size(), 5u);
   EXPECT_EQ(some.leaves.size(), 5u);
   EXPECT_EQ(some.left_out, all.leaves.size() - 5);
-  for (size_t i = 5; i < all.leaves.size(); ++i)
-    EXPECT_LE(all.leaves[i].size_m, some.leaves.back().size_m);
+  for (size_t i = 1; i < all.leaves.size(); ++i)
+    EXPECT_LE(all.leaves[i].size_m, all.leaves[i - 1].size_m);
+  for (size_t i = 0; i < 5; ++i) EXPECT_EQ(some.leaves[i].center_W, all.leaves[i].center_W);
   const auto json = nlohmann::json::parse(LeavesText(some, {"m", 7}));
   EXPECT_EQ(json["left_out"], all.leaves.size() - 5);
   EXPECT_EQ(json["revision"], 7);
   ASSERT_EQ(json["leaves"].size(), 5u);
   EXPECT_EQ(json["leaves"][0][3], some.leaves[0].size_m);
   EXPECT_EQ(json["leaves"][0][4], some.leaves[0].occupied ? 2 : 1);
+}
+
+TEST(Leaves, AHugeCutTakesNoMoreMemoryThanWhatIsKept) {
+  const LeafCut cut = *CutLeaves(SquareTree(10), 2, 0.05);
+  EXPECT_EQ(cut.leaves.size(), kMostCutLeaves);
+  EXPECT_EQ(cut.left_out, (size_t{1} << 20) - kMostCutLeaves);
+  EXPECT_LE(cut.leaves.capacity(), 2 * kMostCutLeaves);
+}
+
+LeafQuestion Raw(double at_m) {
+  LeafQuestion question;
+  question.at_m = at_m;
+  return question;
+}
+
+TEST(LeafAnswers, ATreeIsKeptForItsQuestionAndItsMap) {
+  LeafAnswers answers;
+  LeafQuestion closed = Raw(0.03);
+  closed.closed = true;
+  EXPECT_FALSE(answers.Keeps(Raw(0.03), {"m", 7}, 100));
+  const OctreeBytes tree = TreeOf(RandomSpace(2), UnknownPolicy::kAbsent);
+  const HttpAnswer answer = answers.Take(Raw(0.03), {"m", 7}, tree.bytes, 100);
+  ASSERT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, answers.Cut(Raw(0.03), 100).body);
+  const auto json = nlohmann::json::parse(answer.body.begin(), answer.body.end());
+  EXPECT_EQ(json["leaves"].size(), CutLeaves(tree.bytes, 2, 0.03)->leaves.size());
+  EXPECT_EQ(json["revision"], 7);
+  EXPECT_TRUE(answers.Keeps(Raw(0.5), {"m", 7}, 200));
+  EXPECT_TRUE(answers.Keeps(Raw(0.5), {"m", 8}, 101.9));
+  EXPECT_FALSE(answers.Keeps(Raw(0.5), {"m", 8}, 102.1));
+  EXPECT_FALSE(answers.Keeps(Raw(0.5), {"other", 7}, 100));
+  EXPECT_FALSE(answers.Keeps(closed, {"m", 7}, 100));
+}
+
+TEST(LeafAnswers, ABrokenTreeIsNotKept) {
+  LeafAnswers answers;
+  OctreeBytes tree = TreeOf(RandomSpace(1), UnknownPolicy::kAbsent);
+  tree.bytes.pop_back();
+  EXPECT_EQ(answers.Take(Raw(0), {"m", 7}, tree.bytes, 100).status, 504);
+  EXPECT_FALSE(answers.Keeps(Raw(0), {"m", 7}, 100));
+}
+
+TEST(LeafAnswers, CutsAreAtMostTenPerSecond) {
+  LeafAnswers answers;
+  const OctreeBytes tree = TreeOf(RandomSpace(2), UnknownPolicy::kAbsent);
+  ASSERT_EQ(answers.Take(Raw(0), {"m", 7}, tree.bytes, 100).status, 200);  // a check and a cut
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(answers.Cut(Raw(0.1 * i), 100).status, 200);
+  EXPECT_EQ(answers.Cut(Raw(0), 100).status, 429);
+  EXPECT_EQ(answers.Cut(Raw(0), 100.11).status, 200);
+  EXPECT_EQ(answers.Cut(Raw(0), 100.11).status, 429);
+}
+
+TEST(LeafAnswers, ALargeTreeCostsMoreAndIsCheckedOnce) {
+  LeafAnswers answers;
+  const std::vector<uint8_t> tree = SquareTree(12);
+  const double cost = static_cast<double>(tree.size()) / LeafAnswers::kBytesPerToken;
+  ASSERT_GT(cost, 2);
+  double now = 100;
+  ASSERT_EQ(answers.Take(Raw(0), {"m", 7}, tree, now).status, 200);
+  // Another page had the same question at the same time: only the cut is to pay.
+  now += 2 * cost / LeafAnswers::kMostPerSecond;
+  EXPECT_TRUE(answers.MayCut(now));
+  ASSERT_EQ(answers.Take(Raw(0), {"m", 7}, tree, now).status, 200);
+  int cuts = 0;
+  while (answers.Cut(Raw(0), now).status == 200) ++cuts;
+  EXPECT_EQ(cuts, static_cast<int>(std::ceil((LeafAnswers::kMostPerSecond - 1) / cost)) - 1);
 }
 
 TEST(Leaves, ABrokenTreeIsRefused) {
