@@ -17,8 +17,12 @@
 namespace vismap {
 namespace {
 
-constexpr int64_t kObjectsPeriod = 500000;  // of lists of objects, of the log's time [us]
-constexpr size_t kBytesPerBlock = 7000;     // of a changed block that two copies do not share
+constexpr uint64_t kObjectsPeriod = 500000;  // of lists of objects, of the log's time [us]
+constexpr size_t kBytesPerBlock = 7000;      // of a changed block that two copies do not share
+
+uint64_t TimeBetween(int64_t a, int64_t b) {
+  return static_cast<uint64_t>(std::max(a, b)) - static_cast<uint64_t>(std::min(a, b));
+}
 
 RecordedBlock Recorded(const mesh_block_t& block, int64_t revision) {
   const BlockIndex index{block.index[0], block.index[1], block.index[2]};
@@ -87,7 +91,7 @@ void LogRecorder::AddMoment() {
   Expect(recording_->AddMoment(map().revision, map().last_utime, surface, SpaceChanges()));
   if (!failure_.empty()) return;
   recorded_ = map().revision;
-  if (map().last_utime - kObjectsPeriod < objects_utime_) return;
+  if (objects_utime_ && TimeBetween(view_.header.utime, *objects_utime_) < kObjectsPeriod) return;
   const auto places = [&](SegmentLabel label) { return mesh_.places().BlocksOf(label); };
   const auto objects = objects_.Summarize(map(), mesh_.surfaces(), places,
                                           ObjectOptionsFor(session_->metadata(), config_));
@@ -124,7 +128,7 @@ std::vector<RecordedBlock> LogRecorder::SpaceChanges() {
 }
 
 void LogRecorder::AddObjects(const std::vector<ObjectSummary>& objects, const UpDirection& up) {
-  objects_utime_ = map().last_utime;
+  objects_utime_ = view_.header.utime;
   const std::string& map_id = recording_->map_id();
   const ObjectList list{map().last_utime, map_id, map().revision, objects};
   Expect(recording_->AddObjects(map().revision, ObjectsText(Encode(list, ClassName)),

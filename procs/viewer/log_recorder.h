@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,8 +54,9 @@ class LogRecorder {
   std::vector<uint8_t> picture_;     // of it
   std::vector<BlockIndex> changed_;  // since the last moment
   size_t changed_since_copy_ = 0;
-  int64_t recorded_ = 0;                        // frames of the last moment
-  int64_t objects_utime_ = INT64_MIN;           // of the last list
+  int64_t recorded_ = 0;  // frames of the last moment
+  // Of the frame of the last list, not the map's: that one stays far ahead after one wrong time.
+  std::optional<int64_t> objects_utime_;
   std::map<std::string, std::string> present_;  // objects in the last list: id and name
   std::string failure_;
 };

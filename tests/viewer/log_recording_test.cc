@@ -175,6 +175,51 @@ TEST(LogRecording, SpaceObjectsCamerasAndCopiesAreThoseOfTheMoment) {
   EXPECT_EQ(recording->ObjectsTextAt(0)->size(), 0u);
 }
 
+// A sequence whose frames are a second apart, except for one whose time is far ahead.
+class WrongClock : public Dataset {
+ public:
+  WrongClock(std::unique_ptr<Dataset> frames, size_t wrong)
+      : frames_(std::move(frames)), wrong_(wrong) {}
+  std::string name() const override { return frames_->name(); }
+  std::string format() const override { return frames_->format(); }
+  size_t size() const override { return frames_->size(); }
+  FrameHeader Header(size_t i) const override {
+    FrameHeader header = frames_->Header(i);
+    header.utime = 1000000 * static_cast<int64_t>(i + 1) + (i == wrong_ ? int64_t{1} << 50 : 0);
+    return header;
+  }
+  Result<SensorFrame> Read(size_t i) const override {
+    Result<SensorFrame> frame = frames_->Read(i);
+    if (frame) frame->header.utime = Header(i).utime;
+    return frame;
+  }
+  const std::vector<SkippedFrame>& skipped() const override { return frames_->skipped(); }
+  std::optional<std::string> default_detections_path() const override { return std::nullopt; }
+
+ private:
+  std::unique_ptr<Dataset> frames_;
+  size_t wrong_;
+};
+
+TEST(LogRecording, ObjectsAreListedAfterAFrameWhoseTimeIsFarAhead) {
+  const VismapConfig config = CoarseConfig();
+  const auto recording = OpenRecordingOf(kMuch);
+  MapSession session(config, {});
+  LogRecorder recorder(config, &session, recording.get());
+  const WrongClock dataset(std::move(*OpenSequence(kRoom, "")), 3);
+  OfflineInput input{dataset};
+  input.on_segmented = [&](const SegmentedFrame& frame) { recorder.OnSegmented(frame); };
+  input.on_mapped = [&](const MapDelta& delta) { recorder.OnMapped(delta); };
+  StageTimes times;
+  ASSERT_TRUE(MapSequence(
+      input, config, [](size_t done) { return done < 12; }, &session, &times));
+  ASSERT_EQ(session.map().revision, 12);
+  for (const int frames : {3, 4, 5, 12}) {
+    EXPECT_THAT(*recording->ObjectsTextAt(frames),
+                HasSubstr("\"revision\":" + std::to_string(frames) + ","));
+  }
+}
+
 // What the surface of a computed map was after so many frames: hash by block.
 using Hashes = std::map<int, uint64_t>;
 
