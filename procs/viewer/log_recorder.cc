@@ -18,7 +18,6 @@ namespace vismap {
 namespace {
 
 constexpr uint64_t kObjectsPeriod = 500000;  // of lists of objects, of the log's time [us]
-constexpr size_t kBytesPerBlock = 7000;      // of a changed block that two copies do not share
 
 uint64_t TimeBetween(int64_t a, int64_t b) {
   return static_cast<uint64_t>(std::max(a, b)) - static_cast<uint64_t>(std::min(a, b));
@@ -80,7 +79,7 @@ void LogRecorder::OnMapped(const MapDelta& delta) {
   if (!failure_.empty()) return;
   mesh_.AddChanges(map(), delta.changes(), delta.merged);
   changed_.insert(changed_.end(), delta.changed_blocks.begin(), delta.changed_blocks.end());
-  changed_since_copy_ += delta.changed_blocks.size();
+  changed_since_copy_.insert(delta.changed_blocks.begin(), delta.changed_blocks.end());
   Expect(recording_->AddFrame(view_, picture_));
   if (map().revision % recording_->stride() == 0) AddMoment();
   AddCopyIfDue();
@@ -158,10 +157,15 @@ void LogRecorder::AddMarks(const std::vector<ObjectSummary>& objects) {
 void LogRecorder::AddCopyIfDue() {
   if (map().revision % recording_->copy_stride() != 0) return;
   const auto max_bytes = static_cast<size_t>(config_.viewer.max_map_mb) << 20;
+  AddCopy(max_bytes);
+}
+
+void LogRecorder::AddCopy(size_t max_bytes) {
+  std::vector<BlockIndex> changed(changed_since_copy_.begin(), changed_since_copy_.end());
+  changed_since_copy_.clear();
   recording_->AddCopy(map().revision,
                       std::make_shared<const LoadedMap>(LoadedMap{map(), session_->metadata(), ""}),
-                      changed_since_copy_ * kBytesPerBlock, max_bytes);
-  changed_since_copy_ = 0;
+                      std::move(changed), max_bytes);
 }
 
 void LogRecorder::Finish() {
@@ -169,9 +173,7 @@ void LogRecorder::Finish() {
   if (map().revision != recorded_) AddMoment();
   const MapProducts products = MakeProducts(map(), session_->metadata(), config_);
   AddObjects(products.objects, products.up);
-  recording_->AddCopy(map().revision,
-                      std::make_shared<const LoadedMap>(LoadedMap{map(), session_->metadata(), ""}),
-                      0, SIZE_MAX);
+  AddCopy(SIZE_MAX);
 }
 
 }  // namespace vismap

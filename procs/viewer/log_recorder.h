@@ -1,5 +1,7 @@
 #pragma once
 
+#include <tsl/robin_set.h>
+
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -41,6 +43,7 @@ class LogRecorder {
   void AddObjects(const std::vector<ObjectSummary>& objects, const UpDirection& up);
   void AddMarks(const std::vector<ObjectSummary>& objects);
   void AddCopyIfDue();
+  void AddCopy(size_t max_bytes);
   void Expect(const Result<void>& outcome);
   const SemanticMap& map() const { return session_->map(); }
 
@@ -53,7 +56,7 @@ class LogRecorder {
   CameraView view_;                  // of the frame that is being mapped
   std::vector<uint8_t> picture_;     // of it
   std::vector<BlockIndex> changed_;  // since the last moment
-  size_t changed_since_copy_ = 0;
+  tsl::robin_set<BlockIndex, BlockIndexHash> changed_since_copy_;
   int64_t recorded_ = 0;  // frames of the last moment
   // Of the frame of the last list, not the map's: that one stays far ahead after one wrong time.
   std::optional<int64_t> objects_utime_;

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <span>
 
+#include "map/map_bytes.h"
 #include "viewer/block_code.h"
 
 namespace vismap {
 namespace {
 
 using Lock = std::lock_guard<std::mutex>;
+
+constexpr size_t kBytesPerBlock = 7000;  // of a block that two copies do not share
 
 std::vector<uint8_t> Compress(const std::string& text) {
   return CompressBlock({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
@@ -22,6 +26,12 @@ BlockOccupancy DecodeSpace(const std::vector<uint8_t>& bytes) {
   std::memcpy(planes.free.data(), bytes.data(), sizeof planes.free);
   std::memcpy(planes.occupied.data(), bytes.data() + sizeof planes.free, sizeof planes.occupied);
   return BlockOccupancy(planes);
+}
+
+std::vector<BlockIndex> Union(const std::vector<BlockIndex>& a, const std::vector<BlockIndex>& b) {
+  std::vector<BlockIndex> both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
 }
 
 template <typename List>
@@ -127,17 +137,28 @@ void LogRecording::AddMark(ObjectMark mark) {
   ++changes_;
 }
 
-void LogRecording::AddCopy(int64_t frames, std::shared_ptr<const LoadedMap> map, size_t bytes,
-                           size_t max_bytes) {
+size_t LogRecording::Copy::bytes() const {
+  return changed.size() * kBytesPerBlock + BytesOf(map->map.labels) +
+         TrajectoryBytes(map->map.revision);
+}
+
+void LogRecording::AddCopy(int64_t frames, std::shared_ptr<const LoadedMap> map,
+                           std::vector<BlockIndex> changed, size_t max_bytes) {
+  std::sort(changed.begin(), changed.end());
   const Lock lock(mutex_);
-  copies_[frames] = {std::move(map), bytes};
+  copies_[frames] = {std::move(map), std::move(changed)};
   size_t total = 0;
-  for (const auto& entry : copies_) total += entry.second.bytes;
+  for (const auto& entry : copies_) total += entry.second.bytes();
   if (total <= max_bytes || copies_.size() < 3) return;
-  // What a dropped copy shared with the one before stays until that one goes, too.
   bool drop = false;
-  for (auto copy = std::next(copies_.begin()); std::next(copy) != copies_.end();)
-    copy = std::exchange(drop, !drop) ? std::next(copy) : copies_.erase(copy);
+  for (auto copy = std::next(copies_.begin()); std::next(copy) != copies_.end();) {
+    const auto next = std::next(copy);
+    if (!std::exchange(drop, !drop)) {
+      next->second.changed = Union(copy->second.changed, next->second.changed);
+      copies_.erase(copy);
+    }
+    copy = next;
+  }
   copy_stride_ = 2 * copy_stride_;
 }
 

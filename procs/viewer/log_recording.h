@@ -82,10 +82,10 @@ class LogRecording {
   /// Objects from this number of frames on: the page's text (ObjectsText), and objects.json.
   Result<void> AddObjects(int64_t frames, const std::string& text, const std::string& json);
   void AddMark(ObjectMark mark);
-  /// A copy of the map, of `bytes` that it does not share with the one before. They take at most
-  /// `max_bytes` together; beyond, every second one is dropped.
-  void AddCopy(int64_t frames, std::shared_ptr<const LoadedMap> map, size_t bytes,
-               size_t max_bytes);
+  /// A copy of the map, and the blocks that it does not share with the copy before, in any order.
+  /// Copies take at most about `max_bytes` together; beyond, every second one is dropped.
+  void AddCopy(int64_t frames, std::shared_ptr<const LoadedMap> map,
+               std::vector<BlockIndex> changed, size_t max_bytes);
   void SetState(RecordingState state);
   void SetGrid(double voxel_size_m, double block_edge_m);
   /// Of the newest version of a block; 0 = it has no surface.
@@ -171,7 +171,8 @@ class LogRecording {
   std::vector<ObjectMark> marks_;
   struct Copy {
     std::shared_ptr<const LoadedMap> map;
-    size_t bytes = 0;
+    std::vector<BlockIndex> changed;  // since the copy before, ascending
+    size_t bytes() const;             // that it does not share with the copy before, about
   };
   std::map<int64_t, Copy> copies_;  // by frames
 };

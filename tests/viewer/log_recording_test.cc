@@ -273,6 +273,74 @@ TEST(LogRecording, BeyondTheBoundEverySecondMomentIsForgottenAndTheOthersStay) {
   }
 }
 
+// A map as it is kept at moments; its blocks do not matter.
+std::shared_ptr<const LoadedMap> AnyMap(int64_t revision) {
+  auto map = std::make_shared<LoadedMap>(LoadedMap{SemanticMap(VoxelGridOptions{}), {}, ""});
+  map->map.revision = revision;
+  return map;
+}
+
+std::vector<BlockIndex> Row(int first, int count) {
+  std::vector<BlockIndex> row;
+  for (int x = first; x < first + count; ++x) row.push_back({x, 0, 0});
+  return row;
+}
+
+TEST(LogRecording, ABlockThatChangesInManyFramesIsOneBlockOfACopy) {
+  VismapConfig config = CoarseConfig();
+  config.viewer.max_map_mb = 128;
+  const auto recording = OpenRecordingOf(kMuch);
+  MapSession session(config, {});
+  LogRecorder recorder(config, &session, recording.get());
+  const auto dataset = OpenSequence("synthetic:room?frames=64&width=96", "");
+  OfflineInput input{**dataset};
+  size_t changes = 0;
+  input.on_segmented = [&](const SegmentedFrame& frame) { recorder.OnSegmented(frame); };
+  input.on_mapped = [&](const MapDelta& delta) {
+    recorder.OnMapped(delta);
+    changes += delta.changed_blocks.size();
+  };
+  StageTimes times;
+  ASSERT_TRUE(MapSequence(
+      input, config, [](size_t) { return true; }, &session, &times));
+  ASSERT_GT(changes * 7000, size_t{128} << 20) << "they would not fit if each change counted";
+  EXPECT_EQ(recording->copy_stride(), 16);
+  for (const int frames : {16, 32, 48, 64})
+    EXPECT_EQ(recording->CopyAt(frames + 15)->map.revision, frames);
+}
+
+TEST(LogRecording, TheBlocksOfADroppedCopyCountWithTheNextOne) {
+  const auto recording = OpenRecordingOf(kMuch);
+  constexpr size_t kMost = 4500 * 7000;
+  // Each copy has 1000 new blocks: the fifth is too much.
+  for (int i = 1; i <= 5; ++i)
+    recording->AddCopy(16 * i, AnyMap(16 * i), Row(1000 * i, 1000), kMost);
+  EXPECT_EQ(recording->copy_stride(), 32);
+  EXPECT_EQ(recording->CopyAt(79)->map.revision, 48);
+  // No block is gone with the dropped copies, so that there is no room for more.
+  recording->AddCopy(96, AnyMap(96), Row(6000, 1), kMost);
+  EXPECT_EQ(recording->copy_stride(), 64);
+}
+
+TEST(LogRecording, BlocksThatChangedAgainAreFreedWithADroppedCopy) {
+  const auto recording = OpenRecordingOf(kMuch);
+  constexpr size_t kMost = 4500 * 7000;
+  for (int i = 1; i <= 5; ++i) recording->AddCopy(16 * i, AnyMap(16 * i), Row(0, 1000), kMost);
+  EXPECT_EQ(recording->copy_stride(), 32);
+  recording->AddCopy(96, AnyMap(96), Row(0, 1000), kMost);
+  EXPECT_EQ(recording->copy_stride(), 32) << "three copies were left";
+}
+
+TEST(LogRecording, LabelsOfACopyCount) {
+  const auto recording = OpenRecordingOf(kMuch);
+  for (int i = 1; i <= 3; ++i) {
+    auto map = std::make_shared<LoadedMap>(LoadedMap{SemanticMap(VoxelGridOptions{}), {}, ""});
+    map->map.labels.GrowLabels(SegmentLabel{100000});
+    recording->AddCopy(16 * i, map, {}, size_t{32} << 20);
+  }
+  EXPECT_EQ(recording->copy_stride(), 32);
+}
+
 TEST(LogRecording, WhatCannotBeMadeSmallerEndsWithASentence) {
   const auto recording = OpenRecordingOf(1000);
   std::vector<uint8_t> bytes(5000);
