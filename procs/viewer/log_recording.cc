@@ -48,6 +48,19 @@ List EverySecond(const List& list) {
   return kept;
 }
 
+// The entries that are the newest one at some of these moments (numbers of frames, ascending).
+template <typename List>
+List NewestAt(const std::vector<int64_t>& moments, const List& list) {
+  List kept;
+  for (const int64_t frames : moments) {
+    const auto after = NewestOf(list, frames);
+    if (after == list.begin()) continue;
+    const auto& newest = *std::prev(after);
+    if (kept.empty() || kept.back().frames != newest.frames) kept.push_back(newest);
+  }
+  return kept;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<LogRecording>> LogRecording::Open(const std::string& folder,
@@ -203,7 +216,7 @@ std::vector<uint32_t> LogRecording::ThinOut() {
   for (const Moment& moment : moments_) kept.push_back(moment.frames);
   surface_.KeepOnly(kept);
   space_.KeepOnly(kept);
-  objects_ = EverySecond(objects_);
+  objects_ = NewestAt(kept, objects_);
   for (const auto& [camera, numbers] : frames_of_) {
     bool drop = false;
     for (const int64_t number : numbers) {

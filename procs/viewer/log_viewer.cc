@@ -83,8 +83,7 @@ void LogViewer::Show(Page* page) {
   page->feed.SetLacking(page->surface.Show(*moment));
   page->board.map = page->surface.Summary();
   page->feed.TellMap();
-  if (const auto objects = recording_->ObjectsTextAt(moment->frames); objects && !objects->empty())
-    page->board.Set(Board::Topic::kObjects, *objects);
+  ShowObjects(page);
   std::vector<CameraView> cameras;
   for (auto& [view, positions] : recording_->CamerasAt(moment->frames)) {
     view.positions = positions;
@@ -96,6 +95,21 @@ void LogViewer::Show(Page* page) {
     ++page->path_length;
   }
   ShowPictures(page);
+}
+
+// Objects of another moment must not stay: without a list, the page gets an empty one.
+void LogViewer::ShowObjects(Page* page) {
+  const Moment& moment = page->surface.moment();
+  const Result<std::string> objects = recording_->ObjectsTextAt(moment.frames);
+  if (!objects && !std::exchange(page->told_objects_problem, true))
+    page->feed.AddNotice("error",
+                         "objects of the recording could not be read: " + objects.error().message);
+  if (objects && !objects->empty()) return page->board.Set(Board::Topic::kObjects, *objects);
+  object_list_t none{};
+  none.map_id = recording_->map_id();
+  none.revision = moment.frames;
+  none.utime = moment.utime;
+  page->board.Set(Board::Topic::kObjects, ObjectsText(none));
 }
 
 void LogViewer::ShowPictures(Page* page) {

@@ -49,9 +49,10 @@ class LogViewer : public WebHandler {
     std::set<int> pictures;                // that it wanted
     std::map<int, int64_t> pictures_sent;  // frame of the picture by camera
     double next_follow = 0;
-    bool told_problem = false;
+    bool told_problem = false, told_objects_problem = false;
   };
   void Show(Page* page);
+  void ShowObjects(Page* page);
   void ShowPictures(Page* page);
   void TellTimeline();
 

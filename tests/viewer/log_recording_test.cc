@@ -273,6 +273,27 @@ TEST(LogRecording, BeyondTheBoundEverySecondMomentIsForgottenAndTheOthersStay) {
   }
 }
 
+TEST(LogRecording, EveryMomentThatStaysKeepsItsListOfObjects) {
+  std::mt19937 random(7);
+  const auto recording = OpenRecordingOf(uint64_t{1} << 20);
+  for (int frames = 1; frames <= 400; ++frames) {
+    ASSERT_TRUE(recording->AddMoment(frames, 1000 * frames, {}, {}));
+    if (frames % 3 != 1) continue;
+    std::string text = std::to_string(frames) + " ";
+    for (int i = 0; i < 20000; ++i) text += static_cast<char>(random() & 127);
+    ASSERT_TRUE(recording->AddObjects(frames, text, "json of " + text));
+  }
+  ASSERT_GT(recording->thinnings(), 0);
+  ASSERT_GT(recording->moments().front().frames, 1);
+  for (const Moment& moment : recording->moments()) {
+    const std::string list = std::to_string((moment.frames - 1) / 3 * 3 + 1) + " ";
+    const Result<std::string> text = recording->ObjectsTextAt(moment.frames);
+    ASSERT_TRUE(text);
+    EXPECT_EQ(text->substr(0, list.size()), list) << "after " << moment.frames << " frames";
+    EXPECT_THAT(*recording->ObjectsJsonAt(moment.frames), HasSubstr("json of " + list));
+  }
+}
+
 // A map as it is kept at moments; its blocks do not matter.
 std::shared_ptr<const LoadedMap> AnyMap(int64_t revision) {
   auto map = std::make_shared<LoadedMap>(LoadedMap{SemanticMap(VoxelGridOptions{}), {}, ""});
