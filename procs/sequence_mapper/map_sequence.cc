@@ -138,7 +138,7 @@ Result<MappedSequence> MapSequence(const OfflineInput& input,
                                    const std::function<bool(size_t done)>& proceed,
                                    MapSession* session, StageTimes* times) {
   Mapper mapper(input, options, session, times);
-  for (size_t i = 0; i < input.dataset.size() && proceed(i); ++i) {
+  for (size_t i = input.first; i < input.dataset.size() && proceed(i); ++i) {
     if (const Result<void> mapped = mapper.MapOne(i); !mapped)
       return tl::unexpected(mapped.error());
   }

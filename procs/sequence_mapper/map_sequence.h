@@ -24,6 +24,7 @@ struct OfflineInput {
   const DetectionSource* detections = nullptr;
   DnnDetector* network = nullptr;  ///< used instead of `detections`; needs frames with colour
   SequenceCheck* check = nullptr;  ///< sees every frame
+  size_t first = 0;                ///< frames of the sequence that are passed over
   /// Sees every frame with its segments before it is mapped, ...
   std::function<void(const SegmentedFrame&)> on_segmented = {};
   /// ... and what it changed, unless the map refused it.

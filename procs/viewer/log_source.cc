@@ -120,10 +120,11 @@ std::shared_ptr<const LoadedMap> LogSource::MapAfter(int64_t frames,
   Result<MapSession> session =
       begins ? MapSession(config_, NewMetadata()) : MapSession::Continue(config_, LoadedMap(*copy));
   if (!session) return nullptr;
-  const OfflineInput input{*log_.dataset, detector_.recorded.get(), detector_.network.get()};
+  OfflineInput input{*log_.dataset, detector_.recorded.get(), detector_.network.get()};
+  // What was left out before the copy is left out again, also if the map would take it now.
+  if (!begins) input.first = read_after_.at(static_cast<size_t>(copy->map.revision - 1));
   StageTimes times;
   const auto proceed = [&](size_t) { return !*stop && session->map().revision < frames; };
-  // Frames that are in the copy are passed over without being read.
   const auto mapped = MapSequence(input, config_, proceed, &*session, &times);
   if (!mapped || session->map().revision != frames) return nullptr;
   return std::make_shared<const LoadedMap>(LoadedMap{session->map(), session->metadata(), ""});
@@ -147,7 +148,10 @@ void LogSource::MapAll() {
   };
   OfflineInput input{*log_.dataset, detector_.recorded.get(), detector_.network.get()};
   input.on_segmented = [&](const SegmentedFrame& frame) { recorder.OnSegmented(frame); };
-  input.on_mapped = [&](const MapDelta& delta) { recorder.OnMapped(delta); };
+  input.on_mapped = [&](const MapDelta& delta) {
+    read_after_.push_back(static_cast<size_t>(state_.read) + 1);
+    recorder.OnMapped(delta);
+  };
   const Result<MappedSequence> mapped = MapSequence(input, config_, proceed, &session, &times);
   if (stop_) return;
   recorder.Finish();

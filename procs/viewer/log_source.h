@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "base/result.h"
 #include "config/config.h"
@@ -45,6 +46,7 @@ class LogSource {
   std::unique_ptr<LogRecording> recorded_;
   std::string name_;
   RecordingState state_;
+  std::vector<size_t> read_after_;  // frames of the log that were read when the map had 1, 2, ...
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

@@ -51,6 +51,28 @@ TEST(MomentMaps, AnyMomentIsTheMapOfSoManyFramesBitForBit) {
   }
 }
 
+// Which frames the map refuses depends on what it knows already.
+TEST(MomentMaps, FramesThatWereRefusedBeforeACopyAreNotTriedAgain) {
+  VismapConfig config;
+  config.grid.voxel_size_m = 0.03;
+  config.integration.max_frame_blocks = 1300;
+  DeriveOptions(&config);
+  const auto source = LogSource::Open(kLog, config);
+  ASSERT_TRUE(source) << source.error().message;
+  (*source)->Start();
+  while (!(*source)->recording().state().done)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const int64_t mapped = (*source)->recording().state().mapped;
+  ASSERT_GT(mapped, 18);
+  ASSERT_LT(mapped, 40) << "some must be refused";
+  MomentMaps maps(source->get());
+  for (const int64_t frames : {int64_t{17}, mapped - 1}) {
+    const std::shared_ptr<const LoadedMap> map = WaitFor(&maps, frames);
+    ASSERT_NE(map, nullptr) << frames;
+    EXPECT_EQ(HashMap(map->map), OfflineHash(config, frames)) << frames;
+  }
+}
+
 TEST(MomentMaps, EndsWhileItComputes) {
   VismapConfig config;
   config.grid.voxel_size_m = 0.03;
