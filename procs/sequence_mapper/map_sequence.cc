@@ -116,7 +116,7 @@ class Mapper {
 
   Result<void> CheckDetections(int64_t tolerance) const {
     const int64_t without = mapped_.without_detections.total();
-    if (without <= with_detections_ + tolerance) return {};
+    if (input_.is_part || without <= with_detections_ + tolerance) return {};
     return Fail("the detections of most frames cannot be used (" + std::to_string(without) +
                 " of " + std::to_string(without + with_detections_) +
                 " frames: " + mapped_.without_detections.Text() + ")");

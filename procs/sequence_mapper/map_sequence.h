@@ -25,6 +25,7 @@ struct OfflineInput {
   DnnDetector* network = nullptr;  ///< used instead of `detections`; needs frames with colour
   SequenceCheck* check = nullptr;  ///< sees every frame
   size_t first = 0;                ///< frames of the sequence that are passed over
+  bool is_part = false;            ///< so few frames that detections may be missing in most
   /// Sees every frame with its segments before it is mapped, ...
   std::function<void(const SegmentedFrame&)> on_segmented = {};
   /// ... and what it changed, unless the map refused it.
@@ -49,8 +50,8 @@ struct MappedSequence {
 
 /// Maps every frame of the sequence in order (see MapFrame), as the processes do over LCM.
 /// `proceed(done)` is called before each frame; when it returns false, mapping ends early. A frame
-/// that cannot be read is left out. Fails when the detections of most frames cannot be read, and
-/// when the network fails.
+/// that cannot be read is left out. Fails when the detections of most frames cannot be read (unless
+/// `is_part`), and when the network fails.
 Result<MappedSequence> MapSequence(const OfflineInput& input,
                                    const SegmentationStageOptions& options,
                                    const std::function<bool(size_t done)>& proceed,

@@ -31,6 +31,16 @@ Result<int64_t> TakeFrames(HttpTarget* target) {
 
 }  // namespace
 
+LogApi::LogApi(const LogSource* source, const OccupancyOptions& options, size_t max_map_bytes)
+    : recording_(&source->recording()),
+      options_(options),
+      maps_(
+          recording_,
+          [source](int64_t frames, const std::atomic<bool>* stop) {
+            return source->MapAfter(frames, stop);
+          },
+          max_map_bytes) {}
+
 void LogApi::Get(HttpTarget target, const WebHandler::Reply& reply) {
   const Result<int64_t> frames = TakeFrames(&target);
   if (!frames) return reply(ErrorAnswer(400, frames.error().message));
@@ -75,7 +85,12 @@ void LogApi::GetCell(const HttpTarget& target, int64_t frames, const WebHandler:
 }
 
 bool LogApi::Answer(const CellQuestion& question) {
-  const std::shared_ptr<const LoadedMap> map = maps_.Get(question.frames);
+  const Result<MomentMaps::MapPtr> made = maps_.Get(question.frames);
+  if (!made) {
+    question.reply(ErrorAnswer(500, made.error().message));
+    return true;
+  }
+  const MomentMaps::MapPtr& map = *made;
   if (map == nullptr && MonotonicSeconds() < question.give_up) return false;
   if (map == nullptr) {
     question.reply(ErrorAnswer(503, "the map at this moment is being computed; try again"));

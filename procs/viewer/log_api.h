@@ -7,6 +7,7 @@
 #include "freespace/occupancy.h"
 #include "viewer/http_rules.h"
 #include "viewer/log_recording.h"
+#include "viewer/log_source.h"
 #include "viewer/moment_maps.h"
 #include "viewer/slice.h"
 #include "viewer/web_server.h"
@@ -19,9 +20,9 @@ class LogApi {
   static constexpr double kLongestWait = 12;  ///< for a map that has to be computed [s]
   static constexpr size_t kMostWaiting = 16;  ///< questions
 
-  /// `source` must outlive it.
-  LogApi(const LogSource* source, const OccupancyOptions& options)
-      : recording_(&source->recording()), options_(options), maps_(source) {}
+  /// `source` must outlive it. Maps that have to be computed are kept while they take at most about
+  /// `max_map_bytes`.
+  LogApi(const LogSource* source, const OccupancyOptions& options, size_t max_map_bytes);
   /// `reply` is called once, now or by Poll.
   void Get(HttpTarget target, const WebHandler::Reply& reply);
   /// Answers what had to wait. To be called often.

@@ -113,20 +113,25 @@ MapMetadata LogSource::NewMetadata() const {
   return metadata;
 }
 
-std::shared_ptr<const LoadedMap> LogSource::MapAfter(int64_t frames,
-                                                     const std::atomic<bool>* stop) const {
+Result<std::shared_ptr<const LoadedMap>> LogSource::MapAfter(int64_t frames,
+                                                             const std::atomic<bool>* stop) const {
   const std::shared_ptr<const LoadedMap> copy = recorded_->CopyAt(frames);
   const bool begins = copy == nullptr || copy->map.revision > frames;
   Result<MapSession> session =
       begins ? MapSession(config_, NewMetadata()) : MapSession::Continue(config_, LoadedMap(*copy));
-  if (!session) return nullptr;
+  if (!session) return tl::unexpected(session.error());
   OfflineInput input{*log_.dataset, detector_.recorded.get(), detector_.network.get()};
   // What was left out before the copy is left out again, also if the map would take it now.
   if (!begins) input.first = read_after_.at(static_cast<size_t>(copy->map.revision - 1));
+  input.is_part = true;
   StageTimes times;
   const auto proceed = [&](size_t) { return !*stop && session->map().revision < frames; };
   const auto mapped = MapSequence(input, config_, proceed, &*session, &times);
-  if (!mapped || session->map().revision != frames) return nullptr;
+  if (!mapped) return tl::unexpected(mapped.error());
+  if (session->map().revision != frames)
+    return Fail("the map after " + std::to_string(frames) + " frames of " + name_ +
+                " could not be made: it has " + std::to_string(session->map().revision) +
+                " frames only");
   return std::make_shared<const LoadedMap>(LoadedMap{session->map(), session->metadata(), ""});
 }
 

@@ -27,10 +27,11 @@ class LogSource {
 
   void Start();
   const LogRecording& recording() const { return *recorded_; }
-  /// The map after so many frames: from the copy before it, by mapping those between. nullptr when
+  /// The map after so many frames: from the copy before it, by mapping those between. Fails when
   /// the log has not so many, and when `stop` was set. For one other thread, once the log is
   /// mapped.
-  std::shared_ptr<const LoadedMap> MapAfter(int64_t frames, const std::atomic<bool>* stop) const;
+  Result<std::shared_ptr<const LoadedMap>> MapAfter(int64_t frames,
+                                                    const std::atomic<bool>* stop) const;
   const std::string& name() const { return name_; }
 
  private:

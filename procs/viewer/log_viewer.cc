@@ -29,7 +29,7 @@ LogViewer::LogViewer(const ViewerOptions& options, const OccupancyOptions& space
       page_folder_(std::move(page_folder)),
       source_(source),
       recording_(&source->recording()),
-      api_(source, space) {}
+      api_(source, space, static_cast<size_t>(options.max_map_mb) << 20) {}
 
 Result<void> LogViewer::Listen() {
   Result<std::unique_ptr<WebServer>> server =
