@@ -48,11 +48,8 @@ void LogApi::Get(HttpTarget target, const WebHandler::Reply& reply) {
   if (path == "/api/timeline") return reply(JsonAnswer(TimelineText(*recording_)));
   const std::optional<Moment> moment = recording_->MomentAt(*frames);
   if (!moment) return reply(ErrorAnswer(503, "no frame of the log is mapped yet; try again"));
-  if (path == "/api/map") {
-    PageMoment surface(recording_);
-    surface.Show(*moment);
-    return reply(JsonAnswer(MapText(surface.Summary(), 0, false)));
-  }
+  if (path == "/api/map")
+    return reply(JsonAnswer(MapText(SummaryOf(*recording_, *moment), 0, false)));
   if (path == "/api/objects") return reply(GetObjects(moment->frames));
   if (path == "/api/cell") return GetCell(target, moment->frames, reply);
   if (path == "/api/slice") return reply(GetSlice(target, *moment));
@@ -109,10 +106,14 @@ void LogApi::Poll() {
 HttpAnswer LogApi::GetSlice(const HttpTarget& target, const Moment& moment) {
   const auto question = ReadSlice(target);
   if (!question) return ErrorAnswer(400, question.error().message);
-  const Result<const OccupancyMap*> space = SpaceAt(moment);
-  if (!space) return ErrorAnswer(500, space.error().message);
+  const auto space = [&]() -> tl::expected<const OccupancyMap*, HttpAnswer> {
+    const Result<const OccupancyMap*> found = SpaceAt(moment);
+    if (!found) return tl::unexpected(ErrorAnswer(500, found.error().message));
+    return *found;
+  };
   const FollowerPosition position{recording_->map_id(), moment.frames};
-  const auto found = slices_.Find(*question, **space, position, MonotonicSeconds());
+  const auto found =
+      slices_.Find(*question, recording_->voxel_size_m(), space, position, MonotonicSeconds());
   if (!found) return found.error();
   const std::string problem =
       AsksForDistances(target) ? "the viewer of a log knows no distances" : "";

@@ -140,6 +140,7 @@ Result<void> LogRecording::AddObjects(int64_t frames, const std::string& text,
   if (!json_place) return tl::unexpected(json_place.error());
   if (!objects_.empty() && objects_.back().frames == frames) objects_.pop_back();
   objects_.push_back({frames, *text_place, *json_place});
+  ++object_lists_;
   ++changes_;
   return {};
 }

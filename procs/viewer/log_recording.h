@@ -107,6 +107,8 @@ class LogRecording {
   int64_t changes() const { return changes_; }
   /// Changes when moments are forgotten: what was read of others may be wrong.
   int64_t thinnings() const { return thinnings_; }
+  /// Lists of objects that were added. The newest moment has its list a while after it is there.
+  int64_t object_lists() const { return object_lists_; }
   /// The newest moment of at most so many frames, else the first one; nullopt before that.
   std::optional<Moment> MomentAt(int64_t frames) const;
   std::optional<Moment> Newest() const;
@@ -158,7 +160,8 @@ class LogRecording {
   const std::string map_id_;
   const uint64_t max_bytes_;
   std::atomic<double> voxel_size_m_ = 0, block_edge_m_ = 0;
-  std::atomic<int64_t> stride_ = 1, copy_stride_ = 16, changes_ = 0, thinnings_ = 0;
+  std::atomic<int64_t> stride_ = 1, copy_stride_ = 16, changes_ = 0, thinnings_ = 0,
+                       object_lists_ = 0;
 
   mutable std::mutex mutex_;  // of all that follows
   SpillFile disk_;

@@ -1,5 +1,6 @@
 #include "viewer/log_viewer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "runtime/clock.h"
@@ -10,6 +11,7 @@
 namespace vismap {
 namespace {
 
+constexpr double kShowPeriod = 0.05;      // of going to a moment, at least [s]
 constexpr double kFollowPeriod = 0.5;     // of going to the newest moment [s]
 constexpr double kTimelinePeriod = 1.0;   // [s]
 constexpr size_t kLongTimeline = 100000;  // sent five times less often [bytes]
@@ -58,7 +60,8 @@ Result<void> LogViewer::OnText(PageId id, std::string_view text) {
   if (const auto taken = page.feed.OnText(text, MonotonicSeconds()); !taken) return taken;
   if (const std::optional<int64_t> wanted = page.feed.TakeMoment()) {
     page.wanted = *wanted;
-    Show(&page);
+    page.asked = true;
+    ShowIfAsked(&page);
   }
   if (page.feed.pictures_wanted() != page.pictures) {
     page.pictures = page.feed.pictures_wanted();
@@ -75,8 +78,18 @@ std::optional<OutFrame> LogViewer::NextFrame(PageId id) {
   return page.feed.Next(MonotonicSeconds());
 }
 
+// A page that asks all the time takes at most half of the time that there is.
+void LogViewer::ShowIfAsked(Page* page) {
+  const double begin = MonotonicSeconds();
+  if (!page->asked || begin < page->next_show) return;
+  Show(page);
+  const double end = MonotonicSeconds();
+  page->next_show = end + std::max(kShowPeriod, end - begin);
+}
+
 // Sends the page from the moment that it looks at to the one that it wants.
 void LogViewer::Show(Page* page) {
+  page->asked = false;
   page->thinnings = recording_->thinnings();
   const std::optional<Moment> moment = recording_->MomentAt(page->wanted);
   if (!moment) return;
@@ -100,6 +113,7 @@ void LogViewer::Show(Page* page) {
 // Objects of another moment must not stay: without a list, the page gets an empty one.
 void LogViewer::ShowObjects(Page* page) {
   const Moment& moment = page->surface.moment();
+  page->object_lists = recording_->object_lists();
   const Result<std::string> objects = recording_->ObjectsTextAt(moment.frames);
   if (!objects && !std::exchange(page->told_objects_problem, true))
     page->feed.AddNotice("error",
@@ -135,19 +149,28 @@ void LogViewer::TellTimeline() {
   for (auto& [id, page] : pages_) page->board.Set(Board::Topic::kTimeline, timeline_);
 }
 
-void LogViewer::OnTick() {
+// While the log is mapped, better moments for what the page wants come.
+void LogViewer::ShowChanges(Page* page) {
   const double now = MonotonicSeconds();
+  const std::optional<Moment> newest = recording_->Newest();
+  const std::optional<Moment> moment = recording_->MomentAt(page->wanted);
+  if (!newest || !moment || now < page->next_follow) return;
+  const bool is_shown = page->surface.moment().frames == moment->frames;
+  const bool has_new_list =
+      moment->frames == newest->frames && page->object_lists != recording_->object_lists();
+  if (is_shown && !has_new_list) return;
+  page->next_follow = now + kFollowPeriod;
+  if (is_shown) return ShowObjects(page);
+  Show(page);
+}
+
+void LogViewer::OnTick() {
   TellTimeline();
   api_.Poll();
-  const std::optional<Moment> newest = recording_->Newest();
   for (auto& [id, page] : pages_) {
     page->feed.Allow(kMostAllowance);
-    const bool behind = newest && page->surface.moment().frames < newest->frames;
-    const bool follows = page->wanted > page->surface.moment().frames;
-    if (behind && follows && now >= page->next_follow) {
-      page->next_follow = now + kFollowPeriod;
-      Show(page.get());
-    }
+    ShowIfAsked(page.get());
+    ShowChanges(page.get());
     if (!page->surface.problem().empty() && !std::exchange(page->told_problem, true))
       page->feed.AddNotice("error",
                            "blocks of the recording could not be read: " + page->surface.problem());

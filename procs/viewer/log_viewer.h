@@ -44,14 +44,17 @@ class LogViewer : public WebHandler {
     PageMoment surface;
     ClientFeed feed;
     int64_t wanted = ClientFeed::kNewestMoment;  // frames
-    int64_t thinnings = 0;
+    bool asked = false;                          // for it, and has not got it yet
+    int64_t thinnings = 0, object_lists = 0;
     size_t path_length = 0;                // frames whose positions it knows
     std::set<int> pictures;                // that it wanted
     std::map<int, int64_t> pictures_sent;  // frame of the picture by camera
-    double next_follow = 0;
+    double next_show = 0, next_follow = 0;
     bool told_problem = false, told_objects_problem = false;
   };
   void Show(Page* page);
+  void ShowIfAsked(Page* page);
+  void ShowChanges(Page* page);
   void ShowObjects(Page* page);
   void ShowPictures(Page* page);
   void TellTimeline();

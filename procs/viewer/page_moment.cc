@@ -41,21 +41,21 @@ std::vector<BlockIndex> PageMoment::SortedIndices() const {
   return indices;
 }
 
-MapSummary PageMoment::Summary() const {
+MapSummary SummaryOf(const LogRecording& recording, const Moment& moment) {
   MapSummary summary;
-  if (moment_.frames == 0) return summary;
-  summary.map_id = recording_->map_id();
-  summary.revision = moment_.frames;
-  summary.utime = moment_.utime;
-  summary.blocks = moment_.blocks;
-  summary.triangles = moment_.triangles;
-  summary.digest = moment_.digest;
+  if (moment.frames == 0) return summary;
+  summary.map_id = recording.map_id();
+  summary.revision = moment.frames;
+  summary.utime = moment.utime;
+  summary.blocks = moment.blocks;
+  summary.triangles = moment.triangles;
+  summary.digest = moment.digest;
   Digest digest;  // as MeshDigest::Hex
-  digest.Add(static_cast<uint64_t>(moment_.blocks));
-  digest.Add(moment_.digest);
+  digest.Add(static_cast<uint64_t>(moment.blocks));
+  digest.Add(moment.digest);
   summary.mesh_digest = digest.Hex();
-  summary.voxel_size_m = recording_->voxel_size_m();
-  summary.block_edge_m = recording_->block_edge_m();
+  summary.voxel_size_m = recording.voxel_size_m();
+  summary.block_edge_m = recording.block_edge_m();
   summary.in_sync = true;
   return summary;
 }

@@ -11,6 +11,9 @@
 
 namespace vismap {
 
+/// What a page is told of the map at a moment.
+MapSummary SummaryOf(const LogRecording& recording, const Moment& moment);
+
 /// The surface at the moment of a log that one page looks at. It knows which blocks the page has
 /// got, so that going to another moment sends only what differs.
 class PageMoment : public SurfaceView {
@@ -30,7 +33,7 @@ class PageMoment : public SurfaceView {
   int64_t revision() const override { return moment_.frames; }
   void OnForget() override { sent_.clear(); }
   /// What a page is told of the map.
-  MapSummary Summary() const;
+  MapSummary Summary() const { return SummaryOf(*recording_, moment_); }
 
  private:
   using Hashes = tsl::robin_map<BlockIndex, uint64_t, BlockIndexHash>;

@@ -87,8 +87,17 @@ tl::expected<const Slice*, HttpAnswer> SliceAnswers::Find(const SliceQuestion& q
                                                           const OccupancyMap& map,
                                                           const FollowerPosition& position,
                                                           double now) {
+  return Find(
+      question, map.cell_size(), [&] { return &map; }, position, now);
+}
+
+tl::expected<const Slice*, HttpAnswer> SliceAnswers::Find(const SliceQuestion& question,
+                                                          double cell_size_m,
+                                                          const FindMap& find_map,
+                                                          const FollowerPosition& position,
+                                                          double now) {
   const Key key{position.map_id, position.revision, question.axis,
-                std::floor(question.at_m / map.cell_size()), question.cell_m};
+                std::floor(question.at_m / cell_size_m), question.cell_m};
   if (!kept_ || *kept_ != key) {
     tokens_ = std::min(kMostPerSecond, tokens_ + kMostPerSecond * std::max(0.0, now - filled_));
     filled_ = now;
@@ -96,7 +105,9 @@ tl::expected<const Slice*, HttpAnswer> SliceAnswers::Find(const SliceQuestion& q
       return tl::unexpected(
           ErrorAnswer(429, "more than 10 slices per second over all pages; try again"));
     tokens_ -= 1;
-    Result<Slice> slice = CutSlice(map, question);
+    const auto map = find_map();
+    if (!map) return tl::unexpected(map.error());
+    Result<Slice> slice = CutSlice(**map, question);
     if (!slice) return tl::unexpected(ErrorAnswer(400, slice.error().message));
     slice_ = std::move(*slice);
     kept_ = key;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -31,9 +32,16 @@ std::vector<uint8_t> EncodeSlice(const Slice& slice, const SliceQuestion& questi
 class SliceAnswers {
  public:
   static constexpr double kMostPerSecond = 10;
+  /// Gives the map to cut, or says why there is none.
+  using FindMap = std::function<tl::expected<const OccupancyMap*, HttpAnswer>()>;
+
   /// `now` in MonotonicSeconds. The slice is there until the next call.
   tl::expected<const Slice*, HttpAnswer> Find(const SliceQuestion& question,
                                               const OccupancyMap& map,
+                                              const FollowerPosition& position, double now);
+  /// The same for a map that takes time to find: asks for it only when a new slice may be cut.
+  tl::expected<const Slice*, HttpAnswer> Find(const SliceQuestion& question, double cell_size_m,
+                                              const FindMap& find_map,
                                               const FollowerPosition& position, double now);
 
  private:

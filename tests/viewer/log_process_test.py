@@ -11,6 +11,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -39,6 +40,20 @@ def make_log(path, sequence=ROOM):
 
 def faces_of(ply):
     return int(re.search(rb"element face (\d+)", ply.read_bytes()[:2000])[1])
+
+
+def times_told(page, kind, seconds):
+    """How many texts of a kind come within this time."""
+    page.socket.link.settimeout(0.2)
+    told, end = 0, time.monotonic() + seconds
+    while time.monotonic() < end:
+        before = page.texts.get(kind)
+        try:
+            page.step()
+        except TimeoutError:
+            continue
+        told += page.texts.get(kind) is not before
+    return told
 
 
 class LogViewer:
@@ -132,6 +147,9 @@ class MomentsTest(unittest.TestCase):
         self.assertIsNone(self.early.failure)
         self.assertEqual(page.texts["hello"]["mode"], "log")
         self.assertEqual(page.texts["map"]["mesh_digest"], self.offline[FRAMES]["digest"])
+        fresh = self.page()
+        fresh.run_until(lambda p: p.is_level() and "objects" in p.texts)
+        wait_until(lambda: page.texts["objects"] == fresh.texts["objects"], "the last list of objects")
 
     def test_the_timeline_has_all_moments(self):
         self.assertEqual(self.timeline["frames"], list(range(1, FRAMES + 1)))
@@ -239,6 +257,10 @@ class TroubleTest(unittest.TestCase):
                 page.socket.send_json({"kind": "moment", "frames": frames})
                 page.run_until(lambda p: p.is_level() and p.texts["map"]["revision"] == frames)
             frames = timeline["frames"][len(timeline["frames"]) // 2]
+            page.socket.send_json({"kind": "moment", "frames": frames + 1})  # which is forgotten
+            page.run_until(lambda p: p.is_level() and p.texts["map"]["revision"] == frames)
+            times_told(page, "map", 1)
+            self.assertLessEqual(times_told(page, "map", 3), 4, "a page that has its moment gets it again")
             offline = OfflineMaps(folder, log, (frames,)).figures[frames]
             said = json.loads(get(viewer.address, f"/api/map?frames={frames}")[2])
             self.assertEqual((said["mesh_digest"], said["triangles"]), (offline["digest"], offline["triangles"]))

@@ -98,6 +98,26 @@ TEST(Slice, AtMostTenNewSlicesPerSecondAndTheLastOneIsKept) {
   EXPECT_EQ(status(11, 100.11), 429);
 }
 
+TEST(Slice, AMapIsSoughtOnlyForASliceThatMayBeCut) {
+  const OccupancyMap map = SomeSpace();
+  SliceAnswers answers;
+  int sought = 0;
+  const auto ask = [&](int layer) {
+    const SliceQuestion question{2, 0.05 * layer + 0.02, 0};
+    const auto find = [&]() -> tl::expected<const OccupancyMap*, HttpAnswer> {
+      ++sought;
+      if (layer == 3) return tl::unexpected(ErrorAnswer(500, "it cannot be read"));
+      return &map;
+    };
+    const auto found = answers.Find(question, map.cell_size(), find, {"m", 7}, 100);
+    return found ? 200 : found.error().status;
+  };
+  for (int layer = 0; layer < 10; ++layer) EXPECT_EQ(ask(layer), layer == 3 ? 500 : 200);
+  EXPECT_EQ(ask(9), 200) << "the last slice is kept";
+  for (int layer = 10; layer < 30; ++layer) EXPECT_EQ(ask(layer), 429);
+  EXPECT_EQ(sought, 10);
+}
+
 TEST(Slice, WrongArgumentsAreRefused) {
   for (const char* target :
        {"/api/slice", "/api/slice?at=x", "/api/slice?at=1&axis=w", "/api/slice?at=1&res=-1",
