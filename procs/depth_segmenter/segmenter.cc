@@ -246,9 +246,12 @@ void Segmenter::LeaveOut(const std::string& reason) {
 // Tells in STATUS when several processes publish frames of one camera.
 void Segmenter::CheckSource(const FrameHeader& header, const rgbd_frame_t& message) {
   const std::string subject = "sources of camera " + std::to_string(Raw(header.camera_id));
-  if (const auto shared =
-          sources_.Add(header.camera_id, message.source, message.seq, MonotonicSeconds()))
-    status_.SetFinding(subject, shared);
+  const auto shared =
+      sources_.Add(header.camera_id, message.source, message.seq, MonotonicSeconds());
+  if (!shared) return;
+  status_.SetFinding(subject, shared);
+  // At once, so that also a replay that takes less than a second hears of it.
+  if (shared_cameras_.insert(header.camera_id).second) status_.Publish();
 }
 
 // Logs the intrinsics of a new camera, and which process publishes them.

@@ -77,10 +77,11 @@ class Segmenter {
   size_t answer_bytes_ = 0;
   std::set<CameraId> cameras_;  // whose intrinsics were logged
   CameraSources sources_;
-  ReasonCounts left_out_;       // frames that cannot be used
-  ReasonCounts without_color_;  // frames whose colour cannot be decoded
-  DepthLosses depth_losses_;    // of all frames
-  DepthCheck segment_check_;    // of the latest frames, see CheckSegments
+  std::set<CameraId> shared_cameras_;  // that several processes publish, as STATUS has told
+  ReasonCounts left_out_;              // frames that cannot be used
+  ReasonCounts without_color_;         // frames whose colour cannot be decoded
+  DepthLosses depth_losses_;           // of all frames
+  DepthCheck segment_check_;           // of the latest frames, see CheckSegments
 };
 
 }  // namespace vismap
