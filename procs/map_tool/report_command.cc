@@ -95,6 +95,17 @@ std::vector<std::string> CommonArguments(const ProcessContext& context) {
   return arguments;
 }
 
+// Before another program is started, which would say it in its own words.
+Outcome CheckExists(const std::string& sequence) {
+  std::error_code ignored;
+  const std::string path = sequence.substr(0, sequence.find('?'));
+  if (path.starts_with("synthetic:") || fs::exists(path, ignored)) return {};
+  return ExitWith(ExitCode::kUnreadable,
+                  sequence +
+                      ": no such file or folder; expected a saved map (.vismap), a folder "
+                      "with map.vismap in it, a log, a recorded sequence, or 'live'");
+}
+
 Outcome MapSequenceFirst(const ProcessContext& context, const fs::path& folder, Subject* subject) {
   std::vector<std::string> arguments{"--dataset", subject->sequence, "--out", folder / "run"};
   const std::vector<std::string> common = CommonArguments(context);
@@ -176,6 +187,10 @@ Outcome WriteReport(const MapToolArguments& arguments, const LoadedMap& loaded,
 }  // namespace
 
 Outcome RunReport(const MapToolArguments& arguments, ProcessContext& context) {
+  Subject subject = arguments.map == kLive ? Subject{kLive, "", ""} : SubjectOf(arguments.map);
+  if (!subject.sequence.empty()) {
+    if (const Outcome exists = CheckExists(subject.sequence); !exists) return exists;
+  }
   TemporaryFolder temporary;
   const Result<fs::path> folder = temporary.Make();
   if (!folder) return ExitWith(ExitCode::kFailed, folder.error().message);
@@ -185,7 +200,6 @@ Outcome RunReport(const MapToolArguments& arguments, ProcessContext& context) {
   FindScript(arguments.config.viewer.page_folder, &input);
   if (const Outcome added = AddProcesses(arguments, context, &input); !added) return added;
 
-  Subject subject = arguments.map == kLive ? Subject{kLive, "", ""} : SubjectOf(arguments.map);
   if (!subject.sequence.empty()) {
     if (const Outcome mapped = MapSequenceFirst(context, *folder, &subject); !mapped) return mapped;
   }
