@@ -4,10 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <functional>
-#include <system_error>
 
 #include "base/require.h"
 #include "codecs/zstd_codec.h"
@@ -72,8 +70,6 @@ uint32_t ExtendCrc(uint32_t crc, std::span<const uint8_t> bytes) {
   return static_cast<uint32_t>(crc32_z(crc, bytes.data(), bytes.size()));
 }
 
-std::filesystem::path PartOf(const std::filesystem::path& path) { return path.string() + ".part"; }
-
 // A group of records of the summary, and where it stands.
 struct SummaryGroup {
   Op op;
@@ -87,8 +83,8 @@ void McapWriter::TimeRange::Extend(uint64_t time, bool is_first) {
   last = is_first ? time : std::max(last, time);
 }
 
-McapWriter::McapWriter(std::filesystem::path path, File file, const McapOptions& options)
-    : path_(std::move(path)), file_(std::move(file)), options_(options) {
+McapWriter::McapWriter(PartFile file, const McapOptions& options)
+    : file_(std::move(file)), options_(options) {
   WriteOut(kMcapMagic);
   Content header;
   PutText("", &header);  // no profile
@@ -98,21 +94,13 @@ McapWriter::McapWriter(std::filesystem::path path, File file, const McapOptions&
 
 Result<McapWriter> McapWriter::Create(const std::filesystem::path& path,
                                       const McapOptions& options) {
-  const std::filesystem::path part = PartOf(path);
-  File file(std::fopen(part.c_str(), "wb"));
-  if (!file) return Fail(part.string() + ": cannot write: " + std::strerror(errno));
-  return McapWriter(path, std::move(file), options);
-}
-
-McapWriter::~McapWriter() {
-  if (!file_) return;
-  std::error_code ignored;
-  std::filesystem::remove(PartOf(path_), ignored);
+  Result<PartFile> file = PartFile::Create(path);
+  if (!file) return tl::unexpected(file.error());
+  return McapWriter(std::move(*file), options);
 }
 
 void McapWriter::WriteOut(std::span<const uint8_t> bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size() && error_ == 0)
-    error_ = errno;
+  file_.Write(bytes);
   crc_ = ExtendCrc(crc_, bytes);
   position_ += bytes.size();
 }
@@ -278,16 +266,7 @@ Result<void> McapWriter::Finish() {
   Put(ExtendCrc(0, summary), &summary);
   WriteOut(summary);
   WriteOut(kMcapMagic);
-  if (std::fflush(file_.get()) != 0 && error_ == 0) error_ = errno;
-  const std::filesystem::path part = PartOf(path_);
-  if (error_ != 0) return Fail(part.string() + ": cannot write: " + std::strerror(error_));
-  std::error_code failed;
-  std::filesystem::rename(part, path_, failed);
-  if (failed)
-    return Fail(path_.string() +
-                ": cannot rename the finished file to this name: " + failed.message());
-  file_.reset();
-  return {};
+  return file_.Finish();
 }
 
 }  // namespace vismap

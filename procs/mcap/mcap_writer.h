@@ -1,15 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/part_file.h"
 #include "base/result.h"
 
 namespace vismap {
@@ -30,17 +30,14 @@ struct McapOptions {
   bool compress = true;                  ///< by zstd, where that makes a chunk smaller
 };
 
-/// Writes an MCAP file with chunks, indexes, a summary and checksums. The file gets its final name
-/// only in Finish, so that an interrupted program leaves no partial file. Memory: one chunk, and
-/// about 100 bytes for each chunk and channel in it.
+/// Writes an MCAP file with chunks, indexes, a summary and checksums. An interrupted
+/// program leaves no partial file, see PartFile. Memory: one chunk, and about 100 bytes for each
+/// chunk and channel in it.
 class McapWriter {
  public:
   /// Fails, naming the file, when it cannot be created.
   static Result<McapWriter> Create(const std::filesystem::path& path,
                                    const McapOptions& options = {});
-  ~McapWriter();
-  McapWriter(McapWriter&&) = default;
-  McapWriter& operator=(McapWriter&&) = delete;
 
   /// Returns the id of the schema, 1, 2, ...; at most 65535.
   uint16_t AddSchema(const std::string& name, const std::string& encoding, std::string_view data);
@@ -58,10 +55,6 @@ class McapWriter {
 
  private:
   using Bytes = std::vector<uint8_t>;
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  using File = std::unique_ptr<std::FILE, Close>;
   struct TimeRange {
     uint64_t first = 0, last = 0;  // 0 = there is no message
     void Extend(uint64_t time, bool is_first);
@@ -72,17 +65,15 @@ class McapWriter {
     std::vector<std::pair<uint64_t, uint64_t>> in_chunk;  // log time, offset in the chunk
   };
 
-  McapWriter(std::filesystem::path path, File file, const McapOptions& options);
+  McapWriter(PartFile file, const McapOptions& options);
   void WriteOut(std::span<const uint8_t> bytes);
   void EndChunk();
   std::map<uint16_t, uint64_t> WriteMessageIndexes();
   Bytes Statistics() const;
   Bytes Summary() const;
 
-  std::filesystem::path path_;
-  File file_;
+  PartFile file_;
   McapOptions options_;
-  int error_ = 0;  // errno of the first write that failed
   uint64_t position_ = 0;
   uint32_t crc_ = 0;  // of all bytes so far
   std::vector<Bytes> schemas_;
