@@ -23,7 +23,7 @@ class PartFile {
   PartFile(PartFile&&) = default;
   PartFile& operator=(PartFile&&) = delete;
 
-  /// Appends bytes. After an error nothing more counts; Finish tells it.
+  /// Appends bytes. Finish returns the first error.
   void Write(std::span<const uint8_t> bytes);
   /// Gives the file its final name. Fails with the first write error.
   Result<void> Finish();

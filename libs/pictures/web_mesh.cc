@@ -161,7 +161,7 @@ WebMesh CoarsenMesh(const Mesh& mesh, size_t max_vertices) {
   const Bounds bounds = BoundsOf(coarse.mesh);
   const double size = (bounds.high - bounds.low).maxCoeff();
   double cell_m = 0.01;
-  // With more labels than may be vertices, a cell as large as the mesh does not fit either.
+  // Vertices of different labels are never joined, so with very many labels the mesh stays larger.
   while (!Fits(coarse.mesh, max_vertices) && coarse.cell_m <= size) {
     coarse = {Joined(mesh, cell_m), cell_m};
     cell_m *= kGrowth;

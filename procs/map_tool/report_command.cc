@@ -95,7 +95,7 @@ std::vector<std::string> CommonArguments(const ProcessContext& context) {
   return arguments;
 }
 
-// Before another program is started, which would say it in its own words.
+// Called before another program is started, whose message would be about that program.
 Outcome CheckExists(const std::string& sequence) {
   std::error_code ignored;
   const std::string path = sequence.substr(0, sequence.find('?'));
