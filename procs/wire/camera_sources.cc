@@ -3,7 +3,7 @@
 namespace vismap {
 namespace {
 
-constexpr int kStepsOfTwins = 3;
+constexpr size_t kReturnsOfTwins = 3;
 constexpr const char* kPhrase = " is published by more than one process, ";
 
 }  // namespace
@@ -18,10 +18,7 @@ std::optional<std::string> CameraSources::Add(CameraId camera, const std::string
   size_ += is_new ? 1 : 0;
   Sources& sources = heard_[camera];
   Source& of_source = sources[source];
-  of_source.steps_back += seq <= of_source.seq ? 1 : 0;
-  of_source.seq = seq;
-  of_source.last_heard = now;
-  const bool twins = of_source.steps_back >= kStepsOfTwins;
+  const bool twins = AddNumber(seq, now, &of_source);
   if (sources.size() < 2 && !twins) return std::nullopt;
   std::string names = twins ? "'" + source + "' (twice)" : "";
   for (const auto& [name, unused] : sources) {
@@ -30,6 +27,25 @@ std::optional<std::string> CameraSources::Add(CameraId camera, const std::string
   return "camera " + std::to_string(Raw(camera)) + kPhrase + names +
          ": of frames with equal utimes only one is mapped; give each process a camera id of its "
          "own (--camera-id)";
+}
+
+// Whether the numbers of this source are those of two processes. Such numbers fall when the second
+// process comes in, and then go on above the fallen one when the first comes in again, over and
+// over. The numbers of a process that is restarted fall, too, but do not go back to the old ones.
+bool CameraSources::AddNumber(int64_t seq, double now, Source* source) {
+  if (seq <= source->seq) {
+    source->fell_from = source->seq;
+    source->fell_to_itself = seq == source->seq;
+  } else if (source->fell_from && seq > *source->fell_from) {
+    if (source->seq < *source->fell_from || source->fell_to_itself) source->returns.push_back(now);
+    source->fell_from.reset();
+  }
+  source->seq = seq;
+  source->last_heard = now;
+  while (!source->returns.empty() && now - source->returns.front() > kMemoryOfReturns)
+    source->returns.pop_front();
+  if (source->returns.size() > kReturnsOfTwins) source->returns.pop_front();
+  return source->returns.size() >= kReturnsOfTwins;
 }
 
 void CameraSources::ForgetSilent(double now, Sources* sources) {
