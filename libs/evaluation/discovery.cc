@@ -52,6 +52,10 @@ struct NamedShare {
 
 }  // namespace
 
+bool IsCounted(const TrueObject& object, int64_t vertices, const DiscoveryOptions& options) {
+  return vertices >= options.min_vertices && object.frames >= options.min_frames;
+}
+
 AnyClassScore ScoreAnyClass(const GroundTruth& truth, const TransferredLabels& labels,
                             const InstanceMatches& groups, const DiscoveryOptions& options) {
   NamedShare structure;
@@ -68,8 +72,7 @@ AnyClassScore ScoreAnyClass(const GroundTruth& truth, const TransferredLabels& l
   std::vector<double> known, unknown, fragments;
   for (size_t t = 0; t < groups.truths.size(); ++t) {
     const TrueObject& object = truth.objects[groups.truths[t].object];
-    if (groups.truths[t].vertices < options.min_vertices || object.frames < options.min_frames)
-      continue;  // too small, or seen too rarely
+    if (!IsCounted(object, groups.truths[t].vertices, options)) continue;
     const bool is_known = object.class_id != ClassId::kUnknown;
     (is_known ? known : unknown).push_back(BestIou(groups, t));
     fragments.push_back(Fragments(groups, t));

@@ -33,6 +33,9 @@ struct DiscoveryOptions {
   int min_frames = 5;         ///< objects that fewer frames show are left out
 };
 
+/// Whether an object with so many points of the ground truth is counted.
+bool IsCounted(const TrueObject& object, int64_t vertices, const DiscoveryOptions& options);
+
 /// `groups` must be MatchGroups(truth, labels).
 AnyClassScore ScoreAnyClass(const GroundTruth& truth, const TransferredLabels& labels,
                             const InstanceMatches& groups, const DiscoveryOptions& options);

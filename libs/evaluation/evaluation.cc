@@ -64,6 +64,23 @@ void SetMeans(Evaluation* evaluation) {
   evaluation->panoptic = {pq.value(), sq.value(), rq.value()};
 }
 
+// Scores all objects without their classes.
+void EvaluateAnyClass(const GroundTruth& truth, const TransferredLabels& labels,
+                      const InstanceMatches& groups, const EvaluationOptions& options,
+                      Evaluation* evaluation) {
+  ScanNetOptions constant = options.scannet;
+  constant.confidence.reset();
+  evaluation->any_class_ap = ScoreScanNet(groups, ClassId::kUnknown, constant);
+  if (options.scannet.confidence)
+    evaluation->any_class_score_ap = ScoreScanNet(groups, ClassId::kUnknown, options.scannet);
+  evaluation->any_class_panoptic =
+      ScorePanoptic(groups, ClassId::kUnknown, options.panoptic_min_vertices);
+  evaluation->any_class = ScoreAnyClass(truth, labels, groups, options.discovery);
+  evaluation->truths = truth.objects;
+  evaluation->findings =
+      FindObjects(truth, MatchGroupsAndStructure(truth, labels), options.discovery);
+}
+
 }  // namespace
 
 Evaluation Evaluate(const GroundTruth& truth, const EvaluatedMap& map,
@@ -86,9 +103,7 @@ Evaluation Evaluate(const GroundTruth& truth, const EvaluatedMap& map,
   for (const EvaluatedClass& known : classes)
     evaluation.classes.push_back(EvaluateClass(instances, known, options));
   SetMeans(&evaluation);
-  evaluation.any_class_panoptic =
-      ScorePanoptic(groups, ClassId::kUnknown, options.panoptic_min_vertices);
-  evaluation.any_class = ScoreAnyClass(truth, labels, groups, options.discovery);
+  EvaluateAnyClass(truth, labels, groups, options, &evaluation);
   evaluation.surface = ScoreSurface(truth, map.mesh, labels, options.radius);
   return evaluation;
 }

@@ -8,6 +8,7 @@
 #include "evaluation/class_list.h"
 #include "evaluation/discovery.h"
 #include "evaluation/free_space.h"
+#include "evaluation/object_findings.h"
 #include "evaluation/panoptic.h"
 #include "evaluation/ranked_ap.h"
 #include "evaluation/scannet_ap.h"
@@ -67,7 +68,14 @@ struct Evaluation {
   RankedAp ranked_mean;
   MeanPanoptic panoptic;
   PanopticScore any_class_panoptic;  ///< all objects of any class against MatchGroups
+  /// ScanNet's AP without classes: all true objects but structure against all groups of the map,
+  /// as ScanNet200's script gives it when all classes are one.
+  ScanNetAp any_class_ap;
+  /// The same with the map's scores as confidences; segments without an instance come last.
+  std::optional<ScanNetAp> any_class_score_ap;
   AnyClassScore any_class;
+  std::vector<TrueObject> truths;       ///< the objects of the ground truth
+  std::vector<ObjectFinding> findings;  ///< what the map made of each of `truths` that is counted
   SurfaceError surface;
   std::vector<FreeSpaceEvaluation> free_space;  ///< set by the caller; needs the voxels of the map
 };

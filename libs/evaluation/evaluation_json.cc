@@ -73,6 +73,8 @@ Json ScanNetJson(const Evaluation& e) {
   Json json;
   json["constant_confidence"] = ToJson(e.constant_mean);
   json["real_confidence"] = ToJson(e.score_mean);
+  json["any_class"] = {{"constant_confidence", ToJson(e.any_class_ap)},
+                       {"real_confidence", ToJson(e.any_class_score_ap)}};
   json["classes"] = Json::object();
   for (const ClassEvaluation& result : e.classes) {
     if (result.at50.truths == 0 && result.at50.predictions == 0) continue;
@@ -102,6 +104,22 @@ Json PanopticJson(const Evaluation& e) {
     if (result.panoptic.pq()) json["classes"][result.known.name] = ToJson(result.panoptic);
   }
   return json;
+}
+
+Json ToJson(const ObjectFinding& finding, const std::vector<TrueObject>& truths) {
+  const TrueObject& object = truths[finding.object];
+  return {{"label", object.label},
+          {"name", object.name},
+          {"known", object.class_id != ClassId::kUnknown},
+          {"points", finding.points},
+          {"iou", Rounded(finding.iou, 3)},
+          {"covered", Rounded(finding.covered, 3)},
+          {"purity", Rounded(finding.purity, 3)},
+          {"pieces", finding.pieces},
+          {"found", NameOf(finding.found)},
+          {"in_largest", Rounded(finding.in_largest, 3)},
+          {"shared_with",
+           finding.shared_with ? Json(truths[*finding.shared_with].name) : Json(nullptr)}};
 }
 
 Json ToJson(const std::optional<DistanceSummary>& summary) {
@@ -157,6 +175,9 @@ std::string EvaluationJson(const Evaluation& e) {
   json["panoptic"] = PanopticJson(e);
   json["surface"] = {{"accuracy", ToJson(e.surface.accuracy)},
                      {"completeness", ToJson(e.surface.completeness)}};
+  json["objects"] = Json::array();
+  for (const ObjectFinding& finding : e.findings)
+    json["objects"].push_back(ToJson(finding, e.truths));
   json["free_space"] = Json::array();
   for (const FreeSpaceEvaluation& free_space : e.free_space)
     json["free_space"].push_back(ToJson(free_space));

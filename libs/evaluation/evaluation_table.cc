@@ -101,6 +101,11 @@ std::string DiscoveryLine(const char* title, const DiscoveryScore& score) {
                 Percent(score.mean_iou).c_str());
 }
 
+std::string AnyClassAp(const char* title, const ScanNetAp& ap) {
+  return Format("%-24s AP25 %s, AP50 %s, AP50:95 %s, %s\n", "  as ScanNet200",
+                Percent(ap.ap25).c_str(), Percent(ap.ap50).c_str(), Percent(ap.ap).c_str(), title);
+}
+
 std::string DiscoveryLines(const Evaluation& e) {
   const AnyClassScore& any = e.any_class;
   const PanopticScore& panoptic = e.any_class_panoptic;
@@ -115,7 +120,9 @@ std::string DiscoveryLines(const Evaluation& e) {
              any.unknown_given_a_class, Percent(any.structure_named_object).c_str()) +
          Format("%-24s PQ %s, SQ %s, RQ %s\n", "objects of any class",
                 Percent(panoptic.pq()).c_str(), Percent(panoptic.sq()).c_str(),
-                Percent(panoptic.rq()).c_str());
+                Percent(panoptic.rq()).c_str()) +
+         AnyClassAp("no ranking", e.any_class_ap) +
+         (e.any_class_score_ap ? AnyClassAp("by score", *e.any_class_score_ap) : "");
 }
 
 double PercentOf(int64_t part, int64_t all) {
@@ -147,7 +154,51 @@ std::string FreeSpace(const FreeSpaceEvaluation& space) {
   return text;
 }
 
+// The name of a true object with its label, which is unique: "chair 12".
+std::string TitleOf(const TrueObject& object) {
+  return Format("%.21s %u", object.name.c_str(), object.label);
+}
+
+std::string FindingLine(const ObjectFinding& finding, const std::vector<TrueObject>& truths) {
+  const TrueObject& object = truths[finding.object];
+  std::string line =
+      Format("%-28s%-8s%8lld%7.1f%9.1f%8.1f%8d  %-10s", TitleOf(object).c_str(),
+             object.class_id == ClassId::kUnknown ? "unknown" : "known",
+             static_cast<long long>(finding.points), 100 * finding.iou, 100 * finding.covered,
+             100 * finding.purity, finding.pieces, NameOf(finding.found).c_str());
+  if (finding.found == FoundAs::kSwallowed) {
+    line += Format("%.1f %% of it in a group of %s", 100 * finding.in_largest,
+                   finding.shared_with ? TitleOf(truths[*finding.shared_with]).c_str()
+                                       : "surface without an object");
+  }
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + "\n";
+}
+
+// How many objects became what: "12 found, 3 broken, 5 swallowed, 1 missing".
+std::string CountFindings(const std::vector<ObjectFinding>& findings) {
+  std::string text;
+  for (const FoundAs found :
+       {FoundAs::kFound, FoundAs::kBroken, FoundAs::kSwallowed, FoundAs::kMissing}) {
+    const auto count = std::count_if(findings.begin(), findings.end(),
+                                     [&](const ObjectFinding& f) { return f.found == found; });
+    text +=
+        Format("%s%d %s", text.empty() ? "" : ", ", static_cast<int>(count), NameOf(found).c_str());
+  }
+  return text;
+}
+
 }  // namespace
+
+std::string FindingsTable(const Evaluation& e) {
+  std::vector<ObjectFinding> worst_first = e.findings;
+  std::stable_sort(worst_first.begin(), worst_first.end(),
+                   [](const ObjectFinding& a, const ObjectFinding& b) { return a.iou < b.iou; });
+  std::string text = Format("%-28s%-8s%8s%7s%9s%8s%8s\n", "object", "class", "points", "IoU %",
+                            "covered", "purity", "pieces");
+  for (const ObjectFinding& finding : worst_first) text += FindingLine(finding, e.truths);
+  return text + CountFindings(e.findings) + "\n";
+}
 
 std::string EvaluationTable(const Evaluation& e) {
   std::string text =

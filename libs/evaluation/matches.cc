@@ -73,6 +73,14 @@ std::vector<Group> Groups(const TransferredLabels& labels, bool with_segments) {
   return groups;
 }
 
+// Compares the true objects that `wanted` accepts, of any class, with all groups.
+InstanceMatches MatchAllGroups(const GroundTruth& truth, const TransferredLabels& labels,
+                               const std::function<bool(const TrueObject&)>& wanted) {
+  InstanceMatches matches = CountOverlaps(truth, Groups(labels, true), wanted);
+  for (TruthInstance& object : matches.truths) object.class_id = ClassId::kUnknown;
+  return matches;
+}
+
 }  // namespace
 
 InstanceMatches MatchInstances(const GroundTruth& truth, const TransferredLabels& labels,
@@ -98,10 +106,12 @@ InstanceMatches MatchInstances(const GroundTruth& truth, const TransferredLabels
 }
 
 InstanceMatches MatchGroups(const GroundTruth& truth, const TransferredLabels& labels) {
-  InstanceMatches matches = CountOverlaps(
-      truth, Groups(labels, true), [](const TrueObject& object) { return !object.is_structure; });
-  for (TruthInstance& object : matches.truths) object.class_id = ClassId::kUnknown;
-  return matches;
+  return MatchAllGroups(truth, labels,
+                        [](const TrueObject& object) { return !object.is_structure; });
+}
+
+InstanceMatches MatchGroupsAndStructure(const GroundTruth& truth, const TransferredLabels& labels) {
+  return MatchAllGroups(truth, labels, [](const TrueObject&) { return true; });
 }
 
 }  // namespace vismap

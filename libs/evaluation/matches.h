@@ -54,4 +54,8 @@ InstanceMatches MatchInstances(const GroundTruth& truth, const TransferredLabels
 /// instances, then the segments of points without an instance. All classes are set to kUnknown.
 InstanceMatches MatchGroups(const GroundTruth& truth, const TransferredLabels& labels);
 
+/// The same groups compared with all true objects, structure among them. Only points without a true
+/// object are void.
+InstanceMatches MatchGroupsAndStructure(const GroundTruth& truth, const TransferredLabels& labels);
+
 }  // namespace vismap

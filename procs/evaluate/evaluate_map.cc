@@ -146,6 +146,8 @@ Outcome RunEvaluate(const EvaluateArguments& arguments) {
   if (!evaluation) return ExitWith(ExitCode::kUnreadable, evaluation.error().message);
   const std::string json = EvaluationJson(*evaluation);
   std::fputs(arguments.json ? json.c_str() : EvaluationTable(*evaluation).c_str(), stdout);
+  if (arguments.why && !arguments.json)
+    std::fputs(("\n" + FindingsTable(*evaluation)).c_str(), stdout);
   if (arguments.out.empty()) return {};
   const Result<void> written = WriteFileAtomically(arguments.out, json);
   if (!written) return ExitWith(ExitCode::kFailed, written.error().message);

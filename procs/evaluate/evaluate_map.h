@@ -15,6 +15,7 @@ struct EvaluateArguments {
   std::string classes;       ///< see ParseClassList
   std::string out;           ///< file for the JSON; "" = none
   bool json = false;         ///< print JSON in place of the table
+  bool why = false;          ///< print FindingsTable after the table
   VismapConfig config;
 };
 

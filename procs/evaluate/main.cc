@@ -15,7 +15,9 @@ void AddOptions(CommandLine& line, EvaluateArguments* arguments) {
   line.Option("--classes", &arguments->classes,
               "paper (the nine classes of the paper), scene (all classes of the ground truth), or "
               "COCO names separated by commas; if not given, paper, but scene for synthetic:room");
-  line.Flag("--json", &arguments->json, "Print JSON");
+  line.Flag("--json", &arguments->json, "Print JSON, which also has what --why prints");
+  line.Flag("--why", &arguments->why,
+            "After the scores, print what became of each true object and what swallowed it");
   line.Option("--out", &arguments->out, "Also write the JSON to this file");
 }
 

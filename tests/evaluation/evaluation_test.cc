@@ -149,6 +149,55 @@ TEST(Evaluation, FindsSurfaceInFreeCellsAndObstaclesThatAreNotThere) {
   EXPECT_EQ(occupied.far_from_truth, 1);
 }
 
+TEST(Evaluation, SaysWhatBecameOfEachObject) {
+  Row row;
+  row.Object(1, "stool", ClassId::kUnknown);
+  row.Object(2, "pillow", ClassId::kUnknown);
+  row.Object(3, "bed", ClassId{65});
+  row.Object(4, "lamp", ClassId::kUnknown);
+  row.Object(5, "ceiling", ClassId::kUnknown, true);
+  row.Object(6, "curtain", ClassId::kUnknown);
+  row.Add(80, 1, 1, 0, 0);  // a stool in three pieces, the last of which is no tenth
+  row.Add(105, 1, 2, 0, 0);
+  row.Add(15, 1, 3, 0, 0);
+  row.Add(400, 3, 4, 1, 65);  // the bed, with the pillow
+  row.Add(100, 2, 4, 1, 65);
+  row.Add(90, 4, 5, 0, 0);  // most of the lamp belongs to the ceiling
+  row.Add(10, 4, 6, 0, 0);
+  row.Add(500, 5, 5, 0, 0);
+  row.Add(100, 6, 0, 0, 0, false);
+  const Evaluation evaluation = Evaluate(row.truth, row.map, PaperClasses());
+  ASSERT_EQ(evaluation.findings.size(), 5u) << "all but the ceiling";
+  const ObjectFinding &stool = evaluation.findings[0], &pillow = evaluation.findings[1],
+                      &bed = evaluation.findings[2], &lamp = evaluation.findings[3],
+                      &curtain = evaluation.findings[4];
+  EXPECT_EQ(stool.found, FoundAs::kFound);  // 105 of 200
+  EXPECT_EQ(stool.pieces, 2);
+  EXPECT_EQ(pillow.found, FoundAs::kSwallowed);
+  EXPECT_DOUBLE_EQ(pillow.covered, 1);
+  EXPECT_DOUBLE_EQ(pillow.purity, 0.2);
+  EXPECT_DOUBLE_EQ(pillow.iou, 0.2);
+  EXPECT_EQ(pillow.shared_with, 2u);
+  EXPECT_EQ(bed.found, FoundAs::kFound);
+  EXPECT_EQ(lamp.found, FoundAs::kSwallowed);
+  EXPECT_DOUBLE_EQ(lamp.in_largest, 0.9);
+  EXPECT_EQ(lamp.shared_with, 4u);
+  EXPECT_EQ(curtain.found, FoundAs::kMissing);  // but for 4 points within 5 cm of the ceiling
+}
+
+TEST(Evaluation, AnObjectOfManyPurePiecesIsBroken) {
+  Row row;
+  row.Object(1, "shelf", ClassId::kUnknown);
+  for (uint32_t piece = 1; piece <= 4; ++piece) row.Add(50, 1, piece, 0, 0);
+  const std::vector<ObjectFinding> findings = Evaluate(row.truth, row.map, PaperClasses()).findings;
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].found, FoundAs::kBroken);
+  EXPECT_EQ(findings[0].pieces, 4);
+  EXPECT_DOUBLE_EQ(findings[0].covered, 0.25);
+  EXPECT_DOUBLE_EQ(findings[0].purity, 1);
+  EXPECT_FALSE(findings[0].shared_with);
+}
+
 TEST(EvaluationReport, HasTheFiguresInJsonAndInTheTable) {
   const Row row = MakeRow();
   const Evaluation evaluation = Evaluate(row.truth, row.map, PaperClasses());
@@ -157,7 +206,11 @@ TEST(EvaluationReport, HasTheFiguresInJsonAndInTheTable) {
   EXPECT_THAT(json, ::testing::HasSubstr("\"real_confidence\": null"));
   const std::string table = EvaluationTable(evaluation);
   EXPECT_THAT(table, ::testing::HasSubstr("AP50, no ranking"));
+  EXPECT_THAT(table, ::testing::HasSubstr("as ScanNet200"));
   EXPECT_THAT(table, ::testing::HasSubstr("100.0"));
+  EXPECT_THAT(json, ::testing::HasSubstr("\"found\": \"missing\""));
+  EXPECT_THAT(FindingsTable(evaluation),
+              ::testing::HasSubstr("3 found, 0 broken, 0 swallowed, 1 missing"));
 }
 
 }  // namespace
