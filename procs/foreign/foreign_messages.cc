@@ -1,9 +1,11 @@
 #include "foreign/foreign_messages.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <string_view>
 #include <vismap/foreign/bot_core/image_t.hpp>
 #include <vismap/foreign/bot_core/images_t.hpp>
 #include <vismap/foreign/bot_core/pose_t.hpp>
@@ -375,12 +377,29 @@ Result<ForeignMessage> FromBotPose(foreign::bot_core::pose_t& message, const Opt
                  PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.pos)));
 }
 
+bool EqualIgnoringCase(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
+    return std::tolower(x) == std::tolower(y);
+  });
+}
+
+// The frame that a part of a channel's name means. bot-frames writes names in capitals there.
+std::string FrameInChannel(const std::string& name, const Options& options) {
+  for (const std::string* known : {&options.root, &options.body_frame, &options.camera_frame}) {
+    if (EqualIgnoringCase(name, *known)) return *known;
+  }
+  return name;
+}
+
 Result<ForeignMessage> FromRigidTransform(foreign::bot_core::rigid_transform_t& message,
                                           const std::string& channel, const Options& options) {
-  const size_t to = channel.find("_TO_");
+  constexpr std::string_view kTo = "_TO_";
+  const size_t to = channel.find(kTo);
+  const bool named = to != std::string::npos;
   const double* q = message.quat;
-  return OneEdge("rigid_transform_t", options.root,
-                 to == std::string::npos ? options.camera_frame : channel.substr(0, to),
+  return OneEdge("rigid_transform_t",
+                 named ? FrameInChannel(channel.substr(to + kTo.size()), options) : options.root,
+                 named ? FrameInChannel(channel.substr(0, to), options) : options.camera_frame,
                  message.utime, PoseOf({q[0], q[1], q[2], q[3]}, Eigen::Vector3d(message.trans)));
 }
 

@@ -41,9 +41,11 @@ struct ForeignMessage {
 /// How messages are read that do not say everything themselves.
 struct ForeignMessageOptions {
   ImageRole role = ImageRole::kColor;
-  std::string root;          ///< parent of poses that name none
-  std::string body_frame;    ///< child of poses of the robot that name none
-  std::string camera_frame;  ///< child of poses on channels that do not name one as A_TO_B
+  std::string root;        ///< parent of poses that name none
+  std::string body_frame;  ///< child of poses of the robot that name none
+  /// Child of rigid transforms on channels that do not name their frames as CHILD_TO_PARENT.
+  /// Capitals in these names do not matter when they are those of the frames above and of this one.
+  std::string camera_frame;
   /// Which images of a message with several are decoded: the first of each kind that can be used.
   bool color = true, depth = true;
 };

@@ -47,7 +47,7 @@ void PoseTrack::AddRight(const SampleTimes::Timed& sample) {
   } else if (!IsBack(sample)) {
     back_.reset();
   } else if (const auto first = std::exchange(back_, std::nullopt)) {
-    Forget();
+    ForgetFrom(std::min(first->utime, sample.utime));
     Insert(*first);
   } else {
     back_ = sample;
@@ -64,8 +64,19 @@ void PoseTrack::Forget() {
   samples_.clear();
   last_two_.clear();
   back_.reset();
+  seam_.reset();
   count_ = 0;
   unchanged_ = true;
+}
+
+// A SLAM that sends its last seconds again, corrected, comes back to this time, and so does a
+// simulation: what was before it stays, but no pose is made of both sides.
+void PoseTrack::ForgetFrom(int64_t utime) {
+  while (!samples_.empty() && samples_.back().utime >= utime) samples_.pop_back();
+  if (samples_.empty()) return Forget();
+  last_two_.clear();
+  seam_ = utime;
+  rest_until_ = std::min(rest_until_, samples_.back().utime);
 }
 
 void PoseTrack::Insert(const SampleTimes::Timed& sample) {
@@ -134,6 +145,7 @@ PoseTrack::Answer PoseTrack::Between(int64_t utime, const PoseLookupOptions& opt
   if (after->utime == utime) return {Found::kPose, after->pose};
   if (after == samples_.begin()) return {Found::kTooOld};
   const auto before = std::prev(after);
+  if (seam_ && before->utime < *seam_ && *seam_ <= after->utime) return {Found::kGap};
   if (after->utime - before->utime > options.max_gap) return {Found::kGap};
   const double part = static_cast<double>(utime - before->utime) /
                       static_cast<double>(after->utime - before->utime);

@@ -42,9 +42,10 @@ class PoseTrack {
   /// Adds a sample of time `utime` that was received at `received` [us]. A sample of a known time
   /// replaces it. A sample whose time is more than ten seconds from where the others lead is held
   /// back until the next one: after a step back, as when a simulation begins again, the samples
-  /// before it are forgotten. So they are after a smaller step back, of more than one second, when
-  /// two samples in a row have made it. Returns false when the sample before this one had a wrong
-  /// time and is left out, see TimeGate.
+  /// before it are forgotten. After a smaller step back, of more than one second, which two samples
+  /// in a row have made, those that are not older than these two are forgotten: a simulation began
+  /// again, or a SLAM sends its last seconds once more. Returns false when the sample before this
+  /// one had a wrong time and is left out, see TimeGate.
   bool Add(int64_t utime, const Pose& pose, int64_t received);
 
   /// Forgets the oldest samples beyond this number, at least 2. Returns how many of them were less
@@ -71,6 +72,7 @@ class PoseTrack {
   void AddRight(const SampleTimes::Timed& sample);
   bool IsBack(const SampleTimes::Timed& sample) const;
   void Forget();
+  void ForgetFrom(int64_t utime);
   void Insert(const SampleTimes::Timed& sample);
   void FollowRest(const SampleTimes::Timed& sample, std::deque<Sample>::const_iterator at);
   bool IsMount(int64_t now) const;
@@ -82,6 +84,7 @@ class PoseTrack {
   std::deque<Sample> samples_;              // by time
   std::deque<int64_t> last_two_;            // times of the samples that came last, without back_
   std::optional<SampleTimes::Timed> back_;  // the last sample, if it is the first of a step back
+  std::optional<int64_t> seam_;             // no pose is made of samples on both sides of it
   bool fixed_ = false;                      // a mount of the config
   bool unchanged_ = true;
   Pose rest_ = Pose::Identity();  // the first pose

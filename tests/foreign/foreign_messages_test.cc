@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -176,16 +177,18 @@ TEST(ForeignMessages, ReadDistortion) {
   EXPECT_FALSE(SetDistortion("thin_prism", {0.1, 0, 0, 0}, &camera));
 }
 
-TEST(ForeignMessages, TakeTheFrameOfATransformFromItsChannel) {
-  const auto named =
-      DecodeForeign(BotTransform(5, BodyAt(0)), "CAMERA_TO_LOCAL", {kColor, "local", "body", "x"});
-  ASSERT_TRUE(named);
-  EXPECT_EQ(named->edges.at(0).child, "CAMERA");
-  EXPECT_EQ(named->edges.at(0).parent, "local");
-  const auto other =
-      DecodeForeign(BotTransform(5, BodyAt(0)), "POSE", {kColor, "local", "body", "x"});
-  ASSERT_TRUE(other);
-  EXPECT_EQ(other->edges.at(0).child, "x");
+TEST(ForeignMessages, TakeTheFramesOfATransformFromItsChannel) {
+  const std::vector<std::array<std::string, 3>> cases = {{"CAMERA_TO_LOCAL", "CAMERA", "local"},
+                                                         {"X_TO_HEAD", "x", "HEAD"},
+                                                         {"HEAD_TO_BODY", "HEAD", "body"},
+                                                         {"POSE", "x", "local"}};
+  for (const auto& [channel, child, parent] : cases) {
+    const auto message =
+        DecodeForeign(BotTransform(5, BodyAt(0)), channel, {kColor, "local", "body", "x"});
+    ASSERT_TRUE(message) << channel;
+    EXPECT_EQ(message->edges.at(0).child, child) << channel;
+    EXPECT_EQ(message->edges.at(0).parent, parent) << channel;
+  }
 }
 
 TEST(ForeignMessages, PosesAtImpossibleTimesAreErrors) {

@@ -562,6 +562,29 @@ TEST(FrameJoiner, ReadsBotCoreThroughTransformAndThroughBodyWithAMount) {
   }
 }
 
+// bot-frames: camera in head, head in body, body in local; the head turns.
+TEST(FrameJoiner, FollowsAChainOfTransformsOfBotFrames) {
+  AdapterCameraOptions options;
+  options.preset = AdapterPreset::kBotcore;
+  options.intrinsics = {52, 52, 31.5, 23.5};
+  options.pose_channels = {"POSE_BODY", "HEAD_TO_BODY", "OPENNI_FRAME_LEFT_TO_HEAD"};
+  const auto head_at = [](int64_t since_start) { return BodyAt(2 * since_start); };
+  Joined joined(WithPreset(options));
+  for (int tick = 0; tick < 100; ++tick) {
+    const int64_t utime = kStart + tick * 10'000;
+    joined.Add("POSE_BODY", BotPose(utime, BodyAt(utime - kStart)), utime);
+    joined.Add("HEAD_TO_BODY", BotTransform(utime, head_at(utime - kStart)), utime);
+    joined.Add("OPENNI_FRAME_LEFT_TO_HEAD", BotTransform(utime, OpticalInBody()), utime);
+    if (tick % 10 == 5) joined.Add("OPENNI_FRAME", BotImages(utime + 3000, utime + 4000), utime);
+  }
+  joined.joiner.Finish();
+  ASSERT_EQ(joined.frames.size(), 10u) << joined.joiner.dropped().Text();
+  for (const ForeignFrame& frame : joined.frames) {
+    const int64_t time = frame.utime - kStart;
+    EXPECT_TRUE(frame.T_W_C.isApprox(BodyAt(time) * head_at(time) * OpticalInBody(), 1e-4));
+  }
+}
+
 TEST(FrameJoiner, ClearsValuesThatMeanNothing) {
   const uint16_t some = SmallSensorFrame().depth(20, 30);
   Image<uint16_t> expected = SmallSensorFrame().depth;

@@ -63,6 +63,30 @@ TEST(PoseTrack, ForgetsTheRunBeforeWhenTimeJumpsBackByLessThanWhatIsKept) {
   EXPECT_NEAR(track.At(50'000, received, {}).pose.translation().x(), 50, 0.01);
 }
 
+// A SLAM that has closed a loop sends the poses of its last three seconds again, 1 m to the side.
+TEST(PoseTrack, KeepsWhatIsOlderThanPosesThatAreSentAgain) {
+  PoseTrack track;
+  const auto send = [&](int64_t from, int64_t to, double side, int64_t received) {
+    for (int64_t utime = from; utime < to; utime += 100'000)
+      track.Add(utime, Turned(side + 1e-6 * static_cast<double>(utime), 0), received);
+  };
+  const auto x_at = [&](int64_t utime) {
+    const PoseTrack::Answer answer = track.At(utime, 8'000'000, {});
+    EXPECT_EQ(answer.found, Found::kPose) << utime;
+    return answer.pose.translation().x();
+  };
+  for (int64_t utime = 0; utime < 8'000'000; utime += 100'000) send(utime, utime + 1, 0, utime);
+  EXPECT_NEAR(x_at(6'050'000), 6.05, 1e-9);
+  send(5'000'000, 5'200'000, 1, 8'000'000);
+  EXPECT_EQ(track.At(6'050'000, 8'000'000, {}).found, Found::kLater) << "it comes again";
+  send(5'200'000, 8'000'000, 1, 8'000'000);
+  EXPECT_NEAR(x_at(6'050'000), 7.05, 1e-9);
+  EXPECT_NEAR(x_at(4'850'000), 4.85, 1e-9) << "an image that came late";
+  EXPECT_EQ(track.At(4'950'000, 8'000'000, {}).found, Found::kGap) << "between old and new poses";
+  send(8'000'000, 8'200'000, 1, 8'100'000);
+  EXPECT_NEAR(x_at(8'050'000), 9.05, 1e-9);
+}
+
 TEST(PoseTrack, SingleSamplesOfWrongTimesMakeItForgetNothing) {
   for (const int64_t wrong : {-5'000'000, 5'000'000}) {
     PoseTrack track;
