@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "freespace/cell_overlaps.h"
 #include "freespace/octree.h"
 #include "freespace/shortest_text.h"
 #include "map/surface_reader.h"
@@ -40,8 +41,6 @@ uint64_t Spread3(uint32_t value) {
 uint32_t Packed(const Rgb8& color) {
   return uint32_t{color.r} << 16 | uint32_t{color.g} << 8 | color.b;
 }
-
-int32_t FloorDivide(int32_t a, int32_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 /// One vote of a voxel for the colour of its leaf.
 struct LeafVote {

@@ -55,7 +55,11 @@ inline uint64_t CellsOf(const Overlaps& xs, const Overlaps& ys) {
   return cells;
 }
 
-inline int32_t FloorDivide(int32_t a, int32_t b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+/// The largest integer that is at most a / b, of b > 0.
+template <typename Integer>
+constexpr Integer FloorDivide(Integer a, Integer b) {
+  return a / b - (a % b < 0 ? 1 : 0);
+}
 
 inline BlockIndex CoarseIndex(BlockIndex fine, int factor) {
   return {FloorDivide(fine.x, factor), FloorDivide(fine.y, factor), FloorDivide(fine.z, factor)};

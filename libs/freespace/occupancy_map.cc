@@ -137,4 +137,14 @@ OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options
   return occupancy;
 }
 
+CellCounts CountCells(const OccupancyMap& map) {
+  CellCounts counts;
+  map.blocks().ForEach([&](BlockIndex, const BlockOccupancy& block) {
+    const OccupancyPlanes planes = block.Planes();
+    for (const uint64_t word : planes.free) counts.free += std::popcount(word);
+    for (const uint64_t word : planes.occupied) counts.occupied += std::popcount(word);
+  });
+  return counts;
+}
+
 }  // namespace vismap

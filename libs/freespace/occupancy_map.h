@@ -34,6 +34,11 @@ void Extend(const OccupancyBox& more, std::optional<OccupancyBox>* box);
 /// The smallest box around the cells of a block that are not unknown; there must be at least one.
 OccupancyBox KnownCellsOf(BlockIndex index, const BlockOccupancy& occupancy);
 
+/// How many cells of a map are free, and how many are occupied.
+struct CellCounts {
+  int64_t free = 0, occupied = 0;
+};
+
 /// Occupancy of a whole map in blocks of 8x8x8 cells. A cell is a voxel of the map, or a larger
 /// cube after Coarsen. Updated from a SemanticMap, or by the deltas of another OccupancyMap.
 class OccupancyMap {
@@ -87,5 +92,7 @@ OccupancyDelta ClassifyBlocks(const SemanticMap& map, std::span<const BlockIndex
 
 /// The occupancy of a whole map.
 OccupancyMap ClassifyMap(const SemanticMap& map, const OccupancyOptions& options);
+
+CellCounts CountCells(const OccupancyMap& map);
 
 }  // namespace vismap

@@ -60,4 +60,31 @@ inline bool Inside(const OctreeCube& cube, const OccupancyBox& box) {
   return Intersect(cube.Box(), box) == cube.Box();
 }
 
+/// Calls visit(offset) with the offset in its block of each leaf of a cube that is smaller than a
+/// block.
+template <typename Visit>
+void ForEachOffset(const OctreeCube& cube, const Visit& visit) {
+  for (int z = cube.min.z; z < cube.min.z + cube.size; ++z) {
+    for (int y = cube.min.y; y < cube.min.y + cube.size; ++y) {
+      for (int x = cube.min.x; x < cube.min.x + cube.size; ++x)
+        visit(static_cast<size_t>(OffsetInBlock(VoxelIndex{x, y, z})));
+    }
+  }
+}
+
+/// Calls visit(index) for each block of a cube of whole blocks until it returns false, and returns
+/// whether it never did.
+template <typename Visit>
+bool ForEachBlock(const OctreeCube& cube, const Visit& visit) {
+  const BlockIndex first = BlockOf(cube.min);
+  const int32_t side = cube.size / kBlockSide;
+  for (int32_t z = 0; z < side; ++z) {
+    for (int32_t y = 0; y < side; ++y) {
+      for (int32_t x = 0; x < side; ++x)
+        if (!visit(BlockIndex{first.x + x, first.y + y, first.z + z})) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace vismap

@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "freespace/cell_overlaps.h"
+
 namespace vismap {
 namespace {
 
 int32_t& Component(VoxelIndex& index, int axis) {
   return axis == 0 ? index.x : axis == 1 ? index.y : index.z;
 }
-
-int64_t FloorQuotient(int64_t a, int64_t b) { return a / b - (a % b < 0 ? 1 : 0); }
 
 // Which voxels a slice shows: cells of `step` voxels along both axes.
 struct SliceFrame {
@@ -34,8 +34,10 @@ void EnterBlock(BlockIndex index, const BlockOccupancy& occupancy, const SliceFr
     Component(voxel, others[1]) += i / kBlockSide;
     const CellState state = occupancy.At(OffsetInBlock(voxel));
     if (state == CellState::kUnknown) continue;
-    const int64_t column = FloorQuotient(Component(voxel, others[0]), frame.step) - frame.first[0];
-    const int64_t row = FloorQuotient(Component(voxel, others[1]), frame.step) - frame.first[1];
+    const int64_t column =
+        FloorDivide<int64_t>(Component(voxel, others[0]), frame.step) - frame.first[0];
+    const int64_t row =
+        FloorDivide<int64_t>(Component(voxel, others[1]), frame.step) - frame.first[1];
     const auto cell = static_cast<size_t>(row * frame.count[0] + column);
     if (state == CellState::kOccupied || ++(*free_voxels)[cell] == frame.step * frame.step)
       (*states)[cell] = static_cast<uint8_t>(state);
@@ -47,7 +49,7 @@ std::vector<uint8_t> StatesOf(const OccupancyMap& map, const SliceFrame& frame) 
   const auto cells = static_cast<size_t>(frame.count[0] * frame.count[1]);
   std::vector<uint8_t> states(cells, static_cast<uint8_t>(CellState::kUnknown));
   std::vector<uint32_t> free_voxels(cells, 0);
-  const int64_t layer = FloorQuotient(frame.layer, kBlockSide);
+  const int64_t layer = FloorDivide<int64_t>(frame.layer, kBlockSide);
   map.blocks().ForEach([&](BlockIndex index, const BlockOccupancy& occupancy) {
     const std::array<int32_t, 3> place = {index.x, index.y, index.z};
     if (place[static_cast<size_t>(frame.axis)] == layer)
@@ -60,8 +62,8 @@ std::vector<uint8_t> StatesOf(const OccupancyMap& map, const SliceFrame& frame) 
 int64_t CoverKnown(OccupancyBox known, SliceFrame* frame) {
   const std::array<int, 2> others = OtherAxes(frame->axis);
   for (size_t i = 0; i < 2; ++i) {
-    frame->first[i] = FloorQuotient(Component(known.min, others[i]), frame->step);
-    const int64_t last = FloorQuotient(Component(known.max, others[i]) - 1, frame->step);
+    frame->first[i] = FloorDivide<int64_t>(Component(known.min, others[i]), frame->step);
+    const int64_t last = FloorDivide<int64_t>(Component(known.max, others[i]) - 1, frame->step);
     frame->count[i] = last - frame->first[i] + 1;
   }
   return std::max(frame->count[0], frame->count[1]);

@@ -37,6 +37,11 @@ constexpr int LinearIndex(int x, int y, int z) { return x + kBlockSide * (y + kB
 
 constexpr BlockIndex BlockOf(VoxelIndex v) { return {v.x >> 3, v.y >> 3, v.z >> 3}; }
 constexpr int OffsetInBlock(VoxelIndex v) { return LinearIndex(v.x & 7, v.y & 7, v.z & 7); }
+/// The voxel with this offset in a block.
+constexpr VoxelIndex VoxelAt(BlockIndex block, int offset) {
+  return {kBlockSide * block.x + (offset & 7), kBlockSide * block.y + ((offset >> 3) & 7),
+          kBlockSide * block.z + (offset >> 6)};
+}
 
 /// A set of voxels of a block, one bit each: word z holds the layer at z, bit x + 8 y.
 using VoxelBits = std::array<uint64_t, kBlockVoxels / 64>;

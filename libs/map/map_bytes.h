@@ -7,11 +7,11 @@
 
 namespace vismap {
 
-/// Memory of what is known of the labels, and of the trajectory of so many frames [bytes], about;
-/// take constant time.
+/// Memory of the label table [bytes], about. Takes constant time.
 size_t BytesOf(const LabelTable& labels);
+/// Memory of the poses and times of so many frames [bytes], about.
 size_t TrajectoryBytes(int64_t frames);
-/// Memory that voxels of all maps of this process have left, for the next ones [bytes].
+/// Memory that voxels of deleted blocks have left free in this process, for new blocks [bytes].
 size_t SpareVoxelBytes();
 
 }  // namespace vismap

@@ -31,30 +31,13 @@ class TreeLeafReader {
   bool Fill(const OctreeCube& cube, bool occupied) {
     if (cube.size >= kBlockSide) return FillBlocks(cube, occupied);
     auto& bits = occupied ? planes_.occupied : planes_.free;
-    for (int z = 0; z < cube.size; ++z) {
-      for (int y = 0; y < cube.size; ++y) {
-        for (int x = 0; x < cube.size; ++x) {
-          const auto offset = static_cast<size_t>(
-              OffsetInBlock(VoxelIndex{cube.min.x + x, cube.min.y + y, cube.min.z + z}));
-          bits[offset / 64] |= uint64_t{1} << (offset % 64);
-        }
-      }
-    }
+    ForEachOffset(cube, [&](size_t offset) { bits[offset / 64] |= uint64_t{1} << (offset % 64); });
     return true;
   }
 
   bool FillBlocks(const OctreeCube& cube, bool occupied) {
     const BlockOccupancy block(occupied ? CellState::kOccupied : CellState::kFree);
-    const BlockIndex first = BlockOf(cube.min);
-    const int32_t side = cube.size / kBlockSide;
-    for (int32_t z = 0; z < side; ++z) {
-      for (int32_t y = 0; y < side; ++y) {
-        for (int32_t x = 0; x < side; ++x) {
-          if (!Set({first.x + x, first.y + y, first.z + z}, block)) return false;
-        }
-      }
-    }
-    return true;
+    return ForEachBlock(cube, [&](BlockIndex index) { return Set(index, block); });
   }
 
   bool Set(BlockIndex index, const BlockOccupancy& block) {

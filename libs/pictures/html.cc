@@ -2,8 +2,8 @@
 
 #include <span>
 
+#include "base/base64.h"
 #include "base/printable.h"
-#include "pictures/web_mesh.h"
 #include "render/png.h"
 #include "render/webp.h"
 
@@ -13,10 +13,9 @@ namespace {
 constexpr int kQuality = 82;              // of pictures with shades
 constexpr size_t kLongestLine = 100'000;  // [bytes]
 
-std::string Image64(std::span<const uint8_t> file, const char* type, const std::string& alt,
-                    const std::string& attributes) {
+std::string Image64(std::span<const uint8_t> file, const char* type, const std::string& alt) {
   return std::string("<img src=\"data:image/") + type + ";base64," + Base64(file) + "\" alt=\"" +
-         alt + "\"" + attributes + ">";
+         alt + "\">";
 }
 
 std::string Figure(const std::string& image, const std::string& caption) {
@@ -89,17 +88,16 @@ std::string HtmlTable::Html() const {
   return html + "<tbody>\n" + rows_ + "</tbody></table></div>\n";
 }
 
-std::string WebpFigure(const Image<Rgb8>& image, const std::string& caption,
-                       const std::string& attributes) {
-  return Figure(Image64(EncodeWebp(image, kQuality), "webp", caption, attributes), caption);
+std::string WebpFigure(const Image<Rgb8>& image, const std::string& caption) {
+  return Figure(Image64(EncodeWebp(image, kQuality), "webp", caption), caption);
 }
 
 std::string PngFigure(const Image<Rgb8>& image, const std::string& caption) {
-  return Figure(Image64(EncodePng(image), "png", caption, ""), caption);
+  return Figure(Image64(EncodePng(image), "png", caption), caption);
 }
 
 std::string WebpImage(const Image<Rgb8>& image, const std::string& alt) {
-  return Image64(EncodeWebp(image, kQuality), "webp", alt, "");
+  return Image64(EncodeWebp(image, kQuality), "webp", alt);
 }
 
 }  // namespace vismap

@@ -30,8 +30,7 @@ class HtmlTable {
 };
 
 /// A picture in the page itself.
-std::string WebpFigure(const Image<Rgb8>& image, const std::string& caption,
-                       const std::string& attributes = "");
+std::string WebpFigure(const Image<Rgb8>& image, const std::string& caption);
 std::string PngFigure(const Image<Rgb8>& image, const std::string& caption);
 /// An <img> without caption.
 std::string WebpImage(const Image<Rgb8>& image, const std::string& alt);

@@ -129,32 +129,21 @@ class FullTreeReader {
 
   void Fill(const OctreeCube& cube, bool occupied, Rgb8 color) {
     if (cube.size >= kBlockSide) return FillBlocks(cube, occupied, color);
-    for (int z = cube.min.z; z < cube.min.z + cube.size; ++z) {
-      for (int y = cube.min.y; y < cube.min.y + cube.size; ++y) {
-        for (int x = cube.min.x; x < cube.min.x + cube.size; ++x) {
-          const auto offset = static_cast<size_t>(OffsetInBlock(VoxelIndex{x, y, z}));
-          (occupied ? planes_.occupied : planes_.free)[offset / 64] |= uint64_t{1} << (offset % 64);
-          colors_[offset] = color;
-        }
-      }
-    }
+    ForEachOffset(cube, [&](size_t offset) {
+      (occupied ? planes_.occupied : planes_.free)[offset / 64] |= uint64_t{1} << (offset % 64);
+      colors_[offset] = color;
+    });
   }
 
   void FillBlocks(const OctreeCube& cube, bool occupied, Rgb8 color) {
-    const BlockIndex first = BlockOf(cube.min);
-    const int32_t side = cube.size / kBlockSide;
+    const BlockOccupancy block(occupied ? CellState::kOccupied : CellState::kFree);
     colors_.fill(color);
-    for (int32_t z = 0; z < side; ++z) {
-      for (int32_t y = 0; y < side; ++y) {
-        for (int32_t x = 0; x < side && problem_.empty(); ++x) {
-          const BlockIndex index{first.x + x, first.y + y, first.z + z};
-          if (!CountBlock()) return;
-          leaves_->cells.Set(index,
-                             BlockOccupancy(occupied ? CellState::kOccupied : CellState::kFree));
-          if (occupied) SetColors(index);
-        }
-      }
-    }
+    ForEachBlock(cube, [&](BlockIndex index) {
+      if (!CountBlock()) return false;
+      leaves_->cells.Set(index, block);
+      if (occupied) SetColors(index);
+      return problem_.empty();
+    });
   }
 
   std::span<const uint8_t> nodes_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -45,7 +44,7 @@ class FaceFinder {
       const BlockOccupancy& block = cells_.At(index);
       if (block.is(CellState::kFree)) continue;
       for (int i = 0; i < kBlockVoxels; ++i)
-        if (block.At(i) == CellState::kOccupied) AddCell(CellOf(index, i));
+        if (block.At(i) == CellState::kOccupied) AddCell(VoxelAt(index, i));
       if (std::ssize(faces_) > kMostCubeFaces) {
         return Fail("the octree has more than " + std::to_string(kMostCubeFaces) +
                     " faces between occupied and free leaves; draw a part of it, or larger leaves");
@@ -55,11 +54,6 @@ class FaceFinder {
   }
 
  private:
-  static VoxelIndex CellOf(BlockIndex index, int offset) {
-    return {index.x * kBlockSide + (offset & 7), index.y * kBlockSide + (offset >> 3 & 7),
-            index.z * kBlockSide + (offset >> 6)};
-  }
-
   bool IsShown(VoxelIndex cell) const {
     if (!options_.below_m) return true;
     const Vector3d center_W =
@@ -141,14 +135,6 @@ class CubeMesher {
   Vector3f u_ = Vector3f::Zero(), v_ = Vector3f::Zero();
 };
 
-void CountLeaves(const OccupancyMap& cells, LeafCubes* cubes) {
-  cells.blocks().ForEach([&](BlockIndex, const BlockOccupancy& block) {
-    const OccupancyPlanes planes = block.Planes();
-    for (const uint64_t word : planes.free) cubes->free += std::popcount(word);
-    for (const uint64_t word : planes.occupied) cubes->occupied += std::popcount(word);
-  });
-}
-
 double HeightOf(const Face& face, const Vector3d& up_W, double leaf_m) {
   return Vector3d(face.cell.x + 0.5, face.cell.y + 0.5, face.cell.z + 0.5).dot(up_W) * leaf_m;
 }
@@ -175,7 +161,9 @@ Rgb8 FileColor(const OctreeLeaves& leaves, VoxelIndex cell) {
 Result<LeafCubes> MakeLeafCubes(const OctreeLeaves& leaves, const OctreePictureOptions& options) {
   LeafCubes cubes;
   cubes.leaf_m = leaves.cells.cell_size();
-  CountLeaves(leaves.cells, &cubes);
+  const CellCounts counts = CountCells(leaves.cells);
+  cubes.free = counts.free;
+  cubes.occupied = counts.occupied;
   const auto faces = FaceFinder(leaves.cells, options, cubes.free > 0).Find();
   if (!faces) return tl::unexpected(faces.error());
   const bool file_colors = options.file_colors && leaves.colors;

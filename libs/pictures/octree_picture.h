@@ -25,7 +25,7 @@ struct LeafCubes {
   double leaf_m = 0;                ///< their edge [m]
 };
 
-/// The faces of more leaves are not drawn.
+/// With more faces than this, no picture is made.
 inline constexpr int64_t kMostCubeFaces = 2'000'000;
 
 /// Makes the cubes. A face is made when the leaf before it, or the one behind that, is free, and

@@ -1,21 +1,21 @@
 #include "pictures/report.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
+#include "base/base64.h"
 #include "base/class_names.h"
 #include "base/format.h"
 #include "exports/statistics.h"
+#include "meshing/mesh_parts.h"
 #include "objects/object_mesh.h"
 #include "pictures/html.h"
-#include "pictures/octree_picture.h"
 #include "pictures/report_parts.h"
+#include "pictures/report_path.h"
+#include "pictures/report_space.h"
 #include "pictures/report_style.h"
-#include "pictures/slice_picture.h"
 #include "pictures/web_mesh.h"
 #include "render/overview.h"
 #include "render/paint.h"
@@ -33,8 +33,7 @@ constexpr int kTurnViews = 16, kTurnMs = 400;
 constexpr int kTurnQuality = 65;
 constexpr int kThumbWidth = 176, kThumbHeight = 132;  // [px]
 constexpr size_t kMostThumbnails = 200;
-constexpr double kRobotHeight = 0.5;  // of the slice above the floor [m]
-constexpr double kElevation = 0.61;   // of the turntable [rad]
+constexpr double kElevation = 0.61;  // of the turntable [rad]
 
 /// A part of the page.
 struct Part {
@@ -67,12 +66,7 @@ std::string SizeOf(const ObjectSummary& object) {
 
 double AreaOf(const Mesh& mesh) {
   double area = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const auto at = [&](uint32_t i) -> Vector3d {
-      return mesh.vertices[i].position_W.cast<double>();
-    };
-    area += 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).norm();
-  }
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) area += TriangleArea(mesh, i);
   return area;
 }
 
@@ -90,19 +84,10 @@ Mesh MainPart(const Mesh& mesh, const ObjectSummary& object) {
     const Vector3d p_W = mesh.vertices[corner].position_W.cast<double>();
     return ((R_B_W * (p_W - object.box.center_W)).array().abs() > half).any();
   };
-  Mesh part;
-  std::vector<uint32_t> index(mesh.vertices.size(), UINT32_MAX);
-  for (std::array<uint32_t, 3> triangle : mesh.triangles) {
-    if (std::any_of(triangle.begin(), triangle.end(), is_out)) continue;
-    for (uint32_t& corner : triangle) {
-      if (index[corner] == UINT32_MAX) {
-        index[corner] = static_cast<uint32_t>(part.vertices.size());
-        part.vertices.push_back(mesh.vertices[corner]);
-      }
-      corner = index[corner];
-    }
-    part.triangles.push_back(triangle);
-  }
+  std::vector<uint8_t> keep;
+  for (const std::array<uint32_t, 3>& triangle : mesh.triangles)
+    keep.push_back(std::none_of(triangle.begin(), triangle.end(), is_out) ? 1 : 0);
+  Mesh part = KeepTriangles(mesh, keep);
   return part.triangles.empty() ? mesh : part;
 }
 
@@ -180,12 +165,6 @@ class Report {
   static bool IsStructure(const ObjectSummary& o) { return !o.removed() && o.is_structure(); }
   static bool IsRemoved(const ObjectSummary& o) { return o.removed(); }
 
-  std::set<CameraId> Cameras() const {
-    std::set<CameraId> cameras;
-    for (const CameraPose& pose : trajectory_) cameras.insert(pose.camera_id);
-    return cameras;
-  }
-
   /// From the first to the last frame [s].
   double Duration() const {
     const auto [first, last] = std::minmax_element(
@@ -199,7 +178,7 @@ class Report {
     HtmlTable table({});
     table.Add({"made of", Escaped(input_.source)});
     table.Add({"frames", FormatCount(std::ssize(trajectory_)) + " of " +
-                             FormatCount(std::ssize(Cameras()), "camera")});
+                             FormatCount(std::ssize(CamerasOf(trajectory_)), "camera")});
     table.Add({"time from the first to the last frame", Escaped(FormatDuration(Duration()))});
     table.Add({"size", Digits(scene_.size.x(), 2) + " &times; " + Digits(scene_.size.y(), 2) +
                            " &times; " + Digits(scene_.size.z(), 2) + " m"});
@@ -212,7 +191,7 @@ class Report {
                               FormatCount(Count(IsRemoved))});
     table.Add({"up", Escaped(DirectionText(products_.up.up_W) + ": " + products_.up.reason)});
     table.Add({"hash", "<code>" + Escaped(loaded_.map_hash) + "</code>"});
-    return table.Html() + FindingsHtml(input_.run_json);
+    return table.Html() + FindingsHtml(input_);
   }
 
   std::string Map() {
@@ -331,7 +310,11 @@ class Report {
       table.Add(RowOf(object, pictures ? Thumbnail(meshes_[i], object) : ""),
                 " data-object=\"" + std::to_string(i) + "\"");
     }
-    return table.empty() ? "" : table.Html();
+    if (table.empty()) return "";
+    const bool more = pictures && thumbnails_ > kMostThumbnails;
+    return table.Html() + (more ? Remark("Only the first " + FormatCount(kMostThumbnails) +
+                                         " objects have a picture.")
+                                : "");
   }
 
   std::string Objects() {
@@ -359,141 +342,14 @@ class Report {
     return list.empty() ? Remark("No object was seen to be removed.") : list;
   }
 
-  std::vector<Vector3d> PathOf(CameraId camera) const {
-    std::vector<Vector3d> path_W;
-    for (const CameraPose& pose : trajectory_)
-      if (pose.camera_id == camera) path_W.push_back(pose.T_W_C.translation());
-    return path_W;
-  }
-
   std::string Trajectory() {
-    if (trajectory_.empty()) return Remark("The map has no trajectory.");
-    const int rows = kHeight - kTitleRows - LegendRows(kHeight);
-    const View view = TopDownView(scene_, kWidth, rows);
-    Image<Rgb8> picture = RenderMesh(products_.mesh, view, Coloring::kSegment);
-    for (Rgb8& pixel : picture.pixels()) pixel = Pale(pixel);
-    Caption caption{"Where the cameras were, seen from above", {}, {}, view.scale};
-    HtmlTable table({"camera", "frames", "way [m]"});
-    for (const CameraId camera : Cameras()) {
-      const std::vector<Vector3d> path_W = PathOf(camera);
-      const Rgb8 color = StrongColor(static_cast<uint32_t>(camera) + 1);
-      DrawPath(path_W, view, color, &picture);
-      const std::string name = "camera " + std::to_string(static_cast<int>(camera));
-      caption.legend.push_back({{color}, name});
-      table.Add({name, FormatCount(std::ssize(path_W)), Digits(LengthOf(path_W), 2)});
-    }
-    caption.legend.push_back({{kInk}, "where each began"});
-    return WebpFigure(WithCaption(picture, caption, kHeight), "Trajectory") + table.Html();
+    return TrajectoryHtml(trajectory_, products_.mesh, scene_, {kWidth, kHeight});
   }
 
-  static Rgb8 Pale(Rgb8 color) {
-    const int grey = (color.r + color.g + color.b) / 3;
-    const auto pale = static_cast<uint8_t>(150 + grey * 100 / 255);
-    return {pale, pale, pale};
-  }
-
-  static double LengthOf(const std::vector<Vector3d>& path_W) {
-    double length = 0;
-    for (size_t i = 1; i < path_W.size(); ++i) length += (path_W[i] - path_W[i - 1]).norm();
-    return length;
-  }
-
-  static void DrawPath(const std::vector<Vector3d>& path_W, const View& view, Rgb8 color,
-                       Image<Rgb8>* picture) {
-    std::optional<Eigen::Vector2d> last;
-    for (const Vector3d& p_W : path_W) {
-      const auto pixel = ProjectToView(view, p_W);
-      if (pixel && last) DrawLine(*last, *pixel, color, 2, picture);
-      last = pixel;
-    }
-    if (path_W.empty()) return;
-    if (const auto start = ProjectToView(view, path_W[0])) DrawDisc(*start, 5, kInk, picture);
-  }
-
-  std::string Times() { return StageTimesHtml(input_.run_json); }
-
-  /// The axis of W that is nearest to up.
-  int UpAxis() const {
-    Eigen::Index axis = 0;
-    products_.up.up_W.cwiseAbs().maxCoeff(&axis);
-    return static_cast<int>(axis);
-  }
-
-  /// Where the slice is on this axis: above the floor in the middle of the map [m].
-  double SlicePlace(int axis) const {
-    const Vector3d& up_W = products_.up.up_W;
-    const double rise = FloorHeight() + kRobotHeight - scene_.center_W.dot(up_W);
-    return (scene_.center_W + rise * up_W)[axis];
-  }
-
-  /// The lowest floor along up, or the lowest surface [m].
-  double FloorHeight() const {
-    double lowest = scene_.center_W.dot(products_.up.up_W) - scene_.size.z() / 2;
-    bool found = false;
-    for (const ObjectSummary& object : products_.objects) {
-      if (object.removed() || object.structure != StructureKind::kFloor) continue;
-      const double height = object.plane.point_W.dot(products_.up.up_W);
-      lowest = found ? std::min(lowest, height) : height;
-      found = true;
-    }
-    return lowest;
-  }
+  std::string Times() { return StageTimesHtml(input_); }
 
   std::string Space() {
-    const auto known = space_->KnownCells();
-    if (!known) return Remark("Nothing is known of the space of this map.");
-    const int axis = UpAxis();
-    SlicePictureOptions options;
-    options.width = kWidth;
-    options.height = kHeight;
-    SliceQuestion question;
-    question.axis = axis;
-    question.at_m = SlicePlace(axis);
-    question.cell_m = SliceCellFor(*space_, axis, options);
-    const Result<Slice> slice = CutSlice(*space_, question);
-    const std::string name = std::string(1, "xyz"[axis]) + " = " + MetresText(question.at_m);
-    std::string html = Shares(*known);
-    if (!slice) return html + Remark(slice.error().message);
-    html += PngFigure(RenderSlice(*slice, question, "Slice at " + name, options),
-                      "Free, occupied and unknown space " + Digits(kRobotHeight, 1) +
-                          " m above the floor in the middle of the map, at " + Escaped(name));
-    return html + OctreePicture();
-  }
-
-  std::string Shares(const OccupancyBox& known) const {
-    int64_t free = 0, occupied = 0;
-    space_->blocks().ForEach([&](BlockIndex, const BlockOccupancy& block) {
-      const OccupancyPlanes planes = block.Planes();
-      for (const uint64_t word : planes.free) free += std::popcount(word);
-      for (const uint64_t word : planes.occupied) occupied += std::popcount(word);
-    });
-    const double all = static_cast<double>(known.max.x - known.min.x) *
-                       static_cast<double>(known.max.y - known.min.y) *
-                       static_cast<double>(known.max.z - known.min.z);
-    const double cell = std::pow(space_->cell_size(), 3);
-    HtmlTable table({"space", "volume [m&sup3;]", "share of the box around all that is known"});
-    const auto add = [&](const char* state, double cells) {
-      table.Add({state, Digits(cells * cell, 2), Escaped(FormatPercent(cells / all))});
-    };
-    add("free", static_cast<double>(free));
-    add("occupied", static_cast<double>(occupied));
-    add("unknown", all - static_cast<double>(free) - static_cast<double>(occupied));
-    return table.Html();
-  }
-
-  std::string OctreePicture() const {
-    const auto octree = BuildOctree(*space_, options_.octree);
-    if (!octree) return Remark("There is no octree: " + octree.error().message);
-    const auto leaves = ReadOctree(octree->bytes, "octree");
-    if (!leaves) return Remark("There is no octree: " + leaves.error().message);
-    const auto cubes = MakeLeafCubes(*leaves, {.up_W = products_.up.up_W});
-    if (!cubes) return Remark("The octree is not drawn: " + cubes.error().message);
-    const int rows = kHeight - kTitleRows - LegendRows(kHeight);
-    const View view =
-        BestPerspectiveView(cubes->mesh, FrameScene(cubes->mesh, products_.up.up_W), kWidth, rows);
-    return WebpFigure(WithCaption(RenderMesh(cubes->mesh, view, Coloring::kRgb),
-                                  CubesCaption(*cubes, "Octree"), kHeight),
-                      "The octree that planners get");
+    return SpaceHtml(*space_, products_, scene_, options_.octree, {kWidth, kHeight});
   }
 
   std::string Scores() {

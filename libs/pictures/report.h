@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "exports/outputs.h"
@@ -40,6 +39,7 @@ struct ReportChannel {
 struct ReportInput {
   std::string source;        ///< what was mapped, or the file of the map
   std::string run_json;      ///< report.json of vismap-offline-mapper; "" = there is none
+  std::string no_run;        ///< why
   std::string scores_json;   ///< of vismap-evaluate; "" = there are none
   std::string no_scores;     ///< why
   std::string script;        ///< report.js of the viewer's page; "" = it was not built

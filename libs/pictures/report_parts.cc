@@ -39,6 +39,10 @@ std::optional<Json> Parsed(const std::string& text) {
   return *json;
 }
 
+std::string ReasonOfNoRun(const ReportInput& input) {
+  return input.no_run.empty() ? "The report.json of the run is no JSON object." : input.no_run;
+}
+
 double NumberOf(const Json& json, const char* key) {
   const auto found = json.find(key);
   return found != json.end() && found->is_number() ? found->get<double>() : 0;
@@ -88,14 +92,12 @@ std::string JsonTables(const std::string& json) {
   return Table(*parsed, 0);
 }
 
-std::string StageTimesHtml(const std::string& run_json) {
-  const std::optional<Json> run = run_json.empty() ? std::nullopt : Parsed(run_json);
-  const auto stages = run ? run->find("stages_ms") : Json::const_iterator();
-  if (!run || stages == run->end() || !stages->is_object() || stages->empty()) {
-    return Remark(
-        "The times of the stages are not known: they stand in the report.json that "
-        "vismap-offline-mapper writes beside a map, and there is none.");
-  }
+std::string StageTimesHtml(const ReportInput& input) {
+  const std::optional<Json> run = Parsed(input.run_json);
+  if (!run) return Remark("The times of the stages are not known. " + ReasonOfNoRun(input));
+  const auto stages = run->find("stages_ms");
+  if (stages == run->end() || !stages->is_object() || stages->empty())
+    return Remark("The report.json of the run has no times of stages.");
   double longest = 0;
   for (const auto& [name, stage] : stages->items())
     if (stage.is_object() && name != "products")
@@ -112,11 +114,12 @@ std::string StageTimesHtml(const std::string& run_json) {
          "<p>Per frame; \"products\" is the surface with its objects at the end.</p>\n";
 }
 
-std::string FindingsHtml(const std::string& run_json) {
-  const std::optional<Json> run = run_json.empty() ? std::nullopt : Parsed(run_json);
-  if (!run) return "";
+std::string FindingsHtml(const ReportInput& input) {
+  const std::optional<Json> run = Parsed(input.run_json);
+  if (!run) return Remark("What was suspect in the run is not known. " + ReasonOfNoRun(input));
   const auto findings = run->find("findings");
-  if (findings == run->end() || !findings->is_array()) return "";
+  if (findings == run->end() || !findings->is_array())
+    return Remark("The report.json of the run has no findings.");
   if (findings->empty()) return Remark("Nothing about this run is suspect.");
   std::string html = "<ul class=\"findings\">\n";
   for (const Json& finding : *findings)

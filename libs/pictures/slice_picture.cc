@@ -21,6 +21,12 @@ Rgb8 ColorOf(uint8_t state) {
                                                                : kNotSeenColor;
 }
 
+/// Rows of a picture between its title and its legend.
+int PictureRows(int height) { return height - kTitleRows - LegendRows(height); }
+/// Columns and rows of these that are left for cells.
+int PlotColumns(int columns) { return std::max(1, columns - kLeft - kRight); }
+int PlotRows(int rows) { return std::max(1, rows - kTop - kBottom); }
+
 /// Where the cells of a slice are in the picture.
 struct Plot {
   const Slice& slice;
@@ -29,8 +35,7 @@ struct Plot {
   int width = 0, height = 0;
 
   Plot(const Slice& shown, int picture_width, int picture_height) : slice(shown) {
-    const double wide = std::max(1, picture_width - kLeft - kRight);
-    const double high = std::max(1, picture_height - kTop - kBottom);
+    const double wide = PlotColumns(picture_width), high = PlotRows(picture_height);
     scale = std::min(wide / slice.width, high / slice.height);
     width = std::max(1, static_cast<int>(scale * slice.width));
     height = std::max(1, static_cast<int>(scale * slice.height));
@@ -163,9 +168,11 @@ double SliceCellFor(const OccupancyMap& map, int axis, const SlicePictureOptions
                                     known->max.z - known->min.z};
   const std::array<int, 2> others = OtherAxes(axis);
   // Cells are aligned, so there may be one more.
-  const auto most = static_cast<int>(kMostSliceSide) - 1;
-  const double wide = size[static_cast<size_t>(others[0])] * 1.0 / std::min(options.width, most);
-  const double high = size[static_cast<size_t>(others[1])] * 1.0 / std::min(options.height, most);
+  const auto most = static_cast<int>(kMostSliceSide);
+  const int columns = std::min(PlotColumns(options.width), most) - 1;
+  const int rows = std::min(PlotRows(PictureRows(options.height)), most) - 1;
+  const double wide = size[static_cast<size_t>(others[0])] * 1.0 / columns;
+  const double high = size[static_cast<size_t>(others[1])] * 1.0 / rows;
   return std::ceil(std::max({wide, high, 1.0})) * map.cell_size();
 }
 
@@ -173,7 +180,7 @@ Image<Rgb8> RenderSlice(const Slice& slice, const SliceQuestion& question, const
                         const SlicePictureOptions& options) {
   Require(options.width >= 320 && options.height >= 240,
           "a picture of a slice has at least 320 x 240 pixels");
-  const int rows = options.height - kTitleRows - LegendRows(options.height);
+  const int rows = PictureRows(options.height);
   Image<Rgb8> picture(options.width, rows, kBackground);
   if (slice.states.empty()) {
     DrawText("nothing is known of the space of this map", kLeft, rows / 2, 0.62, kInk, &picture);

@@ -22,8 +22,8 @@ struct SlicePictureOptions {
 Image<Rgb8> RenderSlice(const Slice& slice, const SliceQuestion& question, const std::string& title,
                         const SlicePictureOptions& options = {});
 
-/// The largest cell of a slice whose picture still has a pixel for each [m], for a map with these
-/// known cells; 0 = voxels.
+/// The smallest cell with which each cell of the slice has at least one pixel in its picture [m];
+/// 0 = nothing is known of the space.
 double SliceCellFor(const OccupancyMap& map, int axis, const SlicePictureOptions& options);
 
 }  // namespace vismap

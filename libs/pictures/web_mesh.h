@@ -1,10 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "objects/objects.h"
 
@@ -31,7 +29,5 @@ inline constexpr size_t kMostReportVertices = 180'000;
 std::string EncodeWebMesh(const Mesh& mesh, std::span<const ObjectSummary> objects);
 /// {"vertices": n, "triangles": m, "low": [x, y, z], "high": [x, y, z]} of the bounding box [m].
 std::string WebMeshHeader(const Mesh& mesh);
-
-std::string Base64(std::span<const uint8_t> bytes);
 
 }  // namespace vismap

@@ -25,7 +25,7 @@ void FillBox(int u, int v, int width, int height, Rgb8 color, Image<Rgb8>* image
 void DrawLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Rgb8 color, int thickness,
               Image<Rgb8>* image);
 void DrawDisc(const Eigen::Vector2d& center, int radius, Rgb8 color, Image<Rgb8>* image);
-/// Copies a picture to the corner (u, v) of a larger one, in which it must have place.
+/// Copies a picture to the corner (u, v) of a larger one, into which it must fit.
 void Paste(const Image<Rgb8>& part, int u, int v, Image<Rgb8>* whole);
 
 /// A line of a legend: a few swatches, then the text.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "meshing/mesh_parts.h"
 #include "render/palette.h"
 
 namespace vismap {
@@ -45,25 +46,14 @@ ColorScale PaintSeen(Mesh* mesh) {
 }
 
 void CutAbove(const Eigen::Vector3d& up_W, double height_m, Mesh* mesh) {
-  std::erase_if(mesh->triangles, [&](const std::array<uint32_t, 3>& triangle) {
-    return std::any_of(triangle.begin(), triangle.end(), [&](uint32_t corner) {
-      return !(HeightOf(mesh->vertices[corner], up_W) < height_m);
-    });
-  });
-  // The vertices of no triangle would count for the bounds of the scene.
-  constexpr uint32_t kUnused = UINT32_MAX;
-  std::vector<uint32_t> new_index(mesh->vertices.size(), kUnused);
-  std::vector<MeshVertex> kept;
-  for (auto& triangle : mesh->triangles) {
-    for (uint32_t& corner : triangle) {
-      if (new_index[corner] == kUnused) {
-        new_index[corner] = static_cast<uint32_t>(kept.size());
-        kept.push_back(mesh->vertices[corner]);
-      }
-      corner = new_index[corner];
-    }
+  std::vector<uint8_t> keep;
+  for (const std::array<uint32_t, 3>& triangle : mesh->triangles) {
+    keep.push_back(std::all_of(triangle.begin(), triangle.end(), [&](uint32_t corner) {
+      return HeightOf(mesh->vertices[corner], up_W) < height_m;
+    }));
   }
-  mesh->vertices = std::move(kept);
+  // Vertices of no triangle are dropped, too: they would count for the bounds of the scene.
+  *mesh = KeepTriangles(*mesh, keep);
 }
 
 }  // namespace vismap

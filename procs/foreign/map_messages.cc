@@ -119,11 +119,6 @@ struct Columns {
 
 int FloorDiv(double value, double step) { return static_cast<int>(std::floor(value / step)); }
 
-VoxelIndex VoxelAt(BlockIndex block, int offset) {
-  return {kBlockSide * block.x + (offset & 7), kBlockSide * block.y + ((offset >> 3) & 7),
-          kBlockSide * block.z + (offset >> 6)};
-}
-
 // Marks the columns of one block.
 void AddBlock(BlockIndex index, const BlockOccupancy& block, double cell,
               const CostmapOptions& options, Columns* columns) {

@@ -120,17 +120,27 @@ Outcome MapSequenceFirst(const ProcessContext& context, const fs::path& folder, 
   return {};
 }
 
-/// Takes the report.json beside the map, if it is of this map.
+/// Takes the report.json beside the map, if it is of this map, or says why not.
 void AddRun(const Subject& subject, const std::string& map_hash, ReportInput* input) {
   const std::string text = subject.run.empty() ? "" : TextOf(subject.run);
-  const auto json = ParseJson(text);
-  if (!json || !json->is_object()) return;
-  const nlohmann::json map = json->value("map", nlohmann::json::object());
-  if (map.is_object() && map.value("hash", nlohmann::json()) == map_hash) {
-    input->run_json = text;
-  } else {
-    LogWarning(subject.run.string() + " is of another map, so its stage times are left out");
+  if (text.empty()) {
+    input->no_run =
+        "They stand in the report.json that vismap-offline-mapper writes beside a map; there is "
+        "none that can be read.";
+    return;
   }
+  const auto json = ParseJson(text);
+  if (!json || !json->is_object()) {
+    input->no_run = "The report.json beside the map is no JSON object.";
+  } else {
+    const nlohmann::json map = json->value("map", nlohmann::json::object());
+    if (map.is_object() && map.value("hash", nlohmann::json()) == map_hash) {
+      input->run_json = text;
+      return;
+    }
+    input->no_run = "The report.json beside the map is of another map.";
+  }
+  LogWarning(subject.run.string() + ": the report leaves it out. " + input->no_run);
 }
 
 Outcome AddScores(const MapToolArguments& arguments, const ProcessContext& context,

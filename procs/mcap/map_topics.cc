@@ -1,7 +1,6 @@
 #include "mcap/map_topics.h"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 #include "freespace/coarsen.h"
@@ -34,15 +33,8 @@ std::vector<CloudPoint> PointsOf(const Mesh& mesh) {
 
 // The number of free cells, or of occupied ones, whichever is larger.
 size_t CellsToShow(const OccupancyMap& map) {
-  size_t free = 0, occupied = 0;
-  for (const BlockIndex index : map.SortedIndices()) {
-    const OccupancyPlanes planes = map.At(index).Planes();
-    for (size_t i = 0; i < planes.free.size(); ++i) {
-      free += static_cast<size_t>(std::popcount(planes.free[i]));
-      occupied += static_cast<size_t>(std::popcount(planes.occupied[i]));
-    }
-  }
-  return std::max(free, occupied);
+  const CellCounts cells = CountCells(map);
+  return static_cast<size_t>(std::max(cells.free, cells.occupied));
 }
 
 // The map in cells that are small enough to see and few enough to draw.

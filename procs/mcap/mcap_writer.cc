@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <functional>
 
 #include "base/require.h"
 #include "codecs/zstd_codec.h"

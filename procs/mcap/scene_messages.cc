@@ -12,12 +12,9 @@ namespace {
 
 using Field = foxglove::PackedElementField;
 
-// Colours that the colour-blind can tell apart.
-constexpr Rgb8 kOccupiedColor{213, 94, 0}, kFreeColor{86, 180, 233}, kUnknownColor{150, 150, 150};
-
 Rgb8 ColorOf(CellState state) {
   if (state == CellState::kOccupied) return kOccupiedColor;
-  return state == CellState::kFree ? kFreeColor : kUnknownColor;
+  return state == CellState::kFree ? kFreeColor : kNotSeenColor;
 }
 
 uint8_t AlphaOf(CellState state) {
@@ -158,10 +155,9 @@ void ForEachCell(const OccupancyMap& map, CellState state, const Visit& visit) {
     if (block.is_uniform() && !block.is(state)) continue;
     for (int offset = 0; offset < kBlockVoxels; ++offset) {
       if (block.At(offset) != state) continue;
-      const Eigen::Vector3d cell(kBlockSide * index.x + offset % kBlockSide,
-                                 kBlockSide * index.y + offset / kBlockSide % kBlockSide,
-                                 kBlockSide * index.z + offset / (kBlockSide * kBlockSide));
-      visit(((cell.array() + 0.5) * map.cell_size()).matrix().cast<float>());
+      const VoxelIndex cell = VoxelAt(index, offset);
+      const Eigen::Array3d corner(cell.x, cell.y, cell.z);
+      visit(((corner + 0.5) * map.cell_size()).matrix().cast<float>());
     }
   }
 }

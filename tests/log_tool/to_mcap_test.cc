@@ -7,6 +7,7 @@
 #include <vismap/navigation_status_t.hpp>
 #include <vismap/process_status_t.hpp>
 
+#include "base/base64.h"
 #include "base/file.h"
 #include "codecs/frame_codec.h"
 #include "freespace/octree.h"
@@ -159,18 +160,6 @@ TEST(WriteMcap, CountsWhatItWritesAndWhatItLeavesOut) {
 
 nlohmann::json Fact(const std::string& topic, int at, nlohmann::json path, nlohmann::json value) {
   return {{"topic", topic}, {"at", at}, {"path", std::move(path)}, {"value", std::move(value)}};
-}
-
-std::string Base64(const std::vector<uint8_t>& bytes) {
-  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const auto at = [&](size_t k) { return k < bytes.size() ? uint32_t{bytes[k]} : 0; };
-    const uint32_t word = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
-    for (size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? digits[word >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
 }
 
 nlohmann::json FactsOfTheRun() {

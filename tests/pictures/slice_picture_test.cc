@@ -114,6 +114,41 @@ TEST(SlicePicture, EmptyAndTinyAndHugeSlices) {
   EXPECT_GT(CountColor(Draw(wide, {}), kFreeColor), 100u);
 }
 
+// A map of 848 layers that are free, and one that is occupied.
+OccupancyMap LayersWith(int occupied_layer) {
+  OccupancyMap map(0.01);
+  for (int block = 0; block < 106; ++block) {
+    OccupancyPlanes planes;
+    planes.free.fill(~uint64_t{0});
+    const int layer = occupied_layer - kBlockSide * block;
+    if (layer >= 0 && layer < kBlockSide) {
+      planes.free[static_cast<size_t>(layer)] = 0;
+      planes.occupied[static_cast<size_t>(layer)] = ~uint64_t{0};
+    }
+    map.Set({0, 0, block}, BlockOccupancy(planes));
+  }
+  return map;
+}
+
+TEST(SlicePicture, NothingThatIsOneVoxelThickVanishesInATallMap) {
+  SlicePictureOptions options;
+  options.contours_m.clear();
+  for (int layer = 0; layer < 848; ++layer) {
+    const OccupancyMap map = LayersWith(layer);
+    SliceQuestion question;
+    question.axis = 0;
+    question.at_m = 0.035;
+    question.cell_m = SliceCellFor(map, 0, options);
+    const Result<Slice> slice = CutSlice(map, question);
+    ASSERT_TRUE(slice);
+    const Image<Rgb8> picture = RenderSlice(*slice, question, "a slice", options);
+    int rows = 0;
+    for (int v = kTitleRows; v < options.height - LegendRows(options.height); ++v)
+      for (int u = 0; u < options.width; ++u) rows += picture(v, u) == kOccupiedColor;
+    EXPECT_GT(rows, 0) << layer;
+  }
+}
+
 TEST(SlicePicture, CellsGrowUntilEachHasAPixel) {
   OccupancyMap map(0.01);
   EXPECT_EQ(SliceCellFor(map, 2, {}), 0);
