@@ -1,6 +1,7 @@
 #include "adapter/adapter.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "base/format.h"
@@ -38,12 +39,26 @@ int64_t Adapter::Now() const {
   return start_wall_ + static_cast<int64_t>((MonotonicSeconds() - start_) * 1e6);
 }
 
+// Computers without a battery for their clock set it when they reach the network.
+void Adapter::FollowWallClock() {
+  constexpr int64_t kStep = 10'000;  // less may be jitter [us]
+  constexpr int64_t kUndisturbed = 1'000;
+  const int64_t before = Now(), wall = WallUtime();
+  if (Now() - before > kUndisturbed || std::abs(wall - before - wall_offset_) < kStep) return;
+  wall_offset_ = wall - before;
+  LogInfo("the wall clock was set; it is " +
+          FormatDuration(1e-6 * static_cast<double>(std::abs(wall_offset_))) +
+          (wall_offset_ < 0 ? " behind" : " ahead of") + " that of the start");
+  joiners_->SetWallOffset(wall_offset_);
+}
+
 void Adapter::Run() {
   start_wall_ = WallUtime();
   start_ = MonotonicSeconds();
   bus_->Every(kStatusPeriod, [this] { UpdateStatus(); });
   status_->Set(ProcessState::kReady);
   while (!bus_->stop_requested()) {
+    FollowWallClock();
     const bool is_all =
         robot_->Spin(kTurn, [&](const std::string& channel, std::span<const uint8_t> data) {
           const Result<void> added = joiners_->Add(channel, data, Now());

@@ -36,6 +36,7 @@ class Adapter {
         robot_(robot),
         outputs_(outputs) {}
   int64_t Now() const;
+  void FollowWallClock();
   void Publish(const AdapterCameraOptions& camera, ForeignFrame&& frame);
   void UpdateStatus();
   void TellLosses();
@@ -49,6 +50,7 @@ class Adapter {
   std::unique_ptr<CameraJoiners> joiners_;
   int64_t start_wall_ = 0;
   double start_ = 0;
+  int64_t wall_offset_ = 0;  // by how much the wall clock was set since [us]
   struct Losses {
     int64_t before = 0;
     double last = -1e9;  // MonotonicSeconds

@@ -155,7 +155,9 @@ class Diagnosis {
   }
 
   void State(const std::string& who, const process_status_t& status) {
-    const bool told = status.message.empty() ||
+    const bool is_finding = std::find(status.findings.begin(), status.findings.end(),
+                                      status.message) != status.findings.end();
+    const bool told = status.message.empty() || is_finding ||
                       (status.process == "depth-segmenter" && !Flows(kDetectionsChannel) &&
                        !Flows(kSegmentedFrameChannel) && SegmenterWaits());
     if (told) return;

@@ -52,6 +52,10 @@ void CameraJoiners::Finish() {
   for (FrameJoiner& joiner : joiners_) joiner.Finish();
 }
 
+void CameraJoiners::SetWallOffset(int64_t offset) {
+  for (FrameJoiner& joiner : joiners_) joiner.SetWallOffset(offset);
+}
+
 int64_t CameraJoiners::frames() const {
   return SumOver(joiners_, [](const FrameJoiner& joiner) { return joiner.frames(); });
 }

@@ -23,11 +23,12 @@ class CameraJoiners {
   static Result<CameraJoiners> Create(const std::vector<AdapterCameraOptions>& cameras,
                                       const Sink& sink, bool keep_pixels = true);
 
-  /// As FrameJoiner::Add, Advance and Finish.
+  /// As FrameJoiner::Add, Advance, Finish and SetWallOffset.
   Result<void> Add(const std::string& channel, std::span<const uint8_t> bytes, int64_t received,
                    int64_t number = -1);
   void Advance(int64_t now);
   void Finish();
+  void SetWallOffset(int64_t offset);
 
   /// Sums over the cameras.
   int64_t frames() const;

@@ -156,7 +156,7 @@ Result<void> FrameJoiner::LockChannels(const std::string& channel, const Foreign
 Result<void> FrameJoiner::Prepare(ForeignImage* image, bool is_color, int64_t received,
                                   int64_t number) {
   image->message = number;
-  if (options_.time == ImageTime::kReceived) image->utime = received;
+  if (options_.time == ImageTime::kReceived) image->utime = received + wall_offset_;
   if (image->utime < 0 || image->utime > kLatestUtime)
     return Fail("an image has an impossible time, which is negative or far in the future");
   if (!keep_pixels_) {

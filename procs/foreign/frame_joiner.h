@@ -63,6 +63,9 @@ class FrameJoiner {
   void Advance(int64_t now);
   /// The end: nothing more will come.
   void Finish();
+  /// What must be added to `received` to have the time of the wall clock, which may be set while a
+  /// robot runs [us]. Only images that count as taken when they are received have it.
+  void SetWallOffset(int64_t offset) { wall_offset_ = offset; }
 
   int64_t frames() const { return frames_; }
   int64_t waiting() const { return static_cast<int64_t>(depths_.size() + pairs_.size()); }
@@ -128,6 +131,7 @@ class FrameJoiner {
   size_t waiting_bytes_ = 0;
   int64_t now_ = 0;                  // the latest time at which a message came
   std::optional<int64_t> advanced_;  // of the last Advance
+  int64_t wall_offset_ = 0;          // [us]
   static constexpr int64_t kArrivalSlack = 50'000, kImageSlack = 1'000'000;  // [us]
   TimeGate<std::monostate> arrivals_{kArrivalSlack};
   TimeGate<ForeignImage> color_times_{kImageSlack}, depth_times_{kImageSlack};

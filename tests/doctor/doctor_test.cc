@@ -235,6 +235,20 @@ TEST(Doctor, WhatAProcessFindsSuspectIsAFinding) {
   EXPECT_FALSE(json["healthy"].get<bool>());
 }
 
+TEST(Doctor, WhatAProcessWaitsForIsToldOnceWhenItIsAFindingToo) {
+  Scene scene;
+  scene.FullPipeline();
+  process_status_t adapter = scene.Status("adapter");
+  adapter.state = "waiting";
+  adapter.message = "no message came on /tf";
+  adapter.findings = {"no message came on /tf", "no message came on /depth"};
+  adapter.n_findings = 2;
+  adapter.utime = kUtime + 4'000'000;
+  scene.Receives("STATUS", Pack(adapter), 4);
+  EXPECT_THAT(scene.Findings(), ElementsAre("adapter on robot: no message came on /tf; ",
+                                            "adapter on robot: no message came on /depth; "));
+}
+
 TEST(Doctor, ReportsOnHowManyFramesADetectorRan) {
   Scene scene;
   scene.FullPipeline();

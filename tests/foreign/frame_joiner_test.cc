@@ -420,6 +420,36 @@ TEST(FrameJoiner, TakesTheTimeOfReceiptWhenTold) {
   EXPECT_EQ(joined.frames.back().utime, kStart + 1'100'000);
 }
 
+// Images without times. After a second the computer sets its clock, and then sets it back.
+TEST(FrameJoiner, TimesOfReceiptFollowAWallClockThatIsSet) {
+  AdapterCameraOptions options = DimosOptions();
+  options.time = ImageTime::kReceived;
+  Joined joined(options);
+  joined.Add(kInfoChannel, CameraInfo(kStart), kStart);
+  const auto offset_at = [](int tick) -> int64_t {
+    return tick >= 50 && tick < 100 ? 3'600'000'000 : 0;
+  };
+  for (int tick = 0; tick <= 151; ++tick) {
+    const int64_t now = kStart + tick * 20'000;
+    joined.joiner.SetWallOffset(offset_at(tick));
+    joined.Add(kTfChannel,
+               Tf({Transform(now + offset_at(tick), "world", "base_link", BodyAt(now - kStart))}),
+               now);
+    joined.Add(kTfChannel, Mounts(now + offset_at(tick)), now);
+    if (tick % 5 != 2) continue;
+    joined.Add(kColorChannel, ColorImage(0), now + 9000);
+    joined.Add(kDepthChannel, DepthImage(0), now + 9500);
+  }
+  joined.joiner.Finish();
+  EXPECT_EQ(joined.frames.size(), 30u) << joined.joiner.dropped().Text();
+  for (size_t i = 0; i < joined.frames.size(); ++i) {
+    const int tick = static_cast<int>(5 * i + 2);
+    const int64_t since = tick * 20'000 + 9000;
+    EXPECT_EQ(joined.frames[i].utime, kStart + since + offset_at(tick));
+    EXPECT_TRUE(joined.frames[i].T_W_C.isApprox(BodyAt(since) * OpticalInBody(), 1e-4)) << tick;
+  }
+}
+
 TEST(FrameJoiner, DropsImagesOfOneTimeAndSaysWhatToDo) {
   Joined joined(DimosOptions());
   AddSecond(&joined);
