@@ -6,6 +6,7 @@ import { makeCommands, makeToggles } from "./commands";
 import { byId } from "./dom";
 import { EvidenceDialog } from "./evidence_dialog";
 import { EvidenceStrip } from "./evidence_strip";
+import { Framing } from "./framing";
 import { FreeSpacePanel } from "./free_space_panel";
 import { fillHelp, listenForKeys } from "./help";
 import { Latency } from "./latency";
@@ -36,6 +37,7 @@ const banners = new Banners(byId("banners", HTMLElement));
 const status = new MapStatus(byId("link", HTMLElement), byId("summary", HTMLElement), banners);
 const view = new View(canvas);
 const surface = new Surface();
+const framing = new Framing(view, surface.bounds);
 const box = new SelectionBox(byId("labels", HTMLElement));
 const latency = new Latency();
 const cameras = new CameraScene();
@@ -90,13 +92,10 @@ function updateLegend(): void {
 }
 
 function setUp(up: [number, number, number]): void {
-  const before = view.camera.up.clone();
-  view.setUp(up);
+  const turned = view.setUp(up);
   surface.setUp(up);
   space.setUp(up);
-  if (view.camera.up.equals(before)) return;
-  shownRadius = 0; // a view from above the map is another one now
-  keepInView();
+  if (turned) framing.turn();
 }
 
 function setColouring(chosen: Colouring): void {
@@ -109,18 +108,6 @@ function setColouring(chosen: Colouring): void {
 /** Pictures are sent only while their panel is looked at. */
 function wantForTab(panel: string): void {
   worker.setWant({ pictures: panel === "cameras" ? cameraPanel.wanted() : [] });
-}
-
-let shownRadius = 0;
-
-/** Keeps all of a growing map in view until a person has moved the camera. */
-function keepInView(): void {
-  if (view.touched || surface.bounds.isEmpty()) return;
-  const radius = surface.bounds.min.distanceTo(surface.bounds.max) / 2;
-  if (Math.abs(radius - shownRadius) < 0.05 * shownRadius || (status.isLog && radius < shownRadius)) return; // going back turns no view
-  const first = shownRadius === 0;
-  shownRadius = radius;
-  view.showAll(surface.bounds, first);
 }
 
 function takeMap(message: MapMessage): void {
@@ -180,7 +167,6 @@ function take(message: ToWindow): void {
       surface.put(message.chunk);
       latency.arrived(message.chunk.arrivedAt);
       space.setBounds(surface.bounds);
-      keepInView();
       if (surface.colouring === "height") updateLegend();
       return view.surfaceChanged();
     case "drop":
@@ -189,6 +175,7 @@ function take(message: ToWindow): void {
     case "held":
       return time.pause.takeBehind(message.updates);
     case "received":
+      framing.keep(status.isLog);
       return time.check();
     case "picture":
       return cameraPanel.takePicture(message.picture);

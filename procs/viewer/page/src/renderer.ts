@@ -22,3 +22,9 @@ export function isSoftware(canvas: HTMLCanvasElement): boolean {
   probe.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|softpipe|software/i.test(name);
 }
+
+/** Waits until the drawing is done, so that drawings do not queue up where the processor draws. */
+export function waitForPixels(renderer: THREE.WebGLRenderer | null): void {
+  const gl = renderer?.getContext();
+  gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+}

@@ -9,6 +9,7 @@ const kLogInterval = 500; // [ms] of a log, whose viewer has the answers
 export class StructureFeed {
   private asked = -Infinity;
   private revision = -2;
+  private upRevision = -1; // of a log: going back turns no view, and less is known there
   private asking = false;
   private map = 0; // counts the maps
 
@@ -28,7 +29,9 @@ export class StructureFeed {
     const json = asObject(answer.value);
     const up = asVector(asObject(json.up).direction, 3);
     const structure = asList(json.structure).filter(isObject).map((entry) => readObject({ ...entry, structure: true }));
-    this.onAnswer(structure, up ? [up[0]!, up[1]!, up[2]!] : null);
+    const turns = up !== null && (!isLog() || revision >= this.upRevision);
+    if (turns) this.upRevision = revision;
+    this.onAnswer(structure, turns ? [up[0]!, up[1]!, up[2]!] : null);
   }
 
   /** Another map: what was known is no longer true. */
@@ -36,5 +39,6 @@ export class StructureFeed {
     ++this.map;
     this.asked = -Infinity;
     this.revision = -2;
+    this.upRevision = -1;
   }
 }

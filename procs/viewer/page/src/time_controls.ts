@@ -11,8 +11,10 @@ import { TimelineBar } from "./timeline_bar";
 import type { View } from "./view";
 import type { WorkerClient } from "./worker_client";
 
+const kMostHold = 400; // [ms] that a moment of a log may take before what there is of it is drawn
+
 export class TimeControls {
-  readonly bar = new TimelineBar(byId("timeline", HTMLElement), (frames) => this.worker().setMoment(frames));
+  readonly bar = new TimelineBar(byId("timeline", HTMLElement), (frames) => this.want(frames));
   readonly pause = new PauseButton(byId("pause", HTMLButtonElement), byId("behind", HTMLElement), (paused) => this.worker().setPaused(paused));
   readonly commands: Command[] = this.bar.commands();
 
@@ -47,11 +49,16 @@ export class TimeControls {
     const { received } = this.worker();
     if (!map || !this.status.isLog) return;
     const counts = received.waiting === 0 && received.blocks === map.blocks && this.surface.blocks === map.blocks;
-    if (this.bar.watch.has(map.frames, counts && sameDigest(received.digest, map.digest))) this.view.invalidate();
+    if (this.bar.watch.has(map.frames, counts && sameDigest(received.digest, map.digest))) this.view.releaseMap();
   }
 
   toggle(): void {
     if (this.status.isLog) this.bar.toggle();
     else this.pause.toggle();
+  }
+
+  private want(frames: number | null): void {
+    if (!this.bar.watch.isDone) this.view.holdMap(kMostHold);
+    this.worker().setMoment(frames);
   }
 }

@@ -2,11 +2,12 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { listenForClicks } from "./clicks";
+import { DrawPacer } from "./draw_pacer";
 import { Flight } from "./flight";
 import { FrameRate, type Quality } from "./frame_rate";
-import { isSoftware, makeRenderer } from "./renderer";
+import { isSoftware, makeRenderer, waitForPixels } from "./renderer";
 
-const kDrawingShare = 4; // drawings for changes of the map take at most one part in so many of the time
+const kSmallTurn = 0.03; // of the upward direction [rad]
 
 THREE.ColorManagement.enabled = false; // all our colours are as the screen shows them
 
@@ -28,9 +29,7 @@ export class View {
   private readonly onMoved: (() => void)[] = [];
   private readonly onDetail: ((coarse: boolean) => void)[] = [];
   private readonly slow: boolean;
-  private cost = 0; // of the last drawing [ms]
-  private drawnAt = 0;
-  private later: ReturnType<typeof setTimeout> | null = null;
+  private readonly pacer = new DrawPacer(() => this.invalidate());
 
   constructor(readonly canvas: HTMLCanvasElement) {
     this.slow = isSoftware(canvas);
@@ -86,12 +85,17 @@ export class View {
 
   /** As invalidate, for what the map changes: a slow computer then has time for other things between two drawings. */
   invalidateSoon(): void {
-    if (this.scheduled || this.later) return;
-    const wait = this.drawnAt + kDrawingShare * this.cost - performance.now();
-    this.later = setTimeout(() => {
-      this.later = null;
-      this.invalidate();
-    }, Math.max(0, wait));
+    if (!this.scheduled) this.pacer.soon();
+  }
+
+  /** The map is on its way to another moment of a log: its changes are drawn when it is there, or after so long [ms]. */
+  holdMap(most: number): void {
+    this.pacer.hold(most);
+  }
+
+  /** The map is there. */
+  releaseMap(): void {
+    this.pacer.release();
   }
 
   /** The surface has changed. */
@@ -110,14 +114,16 @@ export class View {
     this.invalidate();
   }
 
-  setUp(up: [number, number, number]): void {
+  /** Which direction is upward. A small change, as one estimate differs from the next, turns nothing; answers whether it did. */
+  setUp(up: [number, number, number]): boolean {
     const wanted = new THREE.Vector3(...up).normalize();
-    if (wanted.lengthSq() === 0 || wanted.distanceTo(this.camera.up) < 1e-3) return;
+    if (wanted.lengthSq() === 0 || wanted.distanceTo(this.camera.up) < kSmallTurn) return false;
     this.camera.up.copy(wanted);
     const target = this.controls.target.clone();
     this.controls.dispose();
     this.controls = this.makeControls(target);
     this.invalidate();
+    return true;
   }
 
   /** Shows all of a box, from obliquely above. */
@@ -181,12 +187,6 @@ export class View {
     for (const handler of this.onMoved) handler();
   }
 
-  /** Waits until the drawing is done, so that drawings do not queue up where the processor draws. */
-  private waitForPixels(): void {
-    const gl = this.renderer?.getContext();
-    gl?.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-  }
-
   private draw(now: number): void {
     this.scheduled = false;
     const flying = this.flight !== null;
@@ -194,9 +194,8 @@ export class View {
     if (this.flight && !this.flight.advance(now)) this.flight = null;
     if (flying) this.controls.update();
     this.renderer?.render(this.scene, this.camera);
-    if (this.slow) this.waitForPixels();
-    this.drawnAt = performance.now();
-    this.cost = this.drawnAt - start;
+    if (this.slow) waitForPixels(this.renderer);
+    this.pacer.drawn(start, performance.now());
     ++this.renderCount;
     for (const handler of this.afterRender) handler();
     if (this.flight) this.invalidate();
@@ -206,7 +205,8 @@ export class View {
 
   private setQuality(quality: Quality): void {
     for (const handler of this.onDetail) handler(quality.coarse);
-    this.resize();
+    if (quality.ratio === this.pixelRatio) this.invalidateSoon();
+    else this.resize();
   }
 
   private resize(): void {

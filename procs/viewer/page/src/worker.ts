@@ -12,6 +12,7 @@ import type { ToWindow, ToWorker } from "./worker_messages";
 const kMergeInterval = 120; // [ms] between two rounds of merging
 const kMomentInterval = 700; // [ms] the same while blocks of a moment of a log come: most chunks get several
 const kMostUntaken = 6; // chunks that the window has not taken yet
+const kMostUntakenOfMoment = 200; // the same of a complete moment of a log, which is drawn in one go
 
 const scope = self as unknown as {
   postMessage(message: ToWindow, transfer?: Transferable[]): void;
@@ -49,7 +50,8 @@ function tellReceived(): void {
 /** Sends chunks that changed, as many as the window keeps up with. */
 function mergeSome(): void {
   mergeTimer = null;
-  while (untaken < kMostUntaken) {
+  const most = isLog && isLevel() ? kMostUntakenOfMoment : kMostUntaken;
+  while (untaken < most) {
     const changed = store.takeDirty();
     if (changed === null) break;
     const chunk = store.merge(changed.key, changed.arrivedAt);
