@@ -58,8 +58,10 @@ std::string SpacingText(double spacing) {
 }  // namespace
 
 size_t LargestOutput(const LcmUrl& url) {
-  constexpr size_t kOnUdpm = 8 * kMegabyte;
-  return url.provider.ends_with("udpm") ? kOnUdpm : kMaxMessageBytes;
+  constexpr size_t kMost = 8 * kMegabyte, kUnknownBuffer = 4 * kMegabyte;
+  if (!url.provider.ends_with("udpm")) return kMaxMessageBytes;
+  const auto buffer = static_cast<size_t>(std::max(0, url.receive_buffer));
+  return std::min(kMost, (buffer == 0 ? kUnknownBuffer : buffer) / 2);
 }
 
 FittedOutputs::FittedOutputs(const AdapterOptions& options, size_t most_bytes, OutputReport* report,

@@ -17,8 +17,10 @@
 
 namespace vismap {
 
-/// The largest message that the readers of a bus surely get [bytes]. LCM's udpm sends fragments of
-/// 64 kB; a reader holds 16 MB of messages that are not complete, those of cameras among them.
+/// The largest message that the readers of a bus get [bytes]. LCM's udpm sends all fragments of a
+/// message at once: readers lose it when it is larger than their receive buffer. It may take half
+/// of the one that the URL names, since images arrive meanwhile, and at most 8 MB, since LCM holds
+/// 16 MB of messages that are not complete.
 size_t LargestOutput(const LcmUrl& url);
 
 /// Makes the messages of other programs from the map, on the channels that the options name. What

@@ -173,7 +173,10 @@ TEST(FittedOutputs, EndSoonWhenTheProcessIsStopped) {
 }
 
 TEST(LargestOutput, IsSmallerWithoutAHub) {
-  EXPECT_EQ(LargestOutput(*ParseLcmUrl("udpm://239.255.76.67:7667")), size_t{8} << 20);
+  const std::string udpm = "udpm://239.255.76.67:7667?ttl=0";
+  EXPECT_EQ(LargestOutput(*ParseLcmUrl(udpm)), size_t{2} << 20) << "ours have buffers of 4 MB";
+  EXPECT_EQ(LargestOutput(*ParseLcmUrl(udpm + "&recv_buf_size=1000000")), 500'000U);
+  EXPECT_EQ(LargestOutput(*ParseLcmUrl(udpm + "&recv_buf_size=67108864")), size_t{8} << 20);
   EXPECT_EQ(LargestOutput(*ParseLcmUrl("tcpq://127.0.0.1:7700")), kMaxMessageBytes);
 }
 

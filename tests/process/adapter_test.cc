@@ -109,14 +109,26 @@ std::string OfflineHash(const std::string& log, const std::filesystem::path& fol
   return at == std::string::npos ? "" : text.substr(at + 9, 32);
 }
 
+Result<std::unique_ptr<Transport>> Connect(const std::string& url) {
+  const Result<LcmUrl> parsed = ParseLcmUrl(url);
+  return parsed->provider == "tcpq" ? OpenTcpqTransport(parsed->hub, nullptr)
+                                    : OpenLcmTransport(*parsed);
+}
+
 /// Sends messages on the bus as lcm-logplayer does: byte for byte.
 void Play(const std::vector<RobotMessage>& messages, const std::string& url) {
-  const auto transport = OpenTcpqTransport(ParseLcmUrl(url)->hub, nullptr);
+  const auto transport = Connect(url);
   ASSERT_TRUE(transport) << transport.error().message;
   for (const RobotMessage& message : messages) {
     EXPECT_TRUE((*transport)->Publish(message.channel, message.bytes));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
+}
+
+/// A bus of multicast that no other test uses.
+std::string MulticastUrl(int receive_buffer) {
+  return "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) +
+         "?ttl=0&recv_buf_size=" + std::to_string(receive_buffer);
 }
 
 TEST(Adapter, MapsARobotLiveAsItsLogOffline) {
@@ -205,8 +217,7 @@ TEST(Adapter, SaysWhichPoseItIgnoresAndWhy) {
 TEST(Adapter, SaysWhatTheBusOfTheRobotLacks) {
   constexpr int kTooMuch = 1 << 30;
   if (ProbeReceiveBuffer(kTooMuch)) GTEST_SKIP() << "this kernel grants 1 GB";
-  const std::string url = "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) +
-                          "?ttl=0&recv_buf_size=" + std::to_string(kTooMuch);
+  const std::string url = MulticastUrl(kTooMuch);
   if (!OpenLcmTransport(*ParseLcmUrl(url))) GTEST_SKIP() << "there is no multicast route";
   ProcessBus processes;
   std::vector<std::string> findings;
@@ -217,6 +228,21 @@ TEST(Adapter, SaysWhatTheBusOfTheRobotLacks) {
   EXPECT_TRUE(processes.SpinUntil([&] { return !findings.empty(); }));
   EXPECT_THAT(findings, Contains(::testing::AllOf(HasSubstr("the robot's bus at udpm://"),
                                                   HasSubstr("sysctl -w net.core.rmem_max"))));
+}
+
+// DimOS and Drake publish on LCM's multicast.
+TEST(Adapter, ReadsARobotOnMulticast) {
+  const std::string url = MulticastUrl(4 << 20);
+  if (!ProbeReceiveBuffer(4 << 20)) GTEST_SKIP() << "this kernel grants less than 4 MB";
+  if (!Connect(url)) GTEST_SKIP() << "there is no multicast route";
+  ProcessBus processes;
+  std::set<int64_t> frames;
+  processes.bus().Subscribe<rgbd_frame_t>(
+      kRgbdFrameChannel, [&](const rgbd_frame_t& frame) { frames.insert(frame.utime); });
+  const auto adapter = processes.Start("adapter", {"--preset", "dimos", "--robot-url", url});
+  ASSERT_TRUE(processes.WaitForReady({"adapter"}));
+  Play(RoomOfDimos(), url);
+  EXPECT_TRUE(processes.SpinUntil([&] { return frames.size() == 10; })) << frames.size();
 }
 
 TEST(Adapter, PrintsEveryDefaultOfItsPreset) {
