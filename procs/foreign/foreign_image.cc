@@ -166,8 +166,12 @@ Result<ForeignImage> SwapRedBlue(ForeignImage image) {
     case PixelFormat::kBgra:
       image.format = PixelFormat::kRgba;
       return image;
-    case PixelFormat::kJpeg: {
-      const Result<Image<Rgb8>> decoded = DecodeJpeg(image.bytes, image.width, image.height);
+    case PixelFormat::kJpeg:
+    case PixelFormat::kPng: {
+      const Result<Image<Rgb8>> decoded =
+          image.format == PixelFormat::kJpeg
+              ? DecodeJpeg(image.bytes, image.width, image.height)
+              : DecodeColorPng(image.bytes, image.width, image.height);
       if (!decoded) return tl::unexpected(decoded.error());
       image.bytes.resize(decoded->size() * sizeof(Rgb8));
       std::memcpy(image.bytes.data(), decoded->data(), image.bytes.size());

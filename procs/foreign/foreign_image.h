@@ -65,8 +65,8 @@ Result<ForeignImage> ClearNoneValues(ForeignImage image, const std::vector<doubl
 /// Fails when the pixels cannot be decoded. Those that are not packed always can.
 Result<void> CheckPixels(const ForeignImage& image);
 
-/// Exchanges red and blue of a colour image. A JPEG becomes raw RGB, a PNG is left alone. Fails on
-/// a JPEG that cannot be decoded.
+/// Exchanges red and blue of a colour image. A JPEG and a PNG become raw. Fails on those that
+/// cannot be decoded.
 Result<ForeignImage> SwapRedBlue(ForeignImage image);
 
 }  // namespace vismap

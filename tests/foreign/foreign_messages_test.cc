@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -218,6 +219,41 @@ TEST(ForeignImage, NegativeDepthIsNone) {
   Bytes values = {1, 0, 0xff, 0xff, 0, 0x80};
   ClearNegative(&values);
   EXPECT_EQ(values, Bytes({1, 0, 0, 0, 0, 0}));
+}
+
+// A PNG file with 2 x 1 pixels of colour.
+Bytes PngOf(const Bytes& rgb) {
+  Bytes file = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  const auto add_number = [&](uint32_t number) {
+    for (int shift = 24; shift >= 0; shift -= 8)
+      file.push_back(static_cast<uint8_t>(number >> shift));
+  };
+  const auto add_chunk = [&](const std::string& name, const Bytes& data) {
+    add_number(static_cast<uint32_t>(data.size()));
+    const size_t begin = file.size();
+    file.insert(file.end(), name.begin(), name.end());
+    file.insert(file.end(), data.begin(), data.end());
+    add_number(static_cast<uint32_t>(
+        crc32(0, file.data() + begin, static_cast<uInt>(file.size() - begin))));
+  };
+  Bytes row = {0};  // no filter
+  row.insert(row.end(), rgb.begin(), rgb.end());
+  add_chunk("IHDR", {0, 0, 0, 2, 0, 0, 0, 1, 8, 2, 0, 0, 0});
+  add_chunk("IDAT", Zipped(row));
+  add_chunk("IEND", {});
+  return file;
+}
+
+TEST(ForeignImage, RedAndBlueOfAPngAreExchanged) {
+  ForeignImage image{5, "optical", 2, 1};
+  image.format = PixelFormat::kPng;
+  image.bytes = PngOf({1, 2, 3, 250, 251, 252});
+  const Result<ForeignImage> swapped = SwapRedBlue(image);
+  ASSERT_TRUE(swapped) << swapped.error().message;
+  EXPECT_EQ(swapped->format, PixelFormat::kBgr) << "what is read as red, first, is blue";
+  EXPECT_EQ(swapped->bytes, Bytes({1, 2, 3, 250, 251, 252}));
+  image.bytes.resize(30);
+  EXPECT_FALSE(SwapRedBlue(image));
 }
 
 TEST(Presets, AreFoundByTheChannelsOfALog) {
