@@ -284,6 +284,30 @@ TEST(FrameJoiner, FollowsARobotWhoseClockIsSetBack) {
   EXPECT_EQ(joined.frames.size(), before + 6) << joined.joiner.dropped().Text();
 }
 
+// A SLAM sends the poses of its last 1.5 seconds again, in one message, while images wait.
+TEST(FrameJoiner, LosesNoFrameWhenPosesAreSentAgain) {
+  Joined joined(DimosOptions());
+  joined.Add(kInfoChannel, CameraInfo(kStart), kStart);
+  for (int tick = 0; tick <= 151; ++tick) {
+    const int64_t now = kStart + tick * 20'000;
+    joined.Add(kTfChannel, Body(now), now);
+    joined.Add(kTfChannel, Mounts(now), now);
+    if (tick % 5 == 2) {
+      joined.Add(kColorChannel, ColorImage(now + 9000), now + 9000);
+      joined.Add(kDepthChannel, DepthImage(now + 9000), now + 9500);
+    }
+    if (tick % 50 != 47) continue;
+    std::vector<foreign::geometry_msgs::TransformStamped> again;
+    for (int64_t time = std::max(kStart, now - 1'500'000); time <= now; time += 20'000)
+      again.push_back(Transform(time, "world", "base_link", BodyAt(time - kStart)));
+    joined.Add(kTfChannel, Tf(again), now + 12'000);
+  }
+  joined.joiner.Finish();
+  EXPECT_EQ(joined.frames.size(), 30u) << joined.joiner.dropped().Text();
+  for (const ForeignFrame& frame : joined.frames)
+    EXPECT_TRUE(frame.T_W_C.isApprox(BodyAt(frame.utime - kStart) * OpticalInBody(), 1e-4));
+}
+
 TEST(FrameJoiner, IgnoresOnlyThePoseThatCannotBeUsed) {
   foreign::geometry_msgs::TransformStamped bad = Transform(kStart, "base_link", "arm", BodyAt(0));
   bad.transform.rotation.w = 3;
