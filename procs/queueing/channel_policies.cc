@@ -9,7 +9,7 @@ namespace vismap {
 namespace {
 
 constexpr std::array kLossless = {kRgbdFrameChannel, kDetectionsChannel, kSegmentedFrameChannel,
-                                  kMapCommitChannel, kMapReplyChannel};
+                                  kMapCommitChannel, kMapReplyChannel,   kPoseCorrectionChannel};
 constexpr std::array kLatest = {kStatusChannel,     kObjectsChannel,       kOctomapChannel,
                                 kOctomapRawChannel, kOctomapCoarseChannel, kOctomapInflatedChannel,
                                 kNavigationChannel, kGridChannel};

@@ -14,6 +14,7 @@
 #include <vismap/occupancy_grid_t.hpp>
 #include <vismap/octree_delta_t.hpp>
 #include <vismap/octree_t.hpp>
+#include <vismap/pose_correction_t.hpp>
 #include <vismap/process_status_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
@@ -53,7 +54,8 @@ std::span<const ChannelType> ChannelTypes() {
                                     TypeOf<octree_delta_t>(kOctomapDeltaChannel),
                                     TypeOf<navigation_status_t>(kNavigationChannel),
                                     TypeOf<occupancy_grid_t>(kGridChannel),
-                                    TypeOf<distance_field_t>(kDistancesChannel)};
+                                    TypeOf<distance_field_t>(kDistancesChannel),
+                                    TypeOf<pose_correction_t>(kPoseCorrectionChannel)};
   return kTypes;
 }
 

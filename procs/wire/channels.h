@@ -36,6 +36,8 @@ inline constexpr Channel kOctomapDeltaChannel{"OCTOMAP_DELTA", 64 * kMegabyte}; 
 inline constexpr Channel kNavigationChannel{"NAVIGATION", kMegabyte / 16};  ///< navigation_status_t
 inline constexpr Channel kGridChannel{"GRID", 192 * kMegabyte};             ///< occupancy_grid_t
 inline constexpr Channel kDistancesChannel{"DISTANCES", 64 * kMegabyte};    ///< distance_field_t
+inline constexpr Channel kPoseCorrectionChannel{"POSE_CORRECTION",
+                                                32 * kMegabyte};             ///< pose_correction_t
 inline constexpr Channel kMapRequestChannel{"MAP_REQUEST", kMegabyte / 16};  ///< map_request_t
 inline constexpr Channel kMapReplyChannel{"MAP_REPLY", 192 * kMegabyte};     ///< map_reply_t
 inline constexpr Channel kStatusChannel{"STATUS", kMegabyte / 16};           ///< process_status_t
@@ -45,7 +47,7 @@ inline constexpr std::array kAllChannels = {
     kMapDeltaChannel,      kMeshDeltaChannel,       kObjectsChannel,        kOctomapChannel,
     kMapRequestChannel,    kMapReplyChannel,        kStatusChannel,         kOctomapRawChannel,
     kOctomapCoarseChannel, kOctomapInflatedChannel, kOctomapDeltaChannel,   kNavigationChannel,
-    kGridChannel,          kDistancesChannel};
+    kGridChannel,          kDistancesChannel,       kPoseCorrectionChannel};
 
 /// The largest message of any channel [bytes].
 inline constexpr size_t kMaxMessageBytes = 192 * kMegabyte;

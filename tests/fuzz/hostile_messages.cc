@@ -5,6 +5,7 @@
 #include <vismap/map_reply_t.hpp>
 #include <vismap/map_request_t.hpp>
 #include <vismap/navigation_status_t.hpp>
+#include <vismap/pose_correction_t.hpp>
 #include <vismap/process_status_t.hpp>
 
 #include "codecs/frame_codec.h"
@@ -24,6 +25,7 @@
 #include "wire/object_list.h"
 #include "wire/octree_message.h"
 #include "wire/octree_update.h"
+#include "wire/pose_correction.h"
 #include "wire/rgbd_frame.h"
 #include "wire/segmented_frame.h"
 
@@ -285,6 +287,13 @@ FuzzTarget DistancesTarget() {
   return target;
 }
 
+FuzzTarget CorrectionTarget() {
+  const PoseCorrection correction{
+      CameraId{0}, true, {{1, Pose::Identity()}, {2, Pose::Identity()}}};
+  return Target(kPoseCorrectionChannel, Encode(correction),
+                [](const pose_correction_t& message) { return Accepted(Decode(message)); });
+}
+
 navigation_status_t SomeNavigation() {
   navigation_status_t navigation{};
   navigation.map_id = "map";
@@ -342,6 +351,7 @@ std::vector<FuzzTarget> OwnFuzzTargets() {
           OctreeDeltaTarget(),
           GridTarget(),
           DistancesTarget(),
+          CorrectionTarget(),
           UnpackedOnly(kNavigationChannel, SomeNavigation()),
           UnpackedOnly(kMapCommitChannel, SomeCommit()),
           UnpackedOnly(kMapRequestChannel, SomeRequest()),

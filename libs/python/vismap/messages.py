@@ -75,6 +75,7 @@ CHANNELS: dict[str, Channel] = {
     "NAVIGATION": Channel("vismap.navigation_status_t", _MEGABYTE // 16),
     "GRID": Channel("vismap.occupancy_grid_t", 192 * _MEGABYTE),
     "DISTANCES": Channel("vismap.distance_field_t", 64 * _MEGABYTE),
+    "POSE_CORRECTION": Channel("vismap.pose_correction_t", 32 * _MEGABYTE),
 }
 MAX_MESSAGE_BYTES = 192 * _MEGABYTE
 

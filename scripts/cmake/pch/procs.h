@@ -10,6 +10,7 @@
 #include <vismap/mesh_delta_t.hpp>
 #include <vismap/object_list_t.hpp>
 #include <vismap/octree_t.hpp>
+#include <vismap/pose_correction_t.hpp>
 #include <vismap/process_status_t.hpp>
 #include <vismap/rgbd_frame_t.hpp>
 #include <vismap/segmented_frame_t.hpp>
