@@ -162,7 +162,10 @@ inline constexpr auto FieldsOf(const MapServerOptions&) {
   return std::tuple(VISMAP_FIELD(load), VISMAP_FIELD(save_on_exit), VISMAP_FIELD(save_period_s),
                     VISMAP_FIELD(recover), VISMAP_FIELD(map_folder), VISMAP_FIELD(map_folder_mb),
                     VISMAP_FIELD(mesh_period_s), VISMAP_FIELD(objects_period_s),
-                    VISMAP_FIELD(queue_mb), VISMAP_FIELD(max_wait_s), VISMAP_FIELD(overload));
+                    VISMAP_FIELD(queue_mb), VISMAP_FIELD(max_wait_s), VISMAP_FIELD(overload),
+                    VISMAP_FIELD(frame_journal_mb), VISMAP_FIELD(frame_journal),
+                    VISMAP_FIELD(accept_corrections), VISMAP_FIELD(checkpoint_frames),
+                    VISMAP_FIELD(checkpoint_mb));
 }
 
 inline constexpr auto FieldsOf(const OctomapExporterOptions&) {

@@ -57,6 +57,13 @@ struct MapServerOptions {
   int queue_mb = 256;
   double max_wait_s = 30;
   Overload overload = Overload::kLossless;
+  int frame_journal_mb = 0;   ///< the frames of the map are kept, at most so much; 0 = they are not
+  std::string frame_journal;  ///< folder for them; empty = save_on_exit with ".frames" behind it
+  bool accept_corrections = false;  ///< of poses, from any client
+  /// Copies of the map are kept after so many frames each, from which a corrected map is made; all
+  /// together may take so many megabytes.
+  int checkpoint_frames = 100;
+  int checkpoint_mb = 1024;
 };
 
 struct OctomapExporterOptions {

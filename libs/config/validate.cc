@@ -110,6 +110,17 @@ std::vector<std::string> Problems(const MapServerOptions& server) {
   VISMAP_CHECK_RANGE(check, server.objects_period_s, 0, kDay);
   VISMAP_CHECK_RANGE(check, server.queue_mb, 1, 65536);
   VISMAP_CHECK_RANGE(check, server.max_wait_s, 1, kDay);
+  VISMAP_CHECK_RANGE(check, server.frame_journal_mb, 0, 16777216);
+  VISMAP_CHECK_RANGE(check, server.checkpoint_frames, 1, 1000000);
+  VISMAP_CHECK_RANGE(check, server.checkpoint_mb, 1, 1048576);
+  check.Unless(
+      server.frame_journal_mb == 0 || !server.frame_journal.empty() || !server.save_on_exit.empty(),
+      "frame_journal_mb needs map_server.frame_journal or map_server.save_on_exit to say "
+      "where");
+  check.Unless(
+      !server.accept_corrections || server.frame_journal_mb > 0,
+      "accept_corrections needs map_server.frame_journal_mb, since a corrected map is made "
+      "of the frames in it");
   check.Unless(!server.recover || !server.save_on_exit.empty(),
                "recover needs map_server.save_on_exit to say from where");
   check.Unless(server.save_period_s == 0 || !server.save_on_exit.empty(),

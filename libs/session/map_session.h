@@ -42,6 +42,9 @@ class MapSession {
   /// Throws when the map contains the frame.
   MapDelta Integrate(const SegmentedFrame& frame, const FrameAssociation& association);
 
+  /// Names the map anew, so that its revisions are not mistaken for those of another map.
+  void Rename(std::string map_id) { metadata_.map_id = std::move(map_id); }
+
   const SemanticMap& map() const { return map_; }
   const MapMetadata& metadata() const { return metadata_; }
   const MapSessionOptions& options() const { return options_; }

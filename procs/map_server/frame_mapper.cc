@@ -65,7 +65,7 @@ bool FrameMapper::Contains(const FrameKey& frame) const {
 }
 
 Result<void> FrameMapper::OnFrame(const segmented_frame_t& message) {
-  if (intake_.SetMap(map_.session().metadata().map_id)) {
+  if (intake_.SetMap(map_.frames_id())) {
     ready_.clear();
     lag_.Clear();
   }
@@ -93,10 +93,11 @@ void FrameMapper::CollectReady() {
 
 Result<bool> FrameMapper::MapNext() {
   if (ready_.empty()) return false;
-  const segmented_frame_t message = std::move(ready_.front());
+  segmented_frame_t message = std::move(ready_.front());
   ready_.pop_front();
-  const Result<void> mapped = MapMessage(message);
-  lag_.Done(KeyOf(message.frame));
+  const FrameKey frame = KeyOf(message.frame);
+  const Result<void> mapped = MapMessage(std::move(message));
+  lag_.Done(frame);
   CollectReady();  // other frames may have waited for this one
   if (!mapped) return tl::unexpected(mapped.error());
   return true;
@@ -118,8 +119,9 @@ void FrameMapper::TellLag() {
 
 // What is far from the rest is left out of what is made of the whole map.
 void FrameMapper::TellFarParts() {
-  if (map_.session().map().revision == far_parts_revision_) return;
-  far_parts_revision_ = map_.session().map().revision;
+  const FollowerPosition position{map_.session().metadata().map_id, map_.session().map().revision};
+  if (position == far_parts_position_) return;
+  far_parts_position_ = position;
   const FarParts far(map_.session().metadata().trajectory);
   status_.SetCounter("frames_far_away", far.frames());
   status_.SetFinding("far", far.Sentence());
@@ -153,7 +155,7 @@ void FrameMapper::DropBeyondLimits() {
   status_.SetCounter("held_bytes", static_cast<int64_t>(intake_.waiting_bytes()));
 }
 
-Result<void> FrameMapper::MapMessage(const segmented_frame_t& message) {
+Result<void> FrameMapper::MapMessage(segmented_frame_t message) {
   const Result<SegmentedFrame> frame =
       StageTimings(&status_).Measure("decoding", [&] { return DecodeAndFill(message); });
   if (!frame) {
@@ -161,7 +163,10 @@ Result<void> FrameMapper::MapMessage(const segmented_frame_t& message) {
     return tl::unexpected(frame.error());
   }
   status_.Set(ProcessState::kRunning, map_.StatusMessage());
-  bus_.Publish(kMapCommitChannel, MapOrRefuse(message, *frame));
+  const frame_commit_t commit = MapOrRefuse(message, *frame);
+  bus_.Publish(kMapCommitChannel, commit);
+  if (commit.status == frame_commit_t::STATUS_INTEGRATED)
+    map_.KeepFrame(std::move(message), commit);
   map_.PublishAndSaveIfDue(side_share());
   return {};
 }
@@ -171,7 +176,8 @@ frame_commit_t FrameMapper::MapOrRefuse(const segmented_frame_t& message,
   frame_commit_t commit = CommitOf(message, map_.session());
   if (Contains(KeyOf(message.frame))) {
     status_.Count("frames_duplicate");
-    check_.Duplicate(frame.frame.header, commit.input_digest, map_.session());
+    if (!map_.history().has_corrected_poses())  // else the same frame may come with its old pose
+      check_.Duplicate(frame.frame.header, commit.input_digest, map_.session());
     commit.status = frame_commit_t::STATUS_DUPLICATE;
     commit.reason = "is in the map already";
     return commit;

@@ -12,6 +12,7 @@
 #include "runtime/bus.h"
 #include "runtime/frame_lag.h"
 #include "runtime/status.h"
+#include "wire/update_sequence.h"
 
 namespace vismap {
 
@@ -42,7 +43,7 @@ class FrameMapper {
   void DropBeyondLimits();
   void TellLag();
   void TellFarParts();
-  Result<void> MapMessage(const segmented_frame_t& message);
+  Result<void> MapMessage(segmented_frame_t message);
   Result<SegmentedFrame> DecodeAndFill(const segmented_frame_t& message) const;
   frame_commit_t MapOrRefuse(const segmented_frame_t& message, const SegmentedFrame& frame);
   void Skip(const segmented_frame_t& message, const std::string& reason);
@@ -58,9 +59,9 @@ class FrameMapper {
   Overload overload_;
   std::deque<segmented_frame_t> ready_;  // wait for no other frame
   FrameLag lag_;
-  bool behind_ = false;             // so far that STATUS tells
-  int64_t far_parts_revision_ = 0;  // of the map, when they were told last
-  HoldLimits limits_;               // of the frames that wait
+  bool behind_ = false;                  // so far that STATUS tells
+  FollowerPosition far_parts_position_;  // of the map, when they were told last
+  HoldLimits limits_;                    // of the frames that wait
   FrameIntake intake_;
   CameraClocks clocks_;
   MapCheck check_;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "base/format.h"
 #include "runtime/clock.h"
 #include "runtime/version.h"
 #include "settings/settings.h"
@@ -16,8 +17,9 @@ LiveMap::LiveMap(const VismapConfig& config, Bus* bus, Status* status)
           config,
           {.mesh = config.map_server.mesh_period_s, .objects = config.map_server.objects_period_s},
           bus, StageTimings(status)),
-      store_(config.map_server, status) {
-  Reset();
+      store_(config.map_server, status),
+      history_(config, status) {
+  StartEmpty();
 }
 
 MapMetadata LiveMap::NewMetadata() const {
@@ -35,14 +37,30 @@ void LiveMap::Start(MapSession session) {
   publisher_.Start(*session_);
 }
 
-void LiveMap::Reset() {
+void LiveMap::StartEmpty() {
   Start(MapSession(config_, NewMetadata()));
+  frames_id_ = session_->metadata().map_id;
   store_.BeginMap(*session_);
+}
+
+void LiveMap::Reset() {
+  StartEmpty();
+  history_.BeginMap();
+}
+
+std::unique_ptr<MapSession> LiveMap::ReplaceByCorrected(MapSession session) {
+  session.Rename(NewMetadata().map_id);
+  std::unique_ptr<MapSession> old = std::move(session_);
+  Start(std::move(session));
+  store_.BeginMap(*session_);
+  PublishAll();
+  return old;
 }
 
 // Returns a sentence.
 std::string LiveMap::Continue(MapSession session, const std::filesystem::path& path) {
   Start(std::move(session));
+  frames_id_ = session_->metadata().map_id;
   store_.ContinueMap(*session_, path);
   return "loaded " + path.string() + " with " + std::to_string(session_->map().revision) +
          " frames as map " + session_->metadata().map_id;
@@ -51,7 +69,9 @@ std::string LiveMap::Continue(MapSession session, const std::filesystem::path& p
 Result<std::string> LiveMap::Load(const std::filesystem::path& path) {
   Result<MapSession> session = ReadSavedMap(path, config_, NewMetadata().map_id);
   if (!session) return tl::unexpected(session.error());
-  return Continue(std::move(*session), path);
+  std::string sentence = Continue(std::move(*session), path);
+  history_.BeginMap();
+  return sentence;
 }
 
 Result<std::string> LiveMap::LoadNamed(const std::string& name) {
@@ -68,12 +88,32 @@ Result<std::string> LiveMap::Recover() {
     sentence = Continue(std::move(*recovered->session), recovered->path);
   else if (!recovered->unusable.empty())
     sentence = "no saved map can be used, so the map is empty";
+  const std::vector<FrameKey> taken = TakeFramesFromJournal(&sentence);
   store_.StartJournal(*session_);
+  for (const FrameKey& frame : taken) store_.AddFrame(frame);
   return sentence +
          "; frames lacking that were committed later: " + std::to_string(store_.lacking_frames());
 }
 
+// Adds to the sentence what it did.
+std::vector<FrameKey> LiveMap::TakeFramesFromJournal(std::string* sentence) {
+  ContinuedMap continued = history_.Continue(std::move(*session_), NewMetadata());
+  status_->SetFindings("recovery", continued.remarks);
+  for (const std::string& remark : continued.remarks) *sentence += "; " + remark;
+  if (!continued.taken.empty()) {
+    *sentence += "; taken from the journal of frames: " +
+                 FormatCount(static_cast<int64_t>(continued.taken.size()), "frame");
+  }
+  Start(std::move(continued.session));
+  if (continued.made_anew) {
+    frames_id_ = session_->metadata().map_id;
+    store_.BeginMap(*session_);
+  }
+  return std::move(continued.taken);
+}
+
 MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
+  history_.BeforeFrame(*session_);
   MappedFrame mapped = MapFrame(frame, session_.get(), StageTimings(status_));
   if (!mapped.delta.refused.empty()) return mapped;
   trajectory_.Follow(session_->metadata().trajectory);

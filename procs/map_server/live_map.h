@@ -5,6 +5,7 @@
 #include <string>
 
 #include "config/config.h"
+#include "map_server/frame_history.h"
 #include "map_server/map_memory.h"
 #include "map_server/map_publisher.h"
 #include "map_server/map_snapshot.h"
@@ -26,6 +27,10 @@ class LiveMap {
   /// Integrates a frame that the map does not contain, enters it in the journal, and publishes the
   /// space that it changed. Does none of it when the map refuses the frame, see MapDelta::refused.
   MappedFrame Integrate(const SegmentedFrame& frame);
+  /// Keeps the message of the frame that was integrated last, if the config says so.
+  void KeepFrame(segmented_frame_t message, const frame_commit_t& commit) {
+    history_.AddFrame(std::move(message), commit, *session_);
+  }
   /// Publishes surface and objects and saves the map, if they have changed and are due. Each takes
   /// at most `share` of the time.
   void PublishAndSaveIfDue(double share);
@@ -50,6 +55,9 @@ class LiveMap {
   Result<std::string> SaveAtEnd() { return store_.SaveAtEnd(*session_); }
   /// Replaces the map by an empty one. Publishes nothing.
   void Reset();
+  /// Replaces the map by one of the same frames with other poses, and publishes that. Returns the
+  /// map that was there.
+  std::unique_ptr<MapSession> ReplaceByCorrected(MapSession session);
   /// What it takes of memory.
   std::vector<MemoryLayer> Memory();
   /// Tells it in STATUS, as counters memory.LAYER_bytes, now and then.
@@ -58,19 +66,27 @@ class LiveMap {
   const MapSession& session() const { return *session_; }
   MapPublisher& publisher() { return publisher_; }
   MapStore& store() { return store_; }
+  FrameHistory& history() { return history_; }
+  /// Names the frames of the map: another one after a reset and a load, the same after a correction
+  /// of poses.
+  const std::string& frames_id() const { return frames_id_; }
   /// What people should know about the map; empty = all is well.
   std::string StatusMessage() const { return store_.StatusMessage(); }
 
  private:
   MapMetadata NewMetadata() const;
   void Start(MapSession session);
+  void StartEmpty();
   std::string Continue(MapSession session, const std::filesystem::path& path);
+  std::vector<FrameKey> TakeFramesFromJournal(std::string* sentence);
 
   VismapConfig config_;
   Bus* bus_;
   Status* status_;
   MapPublisher publisher_;
   MapStore store_;
+  FrameHistory history_;
+  std::string frames_id_;
   std::unique_ptr<MapSession> session_;
   SharedTrajectory trajectory_;                    // that of the session
   mutable std::weak_ptr<const MapSnapshot> copy_;  // the newest one

@@ -13,7 +13,8 @@ MapServer::MapServer(const VismapConfig& config, Bus* bus, Status* status)
     : bus_(*bus),
       map_(config, bus, status),
       frames_(&map_, config, bus, status),
-      requests_(config, &map_, bus, status) {
+      requests_(config, &map_, bus, status),
+      corrections_(config.map_server, &map_, bus, status) {
   bus->Every(kTimerPeriod, [this] {
     requests_.SetShare(frames_.side_share());
     map_.PublishAndSaveIfDue(frames_.side_share());

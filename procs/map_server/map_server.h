@@ -6,13 +6,14 @@
 #include "map_server/frame_mapper.h"
 #include "map_server/live_map.h"
 #include "map_server/map_requests.h"
+#include "map_server/pose_corrections.h"
 #include "runtime/bus.h"
 #include "runtime/status.h"
 
 namespace vismap {
 
 /// Owns the map: integrates frames (FrameMapper), publishes what changed (MapPublisher), saves and
-/// loads (MapStore), and carries out requests (MapRequests).
+/// loads (MapStore), carries out requests (MapRequests), and corrects poses (PoseCorrections).
 class MapServer {
  public:
   /// Subscribes to its inputs. `bus` and `status` must outlive it.
@@ -21,8 +22,11 @@ class MapServer {
   LiveMap& map() { return map_; }
   /// Serves until stop is requested.
   void Run();
-  /// Waits for the request that has begun, and answers it.
-  void Finish() { requests_.Finish(); }
+  /// Waits for the request that has begun, and answers it; gives up a correction of poses.
+  void Finish() {
+    requests_.Finish();
+    corrections_.Stop();
+  }
   /// What became of the frames, see FrameMapper.
   std::string Summary() const { return frames_.Summary(); }
 
@@ -31,6 +35,7 @@ class MapServer {
   LiveMap map_;
   FrameMapper frames_;
   MapRequests requests_;
+  PoseCorrections corrections_;
 };
 
 }  // namespace vismap
