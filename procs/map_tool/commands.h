@@ -31,6 +31,9 @@ struct MapToolArguments {
   std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]; for cell: "x,y,z"
   std::string truth;        ///< for report: the ground truth; "" = none
   bool from_exporter = false;  ///< for octree: ask the octomap exporter
+  std::string poses;           ///< for correct: file of a trajectory, see ReadPoseFile
+  int camera_id = 0;           ///< for correct: of the frames
+  bool interpolate = false;    ///< for correct: frames between those in the file change, too
   VismapConfig config;
 };
 
@@ -51,6 +54,7 @@ Outcome RunCompareRuns(const MapToolArguments& arguments, ProcessContext& contex
 Outcome RunSave(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunLoad(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunDigests(const MapToolArguments& arguments, ProcessContext& context);
+Outcome RunCorrect(const MapToolArguments& arguments, ProcessContext& context);
 Outcome RunReset(const MapToolArguments& arguments, ProcessContext& context);
 
 }  // namespace vismap

@@ -198,6 +198,17 @@ void AddServerCommands(CommandLine& line, Command* command) {
       "Make the running server continue a map that is in its folder for maps", RunLoad)
       .Option("NAME", &arguments.map, "Name that the map was saved under")
       .Required();
+  CommandLine correct = AddWithMap(
+      line, command, "correct",
+      "Send new poses of frames that the map has, and wait until the server has made the map again",
+      RunCorrect, "'live', the map of the running server");
+  correct
+      .Option("--poses", &arguments.poses,
+              "Trajectory in the format of TUM: TIME tx ty tz qx qy qz qw, time in seconds")
+      .Required();
+  correct.Option("--camera", &arguments.camera_id, "Camera of the frames").AtLeast(0);
+  correct.Flag("--interpolate", &arguments.interpolate,
+               "The file has key frames; the frames between them are moved with them");
   Add(line, command, "reset", "Make the running server start an empty map", RunReset);
 }
 
