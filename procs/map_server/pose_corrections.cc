@@ -23,7 +23,27 @@ std::string Trouble(const FrameJournal& journal) {
   return trouble ? "; " + *trouble : ", from which the oldest ones are dropped at its limit";
 }
 
-// The poses of all frames of a camera. `named`: those that are given, by time.
+using FramesByKey = std::map<FrameKey, JournaledFrame>;
+
+FramesByKey KeptFrames(const FrameJournal& journal) {
+  FramesByKey kept;
+  for (JournaledFrame& frame : journal.Frames()) kept.emplace(frame.key, std::move(frame));
+  return kept;
+}
+
+// The frames of a camera that are in the map, with the poses that they should have.
+std::vector<PoseAtTime> FramesOf(CameraId camera, const MapMetadata& metadata,
+                                 const FramesByKey& kept) {
+  std::vector<PoseAtTime> frames;
+  for (const CameraPose& pose : metadata.trajectory) {
+    if (pose.camera_id != camera) continue;
+    const auto frame = kept.find({camera, pose.utime});
+    frames.push_back({pose.utime, frame == kept.end() ? pose.T_W_C : frame->second.T_W_C});
+  }
+  return frames;
+}
+
+// The new poses of all frames of a camera. `named`: those that are given, by time.
 std::vector<Pose> NewPoses(std::span<const PoseAtTime> frames, std::span<const PoseAtTime> named,
                            bool interpolated) {
   if (interpolated) return InterpolateCorrections(frames, named);
@@ -101,16 +121,9 @@ Result<PoseCorrections::Change> PoseCorrections::FindChange(
     const PoseCorrection& correction) const {
   const FrameJournal* journal = map_.history().journal();
   if (journal == nullptr) return Fail(map_.history().why_off());
-  std::map<FrameKey, JournaledFrame> kept;
-  if (map_.history().begun()) {
-    for (JournaledFrame& frame : journal->Frames()) kept.emplace(frame.key, std::move(frame));
-  }
-  std::vector<PoseAtTime> frames;
-  for (const CameraPose& pose : map_.session().metadata().trajectory) {
-    if (pose.camera_id != correction.camera_id) continue;
-    const auto frame = kept.find({pose.camera_id, pose.utime});
-    frames.push_back({pose.utime, frame == kept.end() ? pose.T_W_C : frame->second.T_W_C});
-  }
+  const FramesByKey kept = map_.history().begun() ? KeptFrames(*journal) : FramesByKey();
+  const std::vector<PoseAtTime> frames =
+      FramesOf(correction.camera_id, map_.session().metadata(), kept);
   std::vector<PoseAtTime> named;
   for (const PoseAtTime& pose : correction.poses) {
     if (map_.session().Contains(correction.camera_id, pose.utime)) named.push_back(pose);

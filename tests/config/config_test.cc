@@ -381,6 +381,16 @@ TEST(Validate, ReturnsAllProblemsAtOnce) {
               ::testing::AllOf(HasSubstr("voxel_size_m"), HasSubstr("; grid.truncation_voxels")));
 }
 
+TEST(Validate, CorrectionsNeedTheFramesAndTheseAFolder) {
+  VismapConfig config;
+  config.map_server.accept_corrections = true;
+  EXPECT_THAT(Validate(config), ElementsAre(HasSubstr("needs map_server.frame_journal_mb")));
+  config.map_server.frame_journal_mb = 100;
+  EXPECT_THAT(Validate(config), ElementsAre(HasSubstr("needs map_server.frame_journal or")));
+  config.map_server.frame_journal = "frames";
+  EXPECT_THAT(Validate(config), ElementsAre());
+}
+
 TEST(Validate, NotANumberIsAProblemWhereverItStands) {
   bool more = true;
   for (int target = 0; more; ++target) {

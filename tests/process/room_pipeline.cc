@@ -21,7 +21,7 @@ void RoomPipeline::Start() {
   StartExporter();
   replay = processes_->Start(
       "sensor-replay",
-      {"--dataset", kRoom, "--mode", "lockstep", "--window", "4", "--resend-s",
+      {"--dataset", dataset, "--mode", "lockstep", "--window", "4", "--resend-s",
        std::to_string(resend), "--wait-for",
        std::string("map-server,depth-segmenter") + (detections == "none" ? "" : ",detector")});
 }

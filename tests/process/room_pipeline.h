@@ -22,6 +22,7 @@ class RoomPipeline {
   RoomPipeline(ProcessBus* processes, ProcessBus* map_processes)
       : processes_(processes), map_processes_(map_processes) {}
 
+  std::string dataset = kRoom;  ///< of the replay; the detector sees kRoom
   std::vector<std::string> server_arguments{"--threads", "2"};
   std::vector<std::string> exporter_arguments;
   std::vector<std::string> detector_arguments{"--dataset", kRoom};
