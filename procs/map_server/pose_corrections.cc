@@ -32,8 +32,8 @@ FramesByKey KeptFrames(const FrameJournal& journal) {
 }
 
 // The frames of a camera that are in the map, with the poses that they should have.
-std::vector<PoseAtTime> FramesOf(CameraId camera, const MapMetadata& metadata,
-                                 const FramesByKey& kept) {
+std::vector<PoseAtTime> FramesOfCamera(CameraId camera, const MapMetadata& metadata,
+                                       const FramesByKey& kept) {
   std::vector<PoseAtTime> frames;
   for (const CameraPose& pose : metadata.trajectory) {
     if (pose.camera_id != camera) continue;
@@ -123,7 +123,7 @@ Result<PoseCorrections::Change> PoseCorrections::FindChange(
   if (journal == nullptr) return Fail(map_.history().why_off());
   const FramesByKey kept = map_.history().begun() ? KeptFrames(*journal) : FramesByKey();
   const std::vector<PoseAtTime> frames =
-      FramesOf(correction.camera_id, map_.session().metadata(), kept);
+      FramesOfCamera(correction.camera_id, map_.session().metadata(), kept);
   std::vector<PoseAtTime> named;
   for (const PoseAtTime& pose : correction.poses) {
     if (map_.session().Contains(correction.camera_id, pose.utime)) named.push_back(pose);
