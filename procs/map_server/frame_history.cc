@@ -19,6 +19,18 @@ std::filesystem::path JournalFolder(const MapServerOptions& options) {
 
 bool SamePose(const Pose& a, const Pose& b) { return a.matrix() == b.matrix(); }
 
+// The pose of a message that was decoded before.
+Pose PoseOf(const segmented_frame_t& message) {
+  using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+  return MakePose(Eigen::Map<const RowMajor>(message.frame.T_W_C)).value_or(Pose::Identity());
+}
+
+// Whether a map can be made of these frames alone.
+bool AreComplete(const std::vector<JournaledFrame>& frames) {
+  return frames.front().revision == 1 &&
+         frames.back().revision == static_cast<int64_t>(frames.size());
+}
+
 FrameKey KeyOfPose(const CameraPose& pose) { return {pose.camera_id, pose.utime}; }
 
 }  // namespace
@@ -132,8 +144,7 @@ void FrameHistory::TakeFrames(const std::vector<JournaledFrame>& frames, Continu
     const Result<MappedFrame> mapped = ReplayFrame(*message, frame.T_W_C, &map->session);
     if (!mapped) return stop(mapped.error().message);
     map->taken.push_back(frame.key);
-    const Result<SegmentedFrame> came = Decode(*message);
-    as_before = as_before && came && SamePose(came->frame.header.T_W_C, frame.T_W_C);
+    as_before = as_before && SamePose(PoseOf(*message), frame.T_W_C);
     if (as_before && !map->made_anew && frame.digest.size() == 32 &&
         DigestFrame(map->session.map(), mapped->association, mapped->delta) != frame.digest)
       status_->Count("frames_recovered_differently");
@@ -146,7 +157,7 @@ ContinuedMap FrameHistory::Continue(MapSession saved, MapMetadata empty) {
   if (!journal_) return map;
   const std::vector<JournaledFrame> frames = journal_->Frames();
   if (frames.empty()) return map;
-  const bool agrees = Agrees(map.session, frames), complete = frames.front().revision == 1;
+  const bool agrees = Agrees(map.session, frames), complete = AreComplete(frames);
   if (agrees || complete) {
     if (complete && keeps_copies_)
       checkpoints_.Add(std::make_shared<const MapSession>(options_, empty));
@@ -162,8 +173,8 @@ ContinuedMap FrameHistory::Continue(MapSession saved, MapMetadata empty) {
   } else {
     const Result<std::filesystem::path> aside = journal_->BeginMapAside();
     map.remarks.push_back(
-        "the journal of frames is of another map than the saved one, and its "
-        "first frames were dropped; " +
+        "the journal of frames is of another map than the saved one or has other poses, and lacks "
+        "frames that it would need to be used alone; " +
         (aside ? "it is in " + aside->string() + " now" : aside.error().message));
   }
   ShowStatus();
