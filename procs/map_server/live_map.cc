@@ -132,7 +132,8 @@ std::shared_ptr<MapSnapshot> LiveMap::Snapshot() const {
 }
 
 std::vector<MemoryLayer> LiveMap::Memory() {
-  return MeasureLayers(*session_, publisher_, copy_.expired() ? 0 : 1);
+  const size_t copies = (copy_.expired() ? 0 : 1) + history_.checkpoints().size();
+  return MeasureLayers(*session_, publisher_, copies);
 }
 
 void LiveMap::ReportMemoryIfDue() {
