@@ -184,11 +184,11 @@ void FrameJournal::Add(JournaledFrame frame, segmented_frame_t message) {
   const size_t bytes = BytesOf(message);
   {
     const std::lock_guard lock(mutex_);
+    Enter({frame, 0, 0, 0});
     if (waiting_bytes_ + bytes > limits_.waiting_bytes) {
       Lose(frame, "the disk is too slow: " + FormatBytes(waiting_bytes_) + " wait for it");
       return;
     }
-    Enter({frame, 0, 0, 0});
     waiting_bytes_ += bytes;
     waiting_.push_back({std::move(frame), std::move(message), {}, bytes, ++last_task_});
   }

@@ -31,7 +31,7 @@ struct MapToolArguments {
   std::string points;       ///< for clearance: "x,y,z;x,y,z" [m]; for cell: "x,y,z"
   std::string truth;        ///< for report: the ground truth; "" = none
   bool from_exporter = false;  ///< for octree: ask the octomap exporter
-  std::string poses;           ///< for correct: file of a trajectory, see ReadPoseFile
+  std::string poses;           ///< for correct: file of a trajectory, see ReadTumTrajectory
   int camera_id = 0;           ///< for correct: of the frames
   bool interpolate = false;    ///< for correct: frames between those in the file change, too
   VismapConfig config;

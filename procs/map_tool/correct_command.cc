@@ -49,7 +49,7 @@ Outcome RunCorrect(const MapToolArguments& arguments, ProcessContext& context) {
                     "give 'live' as the map");
   }
   PoseCorrection correction{CameraId{arguments.camera_id}, arguments.interpolate, {}};
-  Result<std::vector<PoseAtTime>> poses = ReadPoseFile(arguments.poses);
+  Result<std::vector<PoseAtTime>> poses = ReadTumTrajectory(arguments.poses);
   if (!poses) return ExitWith(ExitCode::kUnreadable, poses.error().message);
   correction.poses = std::move(*poses);
   // The pid in the name makes it unique, so that each caller gets its own answer.

@@ -32,7 +32,7 @@ std::optional<PoseAtTime> ParseTumLine(const TextLine& line) {
 
 }  // namespace
 
-Result<std::vector<PoseAtTime>> ReadPoseFile(const std::filesystem::path& path) {
+Result<std::vector<PoseAtTime>> ReadTumTrajectory(const std::filesystem::path& path) {
   const Result<std::string> text = ReadTextFile(path);
   if (!text) return tl::unexpected(text.error());
   std::vector<PoseAtTime> poses;

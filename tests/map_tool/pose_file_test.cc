@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 std::string ErrorOf(const TempFolder& folder, std::string_view text) {
   folder.Write("poses.txt", text);
-  const auto poses = ReadPoseFile(folder / "poses.txt");
+  const auto poses = ReadTumTrajectory(folder / "poses.txt");
   return poses ? "" : poses.error().message;
 }
 
@@ -23,7 +23,7 @@ TEST(PoseFile, HasTheTrajectoryThatASlamSystemWrote) {
                "# timestamp tx ty tz qx qy qz qw\n"
                "1305031102.175304 1.5 -2 0.25 0 0 0.70710678 0.70710678\n"
                "0.1 0 0 0 0 0 0 1\n");
-  const auto poses = ReadPoseFile(folder / "poses.txt");
+  const auto poses = ReadTumTrajectory(folder / "poses.txt");
   ASSERT_TRUE(poses) << poses.error().message;
   ASSERT_EQ(poses->size(), 2u);
   EXPECT_EQ((*poses)[0].utime, 1305031102175304);
@@ -43,7 +43,7 @@ TEST(PoseFile, IsRefusedWithTheLineThatIsWrong) {
   EXPECT_THAT(ErrorOf(folder, "1 0 0 0 0 0 0 2\n"), HasSubstr("length 1"));
   EXPECT_THAT(ErrorOf(folder, "1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), HasSubstr("stand above"));
   EXPECT_THAT(ErrorOf(folder, "# nothing\n"), HasSubstr("no pose"));
-  EXPECT_THAT(ReadPoseFile(folder / "missing").error().message, HasSubstr("missing"));
+  EXPECT_THAT(ReadTumTrajectory(folder / "missing").error().message, HasSubstr("missing"));
 }
 
 }  // namespace
