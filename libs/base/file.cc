@@ -230,6 +230,13 @@ int RemoveStaleTemporariesIn(const std::filesystem::path& folder, const std::str
       folder, [&](const std::string& target) { return target.find(part) != std::string::npos; });
 }
 
+Result<void> CheckIsNotInput(const std::filesystem::path& input, const std::filesystem::path& out) {
+  std::error_code none;
+  if (std::filesystem::equivalent(input, out, none))
+    return Fail(out.string() + ": this is the input itself; name another file");
+  return {};
+}
+
 Result<void> CreateFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -35,6 +35,9 @@ int RemoveStaleTemporaries(const std::filesystem::path& path);
 /// The same for all files of a folder whose name has `part` in it.
 int RemoveStaleTemporariesIn(const std::filesystem::path& folder, const std::string& part);
 
+/// Fails when the file to be written is the one that is read.
+Result<void> CheckIsNotInput(const std::filesystem::path& input, const std::filesystem::path& out);
+
 /// Creates a folder and its parents where they are missing. The Error names the folder and the
 /// system's reason.
 Result<void> CreateFolder(const std::filesystem::path& folder);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/file.h"
 #include "base/format.h"
 #include "base/printable.h"
 #include "log_tool/convert.h"

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/file.h"
 #include "codecs/label_codec.h"
 #include "log_tool/status_topics.h"
 #include "logs/foreign_dataset.h"
@@ -270,13 +271,6 @@ Result<std::set<std::string>> OwnChannelsOf(const LogReader& log) {
 
 }  // namespace
 
-Result<void> CheckIsNotInput(const std::filesystem::path& input, const std::filesystem::path& out) {
-  std::error_code none;
-  if (std::filesystem::equivalent(input, out, none))
-    return Fail(out.string() + ": this is the log itself; name another file");
-  return {};
-}
-
 Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
                              const std::filesystem::path& out) {
   if (const auto other = CheckIsNotInput(reader.path(), out); !other)
@@ -285,7 +279,11 @@ Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options
   if (!channels) return tl::unexpected(channels.error());
   Result<FoxgloveFile> file = FoxgloveFile::Create(out);
   if (!file) return tl::unexpected(file.error());
-  LogExporter exporter(reader, options.map, *channels, &*file);
+  std::set<std::string> used = *channels;
+  if (!options.cut.channels.empty())
+    std::erase_if(used,
+                  [&](const std::string& own) { return !options.cut.channels.contains(own); });
+  LogExporter exporter(reader, options.map, used, &*file);
   const CutOptions any_time{-std::numeric_limits<double>::infinity(), std::nullopt,
                             options.cut.channels};
   std::optional<int64_t> start;

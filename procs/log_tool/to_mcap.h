@@ -33,13 +33,10 @@ struct McapExport {
   std::vector<std::string> remarks;  ///< sentences
 };
 
-/// Fails when the file to be written is the one that is read.
-Result<void> CheckIsNotInput(const std::filesystem::path& input, const std::filesystem::path& out);
-
 /// Writes the messages of a log as an MCAP file with Foxglove's schemas: log time = time of
-/// recording, publish time = utime of the message. Reads the log once; memory does not depend on
-/// its length. Fails when the log cannot be read, when nothing of it has a counterpart, and, naming
-/// the file, when it cannot be written.
+/// recording, publish time = utime of the message. Reads the log twice, first for its channels;
+/// memory does not depend on its length. Fails when the log cannot be read, when nothing of it has
+/// a counterpart, and, naming the file, when it cannot be written.
 Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
                              const std::filesystem::path& out);
 

@@ -13,7 +13,7 @@ struct MapToolArguments {
   std::string map, other_map, out;  ///< files; `map` may be "live", the map of a running server
   std::string coloring;             ///< for render; "" = as is usual for the view
   std::string view = "overview";    ///< for render
-  std::string axis = "z";           ///< for render: across the slice
+  std::optional<std::string> axis;  ///< for render: across the slice; nullopt = z
   std::optional<double> at, below;  ///< for render: place of the slice, height of the cut [m]
   std::optional<int> turntable;     ///< for render: number of views
   int width = 1600, height = 900;   ///< for render [px]

@@ -6,12 +6,13 @@
 
 #include "logs/log_reader.h"
 #include "logs/recorded_run.h"
+#include "runtime/status.h"
 #include "wire/channels.h"
 
 namespace vismap {
 namespace {
 
-// More sources and channels than these are counted, but not listed.
+// Messages of more sources and channels than these are only counted.
 constexpr size_t kMostListed = 256;
 
 struct ChannelTimes {
@@ -55,7 +56,8 @@ class ProcessHistory {
     process.findings = last_.findings;
     process.seconds = (static_cast<double>(last_.utime) - static_cast<double>(first_.utime)) * 1e-6;
     for (size_t i = 0; i < last_.counter_names.size(); ++i)
-      process.counters.push_back(CounterAt(i, process.seconds));
+      if (!IsPercentile(last_.counter_names[i]))
+        process.counters.push_back(CounterAt(i, process.seconds));
     for (auto& [name, timing] : timings_) {
       const auto middle = timing.medians.begin() + std::ssize(timing.medians) / 2;
       std::nth_element(timing.medians.begin(), middle, timing.medians.end());
@@ -102,6 +104,8 @@ Result<LogSummary> SummarizeLog(const std::string& path, const std::string& chan
       ChannelTimes& times = channels[event.channel];
       times.channel.name = event.channel;
       times.Add(event);
+    } else {
+      ++summary.left_out;
     }
     if (reader->OwnChannel(event) != kStatusChannel.name) return {};
     const auto status = ReadMessage<process_status_t>(*reader, event, kStatusChannel);
@@ -109,6 +113,8 @@ Result<LogSummary> SummarizeLog(const std::string& path, const std::string& chan
       ++summary.unreadable;
     } else if (processes.size() < kMostListed || processes.contains(status->source)) {
       processes[status->source].Add(*status);
+    } else {
+      ++summary.left_out;
     }
     return {};
   };

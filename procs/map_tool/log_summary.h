@@ -12,6 +12,7 @@ struct LogSummary {
   std::vector<ReportProcess> processes;  ///< by source
   std::vector<ReportChannel> channels;   ///< by name
   int64_t unreadable = 0;                ///< STATUS messages that cannot be used
+  int64_t left_out = 0;                  ///< messages of more than 256 channels or sources
 };
 
 /// Reads the whole log. Fails when it cannot be read.

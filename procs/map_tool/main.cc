@@ -93,7 +93,7 @@ void AddRender(CommandLine& line, Command* command) {
           "the camera saw it), height, or seen (by how many frames); of an octree: height (if "
           "not given), class, or rgb (those of an .ot file)")
       .OneOf({"instance", "class", "segment", "rgb", "height", "seen"});
-  render.Option("--axis", &arguments.axis, "Axis of the map across the slice")
+  render.Option("--axis", &arguments.axis, "Axis of the map across the slice (default z)")
       .OneOf({"x", "y", "z"});
   render.Option("--at", &arguments.at,
                 "Where the slice is on this axis [m]; if not given, in the middle of the map");

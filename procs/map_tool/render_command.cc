@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -60,6 +61,10 @@ Outcome CheckOptions(const MapToolArguments& arguments) {
   const std::string& view = arguments.view;
   const bool octree = view == "octree", slice = view == "slice";
   if (arguments.at && !slice) return Refuse("--at is for --view slice, found --view " + view);
+  if (arguments.axis && !slice) return Refuse("--axis is for --view slice, found --view " + view);
+  if (arguments.resolution_m > 0 && (!octree || IsOctreeFile(arguments.map)))
+    return Refuse("--res is for --view octree of a map; expected no --res with " +
+                  (octree ? "an octree file" : "--view " + view));
   if (slice && !arguments.coloring.empty())
     return Refuse("--color: a slice has colours of its own, found " + arguments.coloring);
   if (slice && arguments.below) return Refuse("--below: a slice is cut by --at alone");
@@ -207,15 +212,21 @@ tl::expected<Image<Rgb8>, ExitFailure> DrawSlice(const MapToolArguments& argumen
   options.width = arguments.width;
   options.height = arguments.height;
   SliceQuestion question;
-  question.axis = arguments.axis == "x" ? 0 : arguments.axis == "y" ? 1 : 2;
+  const std::string axis = arguments.axis.value_or("z");
+  question.axis = axis == "x" ? 0 : axis == "y" ? 1 : 2;
   question.at_m = arguments.at.value_or(MiddleOf(space, question.axis));
   question.cell_m = SliceCellFor(space, question.axis, options);
   const Result<Slice> slice = CutSlice(space, question);
   if (!slice) return ExitWith(ExitCode::kUsage, arguments.map + ": " + slice.error().message);
+  const auto unknown = static_cast<uint8_t>(CellState::kUnknown);
+  if (std::all_of(slice->states.begin(), slice->states.end(),
+                  [&](uint8_t state) { return state == unknown; })) {
+    return ExitWith(ExitCode::kFailed, arguments.map + ": nothing is known of the space at " +
+                                           axis + " = " + MetresText(question.at_m));
+  }
   return RenderSlice(
       *slice, question,
-      loaded->metadata.map_id + ": slice at " + arguments.axis + " = " + MetresText(question.at_m),
-      options);
+      loaded->metadata.map_id + ": slice at " + axis + " = " + MetresText(question.at_m), options);
 }
 
 Outcome WriteOne(const fs::path& path, const Image<Rgb8>& picture) {
@@ -277,6 +288,11 @@ Outcome RunRender(const MapToolArguments& arguments, ProcessContext& context) {
   }
   const auto model = ModelOf(arguments, context);
   if (!model) return tl::unexpected(model.error());
+  if (model->mesh.triangles.empty()) {
+    return ExitWith(ExitCode::kFailed,
+                    arguments.map + ": there is nothing to draw" +
+                        (arguments.below ? " below " + MetresText(*arguments.below) : ""));
+  }
   if (arguments.turntable) return WriteTurntable(arguments, *model);
   return WriteOne(arguments.out, DrawModel(*model, arguments));
 }

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/json_text.h"
+#include "base/probe_folder.h"
 #include "logs/recording.h"
 #include "map_tool/child_program.h"
 #include "map_tool/commands.h"
@@ -24,6 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr uint64_t kProbedBytes = 1;
 constexpr int64_t kParts = 15;  // of a report, for its progress
 
 /// A folder that goes away with this value.
@@ -176,6 +178,21 @@ Outcome AddProcesses(const MapToolArguments& arguments, const ProcessContext& co
   if (summary->unreadable > 0)
     LogWarning(arguments.map + ": " + std::to_string(summary->unreadable) +
                " STATUS messages cannot be read");
+  if (summary->left_out > 0)
+    LogWarning(arguments.map + ": " + std::to_string(summary->left_out) +
+               " messages of further channels or sources are not in the report, which lists 256 "
+               "of each");
+  return {};
+}
+
+// Found out before the work.
+Outcome CheckOut(const MapToolArguments& arguments) {
+  const fs::path out = arguments.out;
+  const std::string input = arguments.map.substr(0, arguments.map.find('?'));
+  if (const Result<void> other = CheckIsNotInput(input, out); !other)
+    return ExitWith(ExitCode::kUsage, other.error().message);
+  const Result<void> probed = ProbeFolder(fs::absolute(out).parent_path(), kProbedBytes);
+  if (!probed) return ExitWith(ExitCode::kFailed, probed.error().message);
   return {};
 }
 
@@ -197,6 +214,7 @@ Outcome WriteReport(const MapToolArguments& arguments, const LoadedMap& loaded,
 }  // namespace
 
 Outcome RunReport(const MapToolArguments& arguments, ProcessContext& context) {
+  if (const Outcome writable = CheckOut(arguments); !writable) return writable;
   Subject subject = arguments.map == kLive ? Subject{kLive, "", ""} : SubjectOf(arguments.map);
   if (!subject.sequence.empty()) {
     if (const Outcome exists = CheckExists(subject.sequence); !exists) return exists;

@@ -107,8 +107,9 @@ class Bus {
   /// messages and timers that are due. Returns true when it handled a message.
   bool Spin(double timeout);
 
-  /// Readable when a message arrives, or a watched file is. For loops of other libraries: call Spin(0), again while it
-  /// returns true, and ask anew afterwards, since the bus may have connected again.
+  /// One of them is readable when a message arrives, or when a watched file is readable. For loops
+  /// of other libraries: call Spin(0), again while it returns true, and ask for the descriptors
+  /// anew afterwards, since the bus may have connected again.
   std::vector<int> FileDescriptors() const;
 
   /// Calls Spin until `finished` returns true or stop is requested. `finished` is called at least

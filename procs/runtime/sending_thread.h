@@ -28,7 +28,7 @@ class SendingThread {
     int64_t sent = 0, sent_bytes = 0, unsent = 0;
   };
 
-  /// `most_bytes`: see HasRoom.
+  /// `most_bytes`: see WaitForRoom.
   SendingThread(Send send, size_t most_bytes);
   /// Sends what waits; drops what would begin later than 5 s from now.
   ~SendingThread();

@@ -135,8 +135,8 @@ void Status::Publish() {
   for (auto& [stage, recent] : recent_) {
     const auto percentiles = recent.At(MonotonicSeconds());
     if (!percentiles) continue;
-    AddCounter(&message, "p50_us." + stage, std::llround(percentiles->p50 * 1e3));
-    AddCounter(&message, "p95_us." + stage, std::llround(percentiles->p95 * 1e3));
+    AddCounter(&message, std::string(kP50Counter) + stage, std::llround(percentiles->p50 * 1e3));
+    AddCounter(&message, std::string(kP95Counter) + stage, std::llround(percentiles->p95 * 1e3));
   }
   const std::vector<std::string> all = findings();
   const size_t shown = all.size() > kMaxFindings ? kMaxFindings - 1 : all.size();

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/stopwatch.h"
@@ -12,6 +13,12 @@
 #include "runtime/service_manager.h"
 
 namespace vismap {
+
+/// Names of the counters that are percentiles of the durations of a stage [us].
+inline constexpr std::string_view kP50Counter = "p50_us.", kP95Counter = "p95_us.";
+inline bool IsPercentile(std::string_view counter) {
+  return counter.starts_with(kP50Counter) || counter.starts_with(kP95Counter);
+}
 
 /// The state of a process, as published on STATUS.
 enum class ProcessState {
@@ -50,7 +57,7 @@ class Status {
   /// All sentences, by subject.
   std::vector<std::string> findings() const;
   /// Adds a duration [ms]. The next STATUS has median and maximum of the durations of a stage, and
-  /// counters p50_us.STAGE and p95_us.STAGE of the last minute.
+  /// counters kP50Counter + STAGE and kP95Counter + STAGE of the last minute.
   void AddTiming(const std::string& stage, double ms);
 
   void Publish();

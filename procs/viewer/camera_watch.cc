@@ -130,7 +130,7 @@ Result<void> CameraWatch::OnFrame(const segmented_frame_t& message) {
       std::count_if(message.segments.begin(), message.segments.end(),
                     [](const frame_segment_t& segment) { return segment.detection >= 0; }));
   const auto shared = std::make_shared<const segmented_frame_t>(message);
-  if (cameras_.size() <= Board::kMostPictures) camera.newest = shared;
+  if (camera.newest != nullptr || cameras_.size() <= Board::kMostPictures) camera.newest = shared;
   if (sink_) sink_(shared);
   changed_ = true;
   return {};

@@ -17,7 +17,8 @@
 namespace vismap {
 namespace {
 
-constexpr uint64_t kObjectsPeriod = 500000;  // of lists of objects, of the log's time [us]
+constexpr uint64_t kObjectsPeriod =
+    500000;  // between two lists of objects, in the time of the log [us]
 
 uint64_t TimeBetween(int64_t a, int64_t b) {
   return static_cast<uint64_t>(std::max(a, b)) - static_cast<uint64_t>(std::min(a, b));

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "settings/settings.h"
 #include "viewer/log_viewer.h"
@@ -62,7 +63,7 @@ Outcome Serve(ProcessContext& context, const VismapConfig& config) {
 
 int main(int argc, char** argv) {
   VismapConfig config;
-  std::string log;
+  std::optional<std::string> log;
   ThreadOption threads;
   ProcessSpec spec;
   spec.name = "viewer";
@@ -84,12 +85,12 @@ int main(int argc, char** argv) {
   };
   UseConfig(&config, &spec);
   spec.prepare = [&]() -> Outcome {
-    spec.joins_bus = log.empty();
+    spec.joins_bus = !log;
     return {};
   };
   spec.run = [&](ProcessContext& context) {
     const std::unique_ptr<ThreadLimit> limit = threads.Limit();
-    return log.empty() ? Serve(context, config) : ServeLog(context, config, log);
+    return log ? ServeLog(context, config, *log) : Serve(context, config);
   };
   return RunProcess(argc, argv, spec);
 }

@@ -4,13 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "runtime/status.h"
+
 namespace vismap {
 namespace {
 
 constexpr int64_t kShortestPeriod = 200000;  // between two STATUS that rates are made of [us]
-
-// Counters of Status that are percentiles of the durations of a stage in the last minute.
-constexpr std::string_view kP50 = "p50_us.", kP95 = "p95_us.";
 
 using StatusJson = nlohmann::ordered_json;
 
@@ -44,17 +43,17 @@ StatusJson ToJson(const process_status_t& status, double age,
   for (size_t i = 0; i < status.counter_names.size(); ++i) {
     const std::string& name = status.counter_names[i];
     const int64_t value = status.counter_values[i];
-    if (name.starts_with(kP50)) {
-      json["timings"][name.substr(kP50.size())]["p50_ms"] = static_cast<double>(value) / 1e3;
-    } else if (name.starts_with(kP95)) {
-      json["timings"][name.substr(kP95.size())]["p95_ms"] = static_cast<double>(value) / 1e3;
+    if (name.starts_with(kP50Counter)) {
+      json["timings"][name.substr(kP50Counter.size())]["p50_ms"] = static_cast<double>(value) / 1e3;
+    } else if (name.starts_with(kP95Counter)) {
+      json["timings"][name.substr(kP95Counter.size())]["p95_ms"] = static_cast<double>(value) / 1e3;
     } else {
       json["counters"][name] = value;
     }
   }
   json["rates"] = StatusJson::object();
   for (const auto& [name, rate] : rates) {
-    if (!name.starts_with(kP50) && !name.starts_with(kP95)) json["rates"][name] = rate;
+    if (!IsPercentile(name)) json["rates"][name] = rate;
   }
   json["findings"] = status.findings;
   return json;

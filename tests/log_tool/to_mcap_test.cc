@@ -218,7 +218,7 @@ TEST(WriteMcap, McapCoreReadsWhatTheLogSays) {
   EXPECT_EQ(std::system(read.c_str()), 0) << read;
 }
 
-TEST(WriteMcap, TreesGiveFreeSpaceWhereTheLogHasNoUpdatesOfIt) {
+OctreeMessage RawTree() {
   OccupancyMap map(0.05);
   map.Set({0, 0, 0}, BlockOccupancy(CellState::kFree));
   OctreeMessage tree;
@@ -227,8 +227,12 @@ TEST(WriteMcap, TreesGiveFreeSpaceWhereTheLogHasNoUpdatesOfIt) {
   OctreeOptions options;
   options.resolution_m = 0.1;
   tree.octree = *BuildOctree(map, options);
+  return tree;
+}
+
+TEST(WriteMcap, TreesGiveFreeSpaceWhereTheLogHasNoUpdatesOfIt) {
   LogBuilder builder;
-  builder.Add(kOctomapRawChannel, Encode(tree)).Add(kOctomapRawChannel, Encode(tree));
+  builder.Add(kOctomapRawChannel, Encode(RawTree())).Add(kOctomapRawChannel, Encode(RawTree()));
   const auto result = Export(builder.Finish(), builder.folder() / "run.mcap");
   ASSERT_TRUE(result) << result.error().message;
   EXPECT_THAT(result->topics, Contains(Pair("/map/free", 1)));
@@ -245,6 +249,16 @@ TEST(WriteMcap, APartOfALogHasTheMapFromItsBeginning) {
   EXPECT_EQ(result->topics.at("/map/free"), 1);
   EXPECT_FALSE(result->topics.contains("/camera3/pose"));
   EXPECT_THAT(result->remarks, IsEmpty());
+}
+
+TEST(WriteMcap, TreesGiveFreeSpaceWhereItsUpdatesAreNotAmongTheNamedChannels) {
+  LogBuilder builder;
+  builder.Add(kMapDeltaChannel, Encode(SpaceUpdate())).Add(kOctomapRawChannel, Encode(RawTree()));
+  McapExportOptions options;
+  options.cut.channels = {"OCTOMAP_RAW"};
+  const auto result = Export(builder.Finish(), builder.folder() / "run.mcap", options);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_THAT(result->topics, Contains(Pair("/map/free", 1)));
 }
 
 TEST(WriteMcap, OnlyTheChannelsThatAreNamed) {
@@ -277,7 +291,7 @@ TEST(WriteMcap, FailsWithoutMessagesThatHaveACounterpart) {
   EXPECT_THAT(result.error().message, HasSubstr("RGBD_FRAME"));
   EXPECT_FALSE(std::filesystem::exists(builder.folder() / "run.mcap"));
   EXPECT_FALSE(std::filesystem::exists(builder.folder() / "run.mcap.part"));
-  EXPECT_THAT(Export(log, log).error().message, HasSubstr("the log itself"));
+  EXPECT_THAT(Export(log, log).error().message, HasSubstr("the input itself"));
 }
 
 TEST(WriteMcap, NamesOnlySoManyOtherChannels) {
