@@ -7,6 +7,7 @@
 #include "base/require.h"
 #include "rectify/rectified_camera.h"
 #include "simulation/office.h"
+#include "simulation/pose_drift.h"
 #include "simulation/pose_noise.h"
 #include "simulation/realsense.h"
 #include "simulation/room.h"
@@ -17,6 +18,13 @@ namespace {
 constexpr uint64_t kPoseKey =
     0x706f7365;  // separates these random numbers from the others of a frame
 
+std::vector<Pose> DriftedPoses(const std::vector<FrameHeader>& headers,
+                               const SyntheticOptions& options) {
+  std::vector<Pose> T_W_C;
+  for (const FrameHeader& header : headers) T_W_C.push_back(header.T_W_C);
+  return AddPoseDrift(T_W_C, {options.drift, options.turn_drift});
+}
+
 class SyntheticDataset : public Dataset {
  public:
   SyntheticDataset(const SyntheticOptions& options, const DatasetOptions& selection)
@@ -26,8 +34,10 @@ class SyntheticDataset : public Dataset {
     noise_.scale = options.depth_noise;
     Require(selection.stride >= 1, "the stride of a data set is at least 1");
     const std::vector<FrameHeader> all = MakeHeaders(options);
+    const std::vector<Pose> drifted = DriftedPoses(all, options);
     for (size_t i = 0; i < all.size(); i += static_cast<size_t>(selection.stride)) {
       if (selection.max_frames > 0 && size() == static_cast<size_t>(selection.max_frames)) break;
+      drifted_.push_back(drifted[i]);
       true_headers_.push_back(all[i]);
       true_headers_.back().camera_id = selection.camera_id;
     }
@@ -40,7 +50,7 @@ class SyntheticDataset : public Dataset {
     Require(i < size(), "the index of a frame is below the number of frames");
     FrameHeader header = true_headers_[i];
     header.T_W_C =
-        AddPoseNoise(header.T_W_C, {.deviation = options_.pose_noise},
+        AddPoseNoise(drifted_[i], {.deviation = options_.pose_noise},
                      Mix(Mix(options_.seed, kPoseKey), static_cast<uint64_t>(header.frame_number)));
     return header;
   }
@@ -62,6 +72,7 @@ class SyntheticDataset : public Dataset {
   Scene scene_;
   DepthNoise noise_;
   std::vector<FrameHeader> true_headers_;
+  std::vector<Pose> drifted_;  // of these headers
   std::vector<SkippedFrame> skipped_;
 };
 

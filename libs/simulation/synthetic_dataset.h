@@ -38,6 +38,8 @@ struct SyntheticOptions {
   std::optional<int> mask_noise{};
   int detect_every = 1;    ///< the detector runs on every n-th frame, 1..100000
   double pose_noise = 0;   ///< deviation of the poses [m], 0..1; includes rotation (PoseNoise)
+  double drift = 0;        ///< of the poses: share of the way, 0..0.2 (PoseDrift)
+  double turn_drift = 0;   ///< of the poses: turn about z of W [deg/m], 0..10 (PoseDrift)
   double depth_noise = 1;  ///< factor on the sensor's noise, 0..10; not used without noise
 
   /// A change of an object of the scene: it is removed, appears or is moved.
@@ -66,7 +68,7 @@ Scene MakeScene(const SyntheticOptions& options);
 std::vector<FrameHeader> MakeHeaders(const SyntheticOptions& options);
 
 /// The frames of a computed sequence. Images are rendered at the true poses; the poses in the
-/// headers have `pose_noise`.
+/// headers have `drift`, `turn_drift` and `pose_noise`.
 std::unique_ptr<Dataset> MakeSyntheticDataset(const SyntheticOptions& options,
                                               const DatasetOptions& selection);
 /// The simulated detections of a computed sequence.

@@ -100,13 +100,15 @@ Result<void> SetParameter(std::string_view key, std::string_view value, Syntheti
   if (key == "mask_noise") return SetNumber(key, value, 0, 64, &o->mask_noise);
   if (key == "detect_every") return SetNumber(key, value, 1, 100000, &o->detect_every);
   if (key == "pose_noise") return SetNumber(key, value, 0.0, 1.0, &o->pose_noise);
+  if (key == "drift") return SetNumber(key, value, 0.0, 0.2, &o->drift);
+  if (key == "turn_drift") return SetNumber(key, value, 0.0, 10.0, &o->turn_drift);
   if (key == "depth_noise") return SetNumber(key, value, 0.0, 10.0, &o->depth_noise);
   if (key == "remove" || key == "appear") return AddChange(key, value, o);
   if (key == "move") return AddMove(value, o);
-  return Fail(
-      "synthetic: unknown parameter \"" + std::string(key) +
-      "\"; expected frames, width, camera, noise, seed, rate, tours, detection_rate, "
-      "class_confusion, mask_noise, detect_every, pose_noise, depth_noise, remove, appear, move");
+  return Fail("synthetic: unknown parameter \"" + std::string(key) +
+              "\"; expected frames, width, camera, noise, seed, rate, tours, detection_rate, "
+              "class_confusion, mask_noise, detect_every, pose_noise, drift, turn_drift, "
+              "depth_noise, remove, appear, move");
 }
 
 /// The shortest text of a number from which the same number is read.
@@ -152,6 +154,8 @@ std::string SyntheticPath(const SyntheticOptions& options) {
   if (options.realsense) path += "&camera=realsense";
   if (options.detection_rate) path += "&detection_rate=" + Text(*options.detection_rate);
   if (options.mask_noise) path += "&mask_noise=" + Text(*options.mask_noise);
+  if (options.drift > 0) path += "&drift=" + Text(options.drift);
+  if (options.turn_drift > 0) path += "&turn_drift=" + Text(options.turn_drift);
   for (const SyntheticOptions::Change& change : options.changes) {
     path += std::string(change.moved     ? "&move="
                         : change.appears ? "&appear="

@@ -74,17 +74,19 @@ TEST(Disturbances, RefuseWhatIsOutOfBounds) {
   };
   for (const char* wrong : {"detection_rate=1.1", "detection_rate=-0.1", "class_confusion=2",
                             "mask_noise=-1", "mask_noise=65", "mask_noise=1.5", "detect_every=0",
-                            "pose_noise=-1", "pose_noise=nan", "depth_noise=11", "depth_noise="}) {
+                            "pose_noise=-1", "pose_noise=nan", "depth_noise=11", "depth_noise=",
+                            "drift=-1", "drift=0.3", "turn_drift=nan", "turn_drift=11"}) {
     const std::string key(wrong, std::strchr(wrong, '='));
     EXPECT_THAT(error_of(wrong), HasSubstr("synthetic: " + key + " is \"")) << wrong;
   }
-  EXPECT_THAT(error_of("poses=3"), HasSubstr("detect_every, pose_noise, depth_noise"));
+  EXPECT_THAT(error_of("poses=3"), HasSubstr("pose_noise, drift, turn_drift, depth_noise"));
 }
 
 TEST(Disturbances, AreKeptInThePath) {
   for (const std::string path :
        {"synthetic:room", "synthetic:office?noise=none&frames=3&detection_rate=0.123456789",
         "synthetic:room?mask_noise=0&class_confusion=0.1&detect_every=4&pose_noise=1e-7",
+        "synthetic:room?drift=0.005&turn_drift=0.2",
         "synthetic:room?depth_noise=0.3&rate=2.5&seed=18446744073709551615"}) {
     const auto options = ParseSyntheticPath(path);
     ASSERT_TRUE(options) << options.error().message;
@@ -94,7 +96,35 @@ TEST(Disturbances, AreKeptInThePath) {
     EXPECT_EQ(again->detection_rate, options->detection_rate);
     EXPECT_EQ(again->mask_noise, options->mask_noise);
     EXPECT_EQ(again->pose_noise, options->pose_noise);
+    EXPECT_EQ(again->drift, options->drift);
+    EXPECT_EQ(again->turn_drift, options->turn_drift);
     EXPECT_EQ(again->seed, options->seed);
+  }
+}
+
+TEST(Drift, GrowsWithTheWayAndLeavesTheImagesAsTheyAre) {
+  const Sequence truth = Open("&frames=20");
+  const Sequence drifted = Open("&frames=20&drift=0.01&turn_drift=0.5");
+  double way = 0;
+  for (size_t i = 0; i < truth.dataset->size(); ++i) {
+    const Pose& T_W_C = truth.Header(i).T_W_C;
+    if (i > 0) way += (T_W_C.translation() - truth.Header(i - 1).T_W_C.translation()).norm();
+    const Eigen::Matrix3d turn = drifted.Header(i).T_W_C.linear() * T_W_C.linear().transpose();
+    const Eigen::AngleAxisd expected(0.5 * way * M_PI / 180, Eigen::Vector3d::UnitZ());
+    EXPECT_TRUE(turn.isApprox(expected.toRotationMatrix(), 1e-9)) << i;
+  }
+  EXPECT_GT(way, 5);
+  EXPECT_EQ(truth.dataset->Read(19)->depth, drifted.dataset->Read(19)->depth);
+  EXPECT_TRUE(SameDetections(truth.DetectionsOf(19), drifted.DetectionsOf(19)));
+}
+
+TEST(Drift, MakesTheWayLongerByItsShare) {
+  const Sequence truth = Open("&frames=20"), longer = Open("&frames=20&drift=0.01");
+  const Eigen::Vector3d start = truth.Header(0).T_W_C.translation();
+  EXPECT_EQ(longer.Header(0).T_W_C.matrix(), truth.Header(0).T_W_C.matrix());
+  for (size_t i = 1; i < truth.dataset->size(); ++i) {
+    const Eigen::Vector3d expected = start + 1.01 * (truth.Header(i).T_W_C.translation() - start);
+    EXPECT_TRUE(longer.Header(i).T_W_C.translation().isApprox(expected, 1e-9)) << i;
   }
 }
 
