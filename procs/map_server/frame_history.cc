@@ -10,6 +10,7 @@
 namespace vismap {
 namespace {
 
+constexpr size_t kMostSeenFrames = 20000;
 constexpr FrameKey kNoFrame{CameraId{-1}, 0};
 
 std::filesystem::path JournalFolder(const MapServerOptions& options) {
@@ -35,8 +36,8 @@ FrameKey KeyOfPose(const CameraPose& pose) { return {pose.camera_id, pose.utime}
 
 }  // namespace
 
-Result<MappedFrame> ReplayFrame(const segmented_frame_t& message, const Pose& T_W_C,
-                                MapSession* session) {
+Result<ReplayedFrame> ReplayFrame(const segmented_frame_t& message, const Pose& T_W_C,
+                                  MapSession* session) {
   const FrameKey key = KeyOf(message.frame);
   if (session->Contains(key.camera_id, key.utime))
     return Fail(ToText(key) + " is in the map already");
@@ -47,7 +48,8 @@ Result<MappedFrame> ReplayFrame(const segmented_frame_t& message, const Pose& T_
   MappedFrame mapped = MapFrame(*frame, session);
   if (!mapped.delta.refused.empty())
     return Fail(ToText(key) + " is refused: " + mapped.delta.refused);
-  return mapped;
+  std::vector<SeenSegment> seen = SeenIn(*frame, mapped.association);
+  return ReplayedFrame{std::move(mapped), std::move(seen)};
 }
 
 FrameHistory::FrameHistory(const VismapConfig& config, Status* status)
@@ -72,6 +74,7 @@ FrameHistory::FrameHistory(const VismapConfig& config, Status* status)
 
 void FrameHistory::BeginMap() {
   checkpoints_.Clear();
+  seen_.clear();
   outdated_ = false;
   begun_ = true;
   if (journal_) journal_->BeginMap();
@@ -85,6 +88,20 @@ void FrameHistory::BeforeFrame(const MapSession& session) {
 
 void FrameHistory::KeepCopyIfDue(const MapSession& session) {
   if (keeps_copies_ && !outdated_) checkpoints_.AddIfDue(session);
+}
+
+void FrameHistory::Saw(int64_t revision, std::vector<SeenSegment> seen) {
+  if (!journal_ || !keeps_copies_) return;
+  seen_.erase(seen_.lower_bound(revision), seen_.end());
+  seen_.emplace(revision, std::move(seen));
+  if (seen_.size() > kMostSeenFrames) seen_.erase(seen_.begin());
+}
+
+void FrameHistory::SawAgain(SeenByFrame seen) {
+  for (auto& [revision, segments] : seen) {
+    const auto known = seen_.find(revision);
+    if (known != seen_.end()) known->second = std::move(segments);
+  }
 }
 
 void FrameHistory::AddFrame(segmented_frame_t message, const frame_commit_t& commit,
@@ -141,12 +158,14 @@ void FrameHistory::TakeFrames(const std::vector<JournaledFrame>& frames, Continu
     const Result<segmented_frame_t> message = journal_->Read(frame.revision);
     if (!message) return stop(message.error().message);
     KeepCopyIfDue(map->session);
-    const Result<MappedFrame> mapped = ReplayFrame(*message, frame.T_W_C, &map->session);
-    if (!mapped) return stop(mapped.error().message);
+    Result<ReplayedFrame> replayed = ReplayFrame(*message, frame.T_W_C, &map->session);
+    if (!replayed) return stop(replayed.error().message);
+    const MappedFrame& mapped = replayed->mapped;
+    Saw(frame.revision, std::move(replayed->seen));
     map->taken.push_back(frame.key);
     as_before = as_before && SamePose(PoseOf(*message), frame.T_W_C);
     if (as_before && !map->made_anew && frame.digest.size() == 32 &&
-        DigestFrame(map->session.map(), mapped->association, mapped->delta) != frame.digest)
+        DigestFrame(map->session.map(), mapped.association, mapped.delta) != frame.digest)
       status_->Count("frames_recovered_differently");
   }
 }

@@ -10,15 +10,22 @@
 #include "config/config.h"
 #include "map_server/checkpoints.h"
 #include "map_server/frame_journal.h"
+#include "map_server/object_links.h"
 #include "runtime/status.h"
 #include "session/map_frame.h"
 
 namespace vismap {
 
+/// A frame that was integrated again.
+struct ReplayedFrame {
+  MappedFrame mapped;
+  std::vector<SeenSegment> seen;
+};
+
 /// Integrates a frame of the journal with this pose. Fails when it cannot be decoded, when the map
 /// has it already, and when the map refuses it.
-Result<MappedFrame> ReplayFrame(const segmented_frame_t& message, const Pose& T_W_C,
-                                MapSession* session);
+Result<ReplayedFrame> ReplayFrame(const segmented_frame_t& message, const Pose& T_W_C,
+                                  MapSession* session);
 
 /// A map after a crash, with what the journal of frames has of it.
 struct ContinuedMap {
@@ -52,6 +59,12 @@ class FrameHistory {
   void BeforeFrame(const MapSession& session);
   /// The frame went into the map of the session as the last one.
   void AddFrame(segmented_frame_t message, const frame_commit_t& commit, const MapSession& session);
+  /// What frame `revision`, the last one of the map, shows of it. Kept when poses may be corrected.
+  void Saw(int64_t revision, std::vector<SeenSegment> seen);
+  /// What these frames show of the map since it was made again.
+  void SawAgain(SeenByFrame seen);
+  /// Of the last 20000 frames, as far as they came since the start or were taken from the journal.
+  const SeenByFrame& seen() const { return seen_; }
   /// While the map has not the poses of the journal, no copies of it are kept.
   void SetMapIsOutdated(bool outdated) { outdated_ = outdated; }
 
@@ -71,6 +84,7 @@ class FrameHistory {
   Checkpoints checkpoints_;
   std::unique_ptr<FrameJournal> journal_;
   std::string why_off_ = "no frames are kept (map_server.frame_journal_mb)";
+  SeenByFrame seen_;
   bool keeps_copies_, begun_ = false, outdated_ = false;
 };
 

@@ -117,6 +117,7 @@ MappedFrame LiveMap::Integrate(const SegmentedFrame& frame) {
   MappedFrame mapped = MapFrame(frame, session_.get(), StageTimings(status_));
   if (!mapped.delta.refused.empty()) return mapped;
   trajectory_.Follow(session_->metadata().trajectory);
+  history_.Saw(session_->map().revision, SeenIn(frame, mapped.association));
   store_.AddFrame({frame.frame.header.camera_id, frame.frame.header.utime});
   publisher_.PublishFrame(*session_, mapped.delta);
   return mapped;

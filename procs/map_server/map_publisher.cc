@@ -41,6 +41,11 @@ void MapPublisher::PublishObjects(const MapSession& session) {
   watch_.Measure("objects", [&] { objects_.PublishChanges(session, mesh_.tracker()); });
 }
 
+const std::vector<ObjectSummary>& MapPublisher::FreshObjects(const MapSession& session) {
+  if (objects_.has_changes(session.map())) PublishObjects(session);
+  return objects_.objects();
+}
+
 void MapPublisher::PublishAll(const MapSession& session) {
   occupancy_.PublishSnapshot(session.map());
   mesh_.PublishAll(session.map());

@@ -33,6 +33,8 @@ class MapPublisher {
   /// the time.
   void PublishIfDue(const MapSession& session, double share = kUsualShare);
   void PublishMesh(const MapSession& session);
+  /// Publishes the objects if they have changed since the last list, and returns them.
+  const std::vector<ObjectSummary>& FreshObjects(const MapSession& session);
   /// Publishes everything anew.
   void PublishAll(const MapSession& session);
   /// Repeats the last state of each stream now and then, for those who missed it.

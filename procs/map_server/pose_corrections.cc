@@ -5,6 +5,7 @@
 #include <span>
 
 #include "base/format.h"
+#include "base/spare_threads.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 
@@ -57,6 +58,14 @@ std::vector<Pose> NewPoses(std::span<const PoseAtTime> frames, std::span<const P
   return poses;
 }
 
+std::set<InstanceId> Ids(const std::vector<ObjectSummary>& objects) {
+  std::set<InstanceId> ids;
+  for (const ObjectSummary& object : objects) {
+    if (!object.discovered()) ids.insert(object.instance);
+  }
+  return ids;
+}
+
 }  // namespace
 
 PoseCorrections::PoseCorrections(const MapServerOptions& options, LiveMap* map, Bus* bus,
@@ -66,7 +75,8 @@ PoseCorrections::PoseCorrections(const MapServerOptions& options, LiveMap* map, 
       kPoseCorrectionChannel, [this](const pose_correction_t& message) { OnCorrection(message); });
 }
 
-void PoseCorrections::Reply(const Requester& requester, bool ok, const std::string& sentence) {
+void PoseCorrections::Reply(const Requester& requester, bool ok, const std::string& sentence,
+                            const std::string& json) {
   map_reply_t reply{};
   reply.utime = WallUtime();
   reply.requester = requester.source;
@@ -75,15 +85,18 @@ void PoseCorrections::Reply(const Requester& requester, bool ok, const std::stri
   reply.message = sentence;
   reply.map_id = map_.session().metadata().map_id;
   reply.revision = map_.session().map().revision;
+  if (!json.empty()) reply.encoding = "json";
+  reply.payload.assign(json.begin(), json.end());
+  reply.payload_size = static_cast<int32_t>(reply.payload.size());
   status_.Count(ok ? "corrections_done" : "corrections_refused");
   const std::string text = "correction of poses from " + requester.source + ": " + sentence;
   ok ? LogInfo(text) : LogWarningRateLimited("correction", text);
   bus_.Publish(kMapReplyChannel, reply);
 }
 
-void PoseCorrections::ReplyAll(bool ok, const std::string& sentence) {
+void PoseCorrections::ReplyAll(bool ok, const std::string& sentence, const std::string& json) {
   for (const Requester& requester : std::exchange(waiting_, {}))
-    Reply(requester, ok, requester.sentence + sentence);
+    Reply(requester, ok, requester.sentence + sentence, json);
 }
 
 void PoseCorrections::OnCorrection(const pose_correction_t& message) {
@@ -207,20 +220,25 @@ void PoseCorrections::StartRound(const std::shared_ptr<Rebuild>& rebuild) {
 
 void PoseCorrections::Integrate(Rebuild* rebuild) const {
   try {
-    for (const Frame& frame : rebuild->frames) {
-      if (*rebuild->given_up) return;
-      const Result<segmented_frame_t> message = map_.history().journal()->Read(frame.revision);
-      rebuild->checkpoints.AddIfDue(rebuild->session);
-      const Result<MappedFrame> mapped = message
-                                             ? ReplayFrame(*message, frame.T_W_C, &rebuild->session)
-                                             : Result<MappedFrame>(tl::unexpected(message.error()));
-      if (!mapped) {
-        rebuild->error = mapped.error();
-        return;
-      }
-    }
+    InSpareThreads([&] { IntegrateAll(rebuild); });
   } catch (const std::exception& error) {
     rebuild->error = Error{std::string("the map cannot be made: ") + error.what()};
+  }
+}
+
+void PoseCorrections::IntegrateAll(Rebuild* rebuild) const {
+  for (const Frame& frame : rebuild->frames) {
+    if (*rebuild->given_up) return;
+    const Result<segmented_frame_t> message = map_.history().journal()->Read(frame.revision);
+    rebuild->checkpoints.AddIfDue(rebuild->session);
+    Result<ReplayedFrame> replayed = message
+                                         ? ReplayFrame(*message, frame.T_W_C, &rebuild->session)
+                                         : Result<ReplayedFrame>(tl::unexpected(message.error()));
+    if (!replayed) {
+      rebuild->error = replayed.error();
+      return;
+    }
+    rebuild->seen[frame.revision] = std::move(replayed->seen);
   }
 }
 
@@ -238,15 +256,23 @@ void PoseCorrections::EndRound(const std::shared_ptr<Rebuild>& rebuild) {
 }
 
 void PoseCorrections::Replace(Rebuild* rebuild) {
+  const std::set<InstanceId> old_objects = Ids(map_.publisher().FreshObjects(map_.session()));
+  const SeenByFrame old_seen = map_.history().seen();
   std::shared_ptr<MapSession> old = map_.ReplaceByCorrected(std::move(rebuild->session));
+  map_.history().SawAgain(std::move(rebuild->seen));
+  const ObjectLinks links = LinkObjects({old_seen, old->map().labels, old_objects},
+                                        {map_.history().seen(), map_.session().map().labels,
+                                         Ids(map_.publisher().FreshObjects(map_.session()))});
   worker_.Start([old = std::move(old)] { return true; }, [](bool) {});  // frees it
   map_.history().checkpoints() = std::move(rebuild->checkpoints);
   map_.history().SetMapIsOutdated(false);
   old_poses_.clear();
   given_up_.reset();
   status_.SetCounter("correction_frames_left", 0);
-  ReplyAll(true, "they are in map " + map_.session().metadata().map_id + " now, which took " +
-                     FormatDuration(MonotonicSeconds() - start_));
+  ReplyAll(true,
+           "they are in map " + map_.session().metadata().map_id + " now, which took " +
+               FormatDuration(MonotonicSeconds() - start_) + "; " + Sentence(links),
+           LinksJson(links));
 }
 
 // The map stays as it is, and the journal gets its poses again.

@@ -20,10 +20,11 @@ namespace vismap {
 
 /// Makes the map again when a POSE_CORRECTION brings new poses of its frames: a thread of its own
 /// integrates the frames of the journal, from the newest checkpoint before the first changed frame
-/// on, while the server goes on with the old map. Then the new map takes the place of the old one.
-/// It is the map that the same frames with these poses give. Each correction is answered on
-/// MAP_REPLY when the map has its poses, or when it is refused. A correction that comes while a map
-/// is being made is added to the one before, and that map is given up.
+/// on, with the threads that mapping leaves, while the server goes on with the old map. Then the
+/// new map takes the place of the old one. It is the map that the same frames with these poses
+/// give. Each correction is answered on MAP_REPLY when the map has its poses, or when it is
+/// refused; the answer says which objects are which (LinksJson). A correction that comes while a
+/// map is being made is added to the one before, and that map is given up.
 class PoseCorrections {
  public:
   /// Subscribes to POSE_CORRECTION. All must outlive it.
@@ -49,6 +50,7 @@ class PoseCorrections {
     Checkpoints checkpoints;    ///< of the old map, as far as they hold, and then of this one
     std::vector<Frame> frames;  ///< to be integrated, in their order
     std::shared_ptr<std::atomic<bool>> given_up;
+    SeenByFrame seen{};  ///< by those that were integrated
     std::optional<Error> error = std::nullopt;
   };
   struct Change {
@@ -66,11 +68,13 @@ class PoseCorrections {
   void StartRound(const std::shared_ptr<Rebuild>& rebuild);
   void EndRound(const std::shared_ptr<Rebuild>& rebuild);
   void Integrate(Rebuild* rebuild) const;
+  void IntegrateAll(Rebuild* rebuild) const;
   void Replace(Rebuild* rebuild);
   void Abandon(const std::string& reason);
   void GiveUp();
-  void Reply(const Requester& requester, bool ok, const std::string& sentence);
-  void ReplyAll(bool ok, const std::string& sentence);
+  void Reply(const Requester& requester, bool ok, const std::string& sentence,
+             const std::string& json = "");
+  void ReplyAll(bool ok, const std::string& sentence, const std::string& json = "");
 
   bool accepts_;
   LiveMap& map_;

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "map_server/map_server.h"
 #include "map_server/small_frames.h"
@@ -185,6 +188,10 @@ TEST_F(CorrectedMap, IsThatOfTheSameFramesWithTheRightPoses) {
   EXPECT_EQ(reply.map_id, metadata.map_id);
   EXPECT_EQ(metadata.trajectory[4].T_W_C.matrix(), right_.header(4).T_W_C.matrix());
   ExpectFollowed(&run);
+  EXPECT_THAT(reply.message, HasSubstr("objects found again"));
+  EXPECT_EQ(reply.encoding, "json");
+  const auto links = nlohmann::json::parse(reply.payload);
+  EXPECT_GE(links.at("became").size(), 2u);
 
   run.Send(Encode(Right(0, kRoomFrames)), 6);
   EXPECT_THAT(run.WaitForReply(6).message, HasSubstr("has these poses already"));
@@ -329,6 +336,93 @@ TEST(KilledServer, IsFollowedByOneWithTheCorrectedMapThatItHadNotMadeYet) {
   ASSERT_TRUE(sentence) << sentence.error().message;
   EXPECT_THAT(*sentence, HasSubstr("journal of frames: 12 frames"));
   EXPECT_EQ(run.Hash(), room.HashOf(kRoomFrames, room.PosesOf(room.right_)));
+}
+
+/// A server in a process of its own, which makes a checkpoint before each frame, and says when a
+/// frame is committed.
+struct ChildServer {
+  ChildServer() {
+    EXPECT_EQ(pipe(pipe_), 0);
+    pid_ = fork();
+    if (pid_ == 0) Serve();
+  }
+  CorrectedRoom Room() const {
+    CorrectedRoom room(folder_.path());
+    room.config_.map_server.checkpoint_frames = 1;
+    return room;
+  }
+  [[noreturn]] void Serve() const {
+    const CorrectedRoom room = Room();
+    RunningServer run(room.config_);
+    if (!run.server().map().Recover()) _exit(1);
+    for (size_t i = 0; i < kRoomFrames; ++i) {
+      run.Send(room.Message(i));
+      if (write(pipe_[1], "x", 1) != 1) _exit(1);
+    }
+    for (;;) pause();
+  }
+  /// Kills it as soon as so many frames are committed.
+  void KillAfter(int frames) const {
+    char byte = 0;
+    for (int i = 0; i < frames; ++i) ASSERT_EQ(read(pipe_[0], &byte, 1), 1);
+    kill(pid_, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(waitpid(pid_, &status, 0), pid_);
+    ASSERT_TRUE(WIFSIGNALED(status));
+  }
+
+  TempFolder folder_;
+  int pipe_[2];
+  pid_t pid_ = -1;
+};
+
+// The frames under way then, and those that the disk has not, are not in the map, and no other ones
+// are lost.
+TEST(KilledServer, IsFollowedByOneWithTheFramesThatTheDiskHas) {
+  const std::array<ChildServer, 3> children;
+  int after = 3;
+  for (const ChildServer& child : children) {
+    child.KillAfter(after);
+    const CorrectedRoom room = child.Room();
+    RunningServer run(room.config_);
+    const Result<std::string> sentence = run.server().map().Recover();
+    ASSERT_TRUE(sentence) << sentence.error().message;
+    const auto frames = static_cast<size_t>(run.server().map().session().map().revision);
+    EXPECT_GE(frames, static_cast<size_t>(after) - 2) << *sentence;
+    EXPECT_EQ(run.Hash(), room.HashOf(frames, room.PosesOf(room.came_)));
+    run.Send(Encode(room.Right(0, frames)), 1);
+    EXPECT_TRUE(run.WaitForReply(1).ok);
+    EXPECT_EQ(run.Hash(), room.HashOf(frames, room.PosesOf(room.right_)));
+    after += 4;
+  }
+}
+
+TEST_F(CorrectedMap, IsRefusedWithTheReasonWhenTheDiskWasFull) {
+  RunningServer run(config_);
+  for (size_t i = 0; i < 3; ++i) run.Send(Message(i));
+  FrameJournal& journal = *run.server().map().history().journal();
+  ASSERT_TRUE(journal.AddPoses({}));  // all are written
+  const auto handler = signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit full{journal.bytes() + 100, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  run.Send(Message(3));
+  EXPECT_FALSE(journal.Read(4));
+  run.Send(Encode(Right(0, 3)), 1);
+  const map_reply_t refused = run.WaitForReply(1);
+  setrlimit(RLIMIT_FSIZE, &before);
+  signal(SIGXFSZ, handler);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_THAT(refused.message,
+              AllOf(HasSubstr("lacks frame 4"), HasSubstr("incomplete from frame 4"),
+                    HasSubstr("File too large")));
+  for (size_t i = 4; i < 8; ++i) run.Send(Message(i));
+  EXPECT_EQ(run.integrated, 8) << "the map goes on";
+  EXPECT_EQ(run.Hash(), HashOf(8, PosesOf(came_)));
+  run.Send(Encode(Right(7, 8)), 2);
+  const map_reply_t later = run.WaitForReply(2);
+  EXPECT_TRUE(later.ok) << later.message << " (a checkpoint is behind the gap)";
 }
 
 TEST_F(CorrectedMap, IsNotMixedWithTheFramesOfAnotherOne) {
