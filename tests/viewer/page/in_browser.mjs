@@ -78,6 +78,19 @@ async function colours() {
   }, png);
 }
 
+/** The colour of a point of the page. */
+async function pixelAt([x, y]) {
+  const image = (await page.screenshot({ clip: { x: Math.floor(x), y: Math.floor(y), width: 1, height: 1 } })).toString("base64");
+  return page.evaluate(async (data) => {
+    const picture = new Image();
+    picture.src = `data:image/png;base64,${data}`;
+    await picture.decode();
+    const context = new OffscreenCanvas(1, 1).getContext("2d");
+    context.drawImage(picture, 0, 0);
+    return [...context.getImageData(0, 0, 1, 1).data.slice(0, 3)];
+  }, image);
+}
+
 /** How many pixels differ, from two results of colours(). */
 function difference(a, b) {
   return [...new Set([...Object.keys(a), ...Object.keys(b)])].reduce((sum, key) => sum + Math.abs((a[key] ?? 0) - (b[key] ?? 0)), 0) / 2;
@@ -282,11 +295,11 @@ test("Slices: cells as the server says, drawn in their colours, and why a cell i
   assert.equal(await page.getByRole("row", { name: /label 5 12 chair 7/ }).count(), 1);
 });
 
-test("Contours are those of the map's distances, with their metres, or of the slice where the server has none; leaves are squares", async () => {
+test("Contours are those of the map's distances, with their metres, or of the slice where the server has none; leaves are squares and translucent boxes", async () => {
   await page.keyboard.press("h");
   await page.click("#tab-space");
   await page.waitForFunction(() => window.vismap.slices.horizontal[1] > 0, null, kWait);
-  assert.deepEqual(await state("sliceLines"), { contours: 0, labels: 0, leaves: 0 });
+  assert.deepEqual(await state("sliceLines"), { contours: 0, labels: 0, leaves: 0, boxes: { free: 0, occupied: 0 } });
   await page.locator("#space input[type=range]").first().fill("0.5");
   await page.getByLabel("distances as contours").check();
   await page.waitForFunction(() => window.vismap.sliceLines.contours > 0, null, kWait);
@@ -294,10 +307,18 @@ test("Contours are those of the map's distances, with their metres, or of the sl
   assert.ok(labels >= 3, `${labels} labels`);
   assert.match(await page.textContent("#space"), /nearest obstacle in all directions/);
   const bare = await colours();
+  const inFree = await page.evaluate(() => window.vismap.project(-1, -1, 1.39));
+  const before = await pixelAt(inFree);
   await page.getByLabel("octree leaves").check();
   await page.waitForFunction(() => window.vismap.sliceLines.leaves === 3, null, kWait);
   await page.waitForTimeout(300);
   assert.ok(difference(await colours(), bare) > 100, "the squares are drawn");
+  assert.deepEqual((await state("sliceLines")).boxes, { free: 2, occupied: 1 });
+  const after = await pixelAt(inFree);
+  const kFree = [86, 180, 233];
+  const towards = (pixel) => pixel.reduce((sum, level, i) => sum + Math.abs(level - kFree[i]), 0);
+  assert.ok(towards(after) < 0.95 * towards(before), `a free leaf is drawn: ${before} became ${after}`);
+  assert.ok(towards(after) > 0.5 * towards(before), `and one sees through it: ${before} became ${after}`);
   mock.map.noExporter = true;
   await page.selectOption('[aria-label="Which octree"]', "closed");
   await page.waitForFunction(() => document.querySelector("#space").textContent.includes("in this slice alone"), null, kWait);

@@ -3,7 +3,7 @@ import { getBytes, getJson } from "./api";
 import { count } from "./dom";
 import { asList, asNumber, asObject } from "./json";
 import { decodeSlice, type Axis, type Slice } from "./slice_data";
-import type { Leaf } from "./slice_plane";
+import type { Leaf } from "./leaf_boxes";
 
 export interface SliceWish {
   axis: Axis;

@@ -1,18 +1,12 @@
-/** A slice in the scene: cells as a picture, distances as contours, leaves of the octree as squares. */
+/** A slice in the scene: cells as a picture, distances as contours, leaves of the octree as boxes with their outlines in the slice. */
 import * as THREE from "three";
 import { contourLines, labelPlaces } from "./contours";
 import { distancesTo } from "./distance";
+import { LeafBoxes, type Leaf } from "./leaf_boxes";
 import { axesOf, pixelsOf, type Slice } from "./slice_data";
 
 const kLevels = [0.1, 0.25, 0.5, 1, 2]; // [m]
 const kLabelDistance = 1.5; // between two labels of a level [m]
-
-/** A leaf of the octree: its centre and edge [m], and whether it is occupied. */
-export interface Leaf {
-  centre: number[];
-  size: number;
-  occupied: boolean;
-}
 
 export class SlicePlane {
   readonly group = new THREE.Group();
@@ -27,10 +21,11 @@ export class SlicePlane {
     new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.8 }),
   );
 
+  private readonly boxes = new LeafBoxes();
   private readonly labels = new THREE.Group();
 
   constructor() {
-    this.group.add(this.picture, this.contours, this.leaves, this.labels);
+    this.group.add(this.picture, this.contours, this.leaves, this.boxes.group, this.labels);
     this.group.visible = false;
     this.picture.renderOrder = 2;
   }
@@ -39,10 +34,10 @@ export class SlicePlane {
     return this.group.visible ? this.slice : null;
   }
 
-  /** For tests: pieces of contours, their labels, and leaves. */
-  get drawn(): { contours: number; labels: number; leaves: number } {
+  /** For tests: pieces of contours, their labels, outlines of leaves, and their boxes. */
+  get drawn(): { contours: number; labels: number; leaves: number; boxes: LeafBoxes["counts"] } {
     const lines = (object: THREE.LineSegments): number => (object.geometry.getAttribute("position")?.count ?? 0) / 2;
-    return { contours: lines(this.contours), labels: this.labels.children.length, leaves: lines(this.leaves) / 4 };
+    return { contours: lines(this.contours), labels: this.labels.children.length, leaves: lines(this.leaves) / 4, boxes: this.boxes.counts };
   }
 
   hide(): void {
@@ -67,10 +62,11 @@ export class SlicePlane {
     this.showLeaves([]);
   }
 
-  /** Squares where the leaves are cut by the slice. */
+  /** The leaves that the slice cuts, and squares where it cuts them. */
   showLeaves(leaves: Leaf[]): void {
     this.leaves.geometry.dispose();
     this.leaves.geometry = new THREE.BufferGeometry();
+    this.boxes.show(this.slice ? leaves : []);
     if (!this.slice || leaves.length === 0) return;
     const { u, v, across } = axesOf(this.slice.axis);
     const positions: number[] = [];
