@@ -95,7 +95,7 @@ Mesh MainPart(const Mesh& mesh, const ObjectSummary& object) {
 class Report {
  public:
   Report(const LoadedMap& loaded, const OutputOptions& options, const ReportInput& input,
-         const std::function<void(const std::string&)>& on_part)
+         const std::function<bool(const std::string&)>& on_part)
       : loaded_(loaded),
         options_(options),
         input_(input),
@@ -103,7 +103,7 @@ class Report {
         trajectory_(loaded.metadata.trajectory) {}
 
   std::string Html() {
-    on_part_("surface and objects");
+    if (!on_part_("surface and objects")) return "";
     products_ = MakeProducts(loaded_.map, loaded_.metadata, options_);
     scene_ = FrameScene(products_.mesh, products_.up.up_W);
     coloring_ = HasColor(products_.mesh) ? Coloring::kRgb : Coloring::kInstance;
@@ -122,12 +122,13 @@ class Report {
     Add("processes", "Processes", &Report::Processes);
     Add("versions", "Versions", &Report::Versions);
     Add("config", "Config", &Report::Config);
-    return Page();
+    return is_stopped_ ? "" : Page();
   }
 
  private:
   void Add(const char* id, const char* title, std::string (Report::*make)()) {
-    on_part_(title);
+    is_stopped_ = is_stopped_ || !on_part_(title);
+    if (is_stopped_) return;
     parts_.push_back({id, title, (this->*make)()});
   }
 
@@ -379,7 +380,7 @@ class Report {
   const LoadedMap& loaded_;
   const OutputOptions& options_;
   const ReportInput& input_;
-  const std::function<void(const std::string&)>& on_part_;
+  const std::function<bool(const std::string&)>& on_part_;
   const std::vector<CameraPose>& trajectory_;
   MapProducts products_;
   SceneBox scene_;
@@ -389,13 +390,14 @@ class Report {
   size_t thumbnails_ = 0;
   std::string surface_, about_;  // for the script
   std::vector<Part> parts_;
+  bool is_stopped_ = false;  // by on_part_
 };
 
 }  // namespace
 
 std::string ReportHtml(const LoadedMap& loaded, const OutputOptions& options,
                        const ReportInput& input,
-                       const std::function<void(const std::string&)>& on_part) {
+                       const std::function<bool(const std::string&)>& on_part) {
   return Report(loaded, options, input, on_part).Html();
 }
 

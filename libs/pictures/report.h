@@ -51,9 +51,10 @@ struct ReportInput {
 };
 
 /// One HTML page of a map and its run that needs no other file and no network. `on_part` is called
-/// with the name of each part before it is made.
+/// with the name of each part before it is made; when it answers false, no further part is made,
+/// and the result is empty.
 std::string ReportHtml(const LoadedMap& loaded, const OutputOptions& options,
                        const ReportInput& input,
-                       const std::function<void(const std::string&)>& on_part);
+                       const std::function<bool(const std::string&)>& on_part);
 
 }  // namespace vismap

@@ -33,6 +33,7 @@ struct Arguments {
   int camera_id = 0;
   VismapConfig config;
   std::function<Outcome(const Arguments&)> run;
+  const StopSignal* stop = nullptr;
 };
 
 Outcome Unreadable(const Error& error) { return ExitWith(ExitCode::kUnreadable, error.message); }
@@ -161,7 +162,7 @@ Result<McapExport> WriteSequence(const Arguments& arguments) {
   const Result<Sequence> input = OpenInput(arguments);
   if (!input) return tl::unexpected(input.error());
   return WriteMcap({*input->recording.dataset, input->detections.get(), arguments.with_map},
-                   arguments.config, arguments.map, arguments.out);
+                   arguments.config, arguments.map, arguments.out, arguments.stop);
 }
 
 // Writes a log as it is, or the sequence of which a map is to be made.
@@ -175,16 +176,19 @@ Result<McapExport> WriteMcapOf(const Arguments& arguments) {
   Result<LogReader> reader =
       LogReader::Open(arguments.input, arguments.config.pipeline.channel_prefix);
   if (!reader) return tl::unexpected(reader.error());
-  const Result<bool> foreign = HasForeignFramesOnly(*reader, arguments.config.adapter);
+  const Result<bool> foreign =
+      HasForeignFramesOnly(*reader, arguments.config.adapter, arguments.stop);
   if (!foreign) return tl::unexpected(foreign.error());
   if (*foreign) return WriteSequence(arguments);
   McapExportOptions options{arguments.cut, arguments.map};
   options.cut.channels.insert(arguments.channels.begin(), arguments.channels.end());
-  return WriteMcap(*reader, options, arguments.out);
+  return WriteMcap(*reader, options, arguments.out, arguments.stop);
 }
 
 Outcome ToMcap(const Arguments& arguments) {
   const Result<McapExport> written = WriteMcapOf(arguments);
+  if (!written && arguments.stop->requested())
+    return ExitWith(ExitCode::kFailed, written.error().message);
   if (!written) return Unreadable(written.error());
   WarnOfLosses(arguments, *written);
   PrintTopics(arguments, *written);
@@ -302,6 +306,9 @@ int main(int argc, char** argv) {
   spec.joins_bus = false;
   spec.add_options = [&](CommandLine& line) { AddCommands(line, &arguments); };
   UseConfig(&arguments.config, &spec);
-  spec.run = [&](ProcessContext&) { return arguments.run(arguments); };
+  spec.run = [&](ProcessContext& context) {
+    arguments.stop = &context.stop;
+    return arguments.run(arguments);
+  };
   return RunProcess(argc, argv, spec);
 }

@@ -159,11 +159,15 @@ class SequenceExporter {
 }  // namespace
 
 Result<McapExport> WriteMcap(const SequenceToWrite& sequence, const VismapConfig& config,
-                             const MapTopicOptions& options, const std::filesystem::path& out) {
+                             const MapTopicOptions& options, const std::filesystem::path& out,
+                             const StopSignal* stop) {
   Result<FoxgloveFile> file = FoxgloveFile::Create(out);
   if (!file) return tl::unexpected(file.error());
   SequenceExporter exporter(sequence, config, options, &*file);
-  for (size_t i = 0; i < sequence.dataset.size(); ++i) exporter.Take(i);
+  for (size_t i = 0; i < sequence.dataset.size(); ++i) {
+    if (stop != nullptr && stop->requested()) return Fail(kMcapStopped);
+    exporter.Take(i);
+  }
   McapExport result = exporter.Finish();
   if (result.topics.empty())
     return Fail(sequence.dataset.name() + ": " +

@@ -19,8 +19,10 @@ struct SequenceToWrite {
 /// Writes the frames and detections of a sequence as an MCAP file, and its map, if wanted: surface,
 /// objects, free space and the segments of each frame. All times are those of the frames. Frames
 /// that cannot be read or mapped are counted as unusable. Fails when no frame can be used, and,
-/// naming the file, when it cannot be written.
+/// naming the file, when it cannot be written. When `stop` is requested, it fails with
+/// kMcapStopped, and there is no file.
 Result<McapExport> WriteMcap(const SequenceToWrite& sequence, const VismapConfig& config,
-                             const MapTopicOptions& options, const std::filesystem::path& out);
+                             const MapTopicOptions& options, const std::filesystem::path& out,
+                             const StopSignal* stop = nullptr);
 
 }  // namespace vismap

@@ -253,11 +253,12 @@ class LogExporter {
 };
 
 // The channels of ours that a log has.
-Result<std::set<std::string>> OwnChannelsOf(const LogReader& log) {
+Result<std::set<std::string>> OwnChannelsOf(const LogReader& log, const StopSignal* stop) {
   Result<LogReader> reader = LogReader::Open(log.path(), log.channel_prefix());
   if (!reader) return tl::unexpected(reader.error());
   std::set<std::string> channels;
   const auto on_event = [&](const LogEvent& event) -> Result<void> {
+    if (stop != nullptr && stop->requested()) return Fail(kMcapStopped);
     const std::string own = reader->OwnChannel(event);
     const bool ours = std::any_of(kAllChannels.begin(), kAllChannels.end(),
                                   [&](const Channel& channel) { return own == channel.name; });
@@ -272,10 +273,10 @@ Result<std::set<std::string>> OwnChannelsOf(const LogReader& log) {
 }  // namespace
 
 Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
-                             const std::filesystem::path& out) {
+                             const std::filesystem::path& out, const StopSignal* stop) {
   if (const auto other = CheckIsNotInput(reader.path(), out); !other)
     return tl::unexpected(other.error());
-  const Result<std::set<std::string>> channels = OwnChannelsOf(reader);
+  const Result<std::set<std::string>> channels = OwnChannelsOf(reader, stop);
   if (!channels) return tl::unexpected(channels.error());
   Result<FoxgloveFile> file = FoxgloveFile::Create(out);
   if (!file) return tl::unexpected(file.error());
@@ -289,6 +290,7 @@ Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options
   std::optional<int64_t> start;
   uint64_t damaged_bytes = 0;
   const auto on_event = [&](const LogEvent& event) -> Result<void> {
+    if (stop != nullptr && stop->requested()) return Fail(kMcapStopped);
     if (!start) start = event.timestamp;
     const std::string own = reader.OwnChannel(event);
     if (Keeps(any_time, event, own, *start))
@@ -312,8 +314,9 @@ Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options
   return result;
 }
 
-Result<bool> HasForeignFramesOnly(const LogReader& reader, const AdapterOptions& adapter) {
-  const Result<std::set<std::string>> channels = OwnChannelsOf(reader);
+Result<bool> HasForeignFramesOnly(const LogReader& reader, const AdapterOptions& adapter,
+                                  const StopSignal* stop) {
+  const Result<std::set<std::string>> channels = OwnChannelsOf(reader, stop);
   if (!channels) return tl::unexpected(channels.error());
   for (const Channel& channel : {kRgbdFrameChannel, kSegmentedFrameChannel, kMeshDeltaChannel,
                                  kMapDeltaChannel, kObjectsChannel})

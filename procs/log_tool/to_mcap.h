@@ -11,6 +11,7 @@
 #include "log_tool/cut.h"
 #include "logs/log_reader.h"
 #include "mcap/map_topics.h"
+#include "runtime/stop_signal.h"
 
 namespace vismap {
 
@@ -36,12 +37,15 @@ struct McapExport {
 /// Writes the messages of a log as an MCAP file with Foxglove's schemas: log time = time of
 /// recording, publish time = utime of the message. Reads the log twice, first for its channels;
 /// memory does not depend on its length. Fails when the log cannot be read, when nothing of it has
-/// a counterpart, and, naming the file, when it cannot be written.
+/// a counterpart, and, naming the file, when it cannot be written. When `stop` is requested, it
+/// fails with kMcapStopped, and there is no file.
 Result<McapExport> WriteMcap(LogReader& reader, const McapExportOptions& options,
-                             const std::filesystem::path& out);
+                             const std::filesystem::path& out, const StopSignal* stop = nullptr);
+inline constexpr const char* kMcapStopped = "stopped before the end; no file was written";
 
 /// Whether a log has no frame, surface, free space or objects of ours, but images of other robots'
 /// programs: such a log is written as a sequence, see map_to_mcap.h.
-Result<bool> HasForeignFramesOnly(const LogReader& reader, const AdapterOptions& adapter);
+Result<bool> HasForeignFramesOnly(const LogReader& reader, const AdapterOptions& adapter,
+                                  const StopSignal* stop = nullptr);
 
 }  // namespace vismap

@@ -197,14 +197,18 @@ Outcome CheckOut(const MapToolArguments& arguments) {
 }
 
 Outcome WriteReport(const MapToolArguments& arguments, const LoadedMap& loaded,
-                    const ReportInput& input) {
+                    const ReportInput& input, const StopSignal& stop) {
   std::string html;
   {
     Progress progress("report of " + input.source, kParts);
     int64_t done = 0;
-    html = ReportHtml(loaded, arguments.config, input,
-                      [&](const std::string& part) { progress.Show(done++, part); });
+    html = ReportHtml(loaded, arguments.config, input, [&](const std::string& part) {
+      progress.Show(done++, part);
+      return !stop.requested();
+    });
   }
+  if (html.empty())
+    return ExitWith(ExitCode::kFailed, "stopped before the report was complete; it is not written");
   if (const auto written = WriteFileAtomically(arguments.out, html); !written)
     return ExitWith(ExitCode::kFailed, written.error().message);
   std::printf("wrote the report %s\n", fs::absolute(arguments.out).c_str());
@@ -243,7 +247,7 @@ Outcome RunReport(const MapToolArguments& arguments, ProcessContext& context) {
   }
   if (const Outcome scored = AddScores(arguments, context, subject.map, *folder, &input); !scored)
     return scored;
-  return WriteReport(arguments, *loaded, input);
+  return WriteReport(arguments, *loaded, input, context.stop);
 }
 
 }  // namespace vismap

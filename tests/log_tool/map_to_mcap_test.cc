@@ -10,6 +10,7 @@ namespace vismap {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct SequenceOfLog {
   Recording recording;
@@ -62,6 +63,20 @@ TEST(WriteSequenceAsMcap, ErrorNamesTheFile) {
   const auto written = WriteMcap({*input.recording.dataset, nullptr, false}, VismapConfig{}, {},
                                  builder.folder() / "missing/run.mcap");
   EXPECT_THAT(written.error().message, HasSubstr("missing/run.mcap"));
+}
+
+TEST(WriteSequenceAsMcap, LeavesNoFileWhenItIsStopped) {
+  LogBuilder builder;
+  const SequenceOfLog input = OpenSequenceOf(builder.Frame(1000).Frame(2000).Finish());
+  const auto out = builder.folder() / "run.mcap";
+  StopSignal stop;
+  stop.Request();
+  const auto written =
+      WriteMcap({*input.recording.dataset, nullptr, false}, VismapConfig{}, {}, out, &stop);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().message, kMcapStopped);
+  for (const auto& entry : std::filesystem::directory_iterator(builder.folder().path()))
+    EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr("mcap")));
 }
 
 }  // namespace

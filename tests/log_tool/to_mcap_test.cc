@@ -294,6 +294,18 @@ TEST(WriteMcap, FailsWithoutMessagesThatHaveACounterpart) {
   EXPECT_THAT(Export(log, log).error().message, HasSubstr("the input itself"));
 }
 
+TEST(WriteMcap, LeavesNoFileWhenItIsStopped) {
+  LogBuilder builder;
+  Result<LogReader> reader = LogReader::Open(builder.Frame(1000).Finish());
+  ASSERT_TRUE(reader) << reader.error().message;
+  StopSignal stop;
+  stop.Request();
+  const auto written = WriteMcap(*reader, {}, builder.folder() / "run.mcap", &stop);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().message, kMcapStopped);
+  EXPECT_FALSE(std::filesystem::exists(builder.folder() / "run.mcap"));
+}
+
 TEST(WriteMcap, NamesOnlySoManyOtherChannels) {
   LogBuilder builder;
   builder.Frame(1000);

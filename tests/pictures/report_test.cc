@@ -181,7 +181,8 @@ LoadedMap Loaded(SemanticMap map, const std::string& text) {
 
 std::string HtmlOf(const LoadedMap& loaded, const ReportInput& input) {
   int parts = 0;
-  const std::string html = ReportHtml(loaded, {}, input, [&](const std::string&) { ++parts; });
+  const std::string html =
+      ReportHtml(loaded, {}, input, [&](const std::string&) { return ++parts > 0; });
   EXPECT_EQ(parts, 15);
   return html;
 }
@@ -203,6 +204,15 @@ TEST(Report, NothingFromOutsideBecomesHtml) {
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, HasSubstr("There is no script."));
   EXPECT_THAT(html, HasSubstr("id=\"turntable\"><img src=\"data:image/webp;base64,"));
+}
+
+TEST(Report, EndsAtThePartAtWhichItIsStopped) {
+  const LoadedMap loaded = Loaded(testing_support::SphereMap(), kHostile);
+  for (const int last : {1, 4}) {
+    int parts = 0;
+    EXPECT_EQ(ReportHtml(loaded, {}, {}, [&](const std::string&) { return ++parts < last; }), "");
+    EXPECT_EQ(parts, last);
+  }
 }
 
 TEST(Report, ScriptAndSurfaceStandInThePage) {

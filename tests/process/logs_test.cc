@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -252,6 +253,21 @@ TEST(Logs, CalibrationThatIsGivenReplacesThatOfTheFolder) {
   RunTool("log",
           {"from-dataset", path("sequence"), "--out", path("c.lcmlog"), "--intrinsics", "70,71"},
           folder, 2);
+}
+
+TEST(Logs, AnExportThatIsInterruptedEndsAtTheFirstSignalWithoutAFile) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder / "run.mcap", part = folder / "run.mcap.part";
+  ChildProcess tool("log",
+                    {"to-mcap", "synthetic:office?frames=100000", "--map", "--out", out.string()},
+                    folder.path());
+  const double end = MonotonicSeconds() + kProcessDeadline;
+  while (!std::filesystem::exists(part) && MonotonicSeconds() < end) usleep(20000);
+  ASSERT_TRUE(std::filesystem::exists(part)) << tool.StandardError();
+  tool.Signal(SIGINT);
+  EXPECT_EQ(tool.WaitForExit(), 1);
+  EXPECT_THAT(tool.StandardError(), HasSubstr("stopped before the end; no file was written"));
+  EXPECT_FALSE(std::filesystem::exists(out) || std::filesystem::exists(part));
 }
 
 TEST(Logs, CorruptLogsGiveErrors) {
