@@ -1,16 +1,12 @@
 #include "viewer/api.h"
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "base/printable.h"
 #include "runtime/clock.h"
 #include "viewer/leaves.h"
+#include "viewer/moment_files.h"
 #include "viewer/slice_distances.h"
-#include "wire/channels.h"
-#include "wire/distance_update.h"
-#include "wire/envelope.h"
 
 namespace vismap {
 namespace {
@@ -52,25 +48,12 @@ Result<SliceDistances> DistancesIn(const Questions::Answered& answer, const Slic
                                    const FollowerPosition& position) {
   if (!answer) return Fail(answer.error().sentence);
   if (answer->map_id != position.map_id) return Fail("the octomap exporter has another map");
-  const auto message = Unpack<distance_field_t>(answer->payload, kDistancesChannel.max_bytes);
-  if (!message) return tl::unexpected(message.error());
-  const Result<DistanceUpdate> update = Decode(*message);
-  if (!update) return tl::unexpected(update.error());
-  return DistancesOf(slice, question, *update);
-}
-
-// 7 or s12
-bool IsObjectName(const std::string& name) {
-  const std::string digits = name.starts_with('s') ? name.substr(1) : name;
-  return !digits.empty() && digits.size() <= 10 &&
-         std::all_of(digits.begin(), digits.end(),
-                     [](unsigned char c) { return std::isdigit(c) != 0; });
+  return ReadDistances(answer->payload, slice, question);
 }
 
 }  // namespace
 
 void Api::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
-  constexpr std::string_view kObject = "/api/object/", kPly = ".ply";
   const std::string& path = target.path;
   if (path == "/api/map") return reply(JsonAnswer(MapText(board_->map, 0, false)));
   if (path == "/api/processes")
@@ -79,10 +62,7 @@ void Api::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
   if (path == "/api/slice") return GetSlice(target, reply);
   if (path == "/api/leaves") return GetLeaves(target, reply);
   if (path == "/api/cell") return GetCell(target, reply);
-  if (path.starts_with(kObject) && path.ends_with(kPly) &&
-      path.size() > kObject.size() + kPly.size())
-    return GetObjectFile(path.substr(kObject.size(), path.size() - kObject.size() - kPly.size()),
-                         reply);
+  if (const auto object = ObjectOfPath(path)) return GetObjectFile(*object, reply);
   reply(ErrorAnswer(404, "there is no '" + PrintableText(path, 100) +
                              "'; there are /api/map, /api/objects, /api/processes, "
                              "/api/slice?axis=z&at=1.0, /api/leaves?axis=z&at=1.0, "
@@ -124,11 +104,7 @@ void Api::GetCell(const HttpTarget& target, const WebHandler::Reply& reply) {
 }
 
 void Api::GetObjectFile(const std::string& name, const WebHandler::Reply& reply) {
-  if (!IsObjectName(name))
-    return reply(ErrorAnswer(400,
-                             "an object is named by its instance, such as 7, or by a segment, "
-                             "such as s12; found '" +
-                                 PrintableText(name, 60) + "'"));
+  if (!IsObjectName(name)) return reply(WrongObjectName(name));
   questions_->Ask("mesh", "id=" + name, [reply, name](const Questions::Answered& answer) {
     reply(AnswerWith(answer, "application/octet-stream", "object-" + name + ".ply"));
   });

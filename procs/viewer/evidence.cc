@@ -86,8 +86,7 @@ bool Evidence::Answers(const std::string& path) {
 }
 
 void Evidence::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
-  if (!enabled())
-    return reply(ErrorAnswer(404, "no frames are kept, since viewer.evidence_mb is 0"));
+  if (!enabled()) return reply(NoFramesKept());
   if (waiting_ >= kMostWaiting)
     return reply(ErrorAnswer(
         429, std::to_string(kMostWaiting) + " requests for frames wait already; try again"));
@@ -97,9 +96,7 @@ void Evidence::Get(const HttpTarget& target, const WebHandler::Reply& reply) {
 
 tl::expected<EvidenceQuestion, HttpAnswer> Evidence::Ask(const std::string& name) {
   const std::optional<ObjectName> parsed = ParseObjectName(name);
-  if (!parsed)
-    return tl::unexpected(ErrorAnswer(
-        400, "say which object with id=7 (an instance) or id=s12 (a segment without instance)"));
+  if (!parsed) return tl::unexpected(NeedsObjectName());
   if (surface_->position().revision < 0)
     return tl::unexpected(
         ErrorAnswer(503, "nothing is known yet: no surface has come on MESH_DELTA"));

@@ -34,7 +34,8 @@ std::optional<Number> ParseNumber(std::string_view text, int base = 10) {
   return number;
 }
 
-EvidenceJson ViewJson(const EvidenceView& view, const std::string& name) {
+EvidenceJson ViewJson(const EvidenceView& view, const EvidenceQuestion& question,
+                      const std::string& name) {
   const FrameHeader& header = view.frame->header;
   const std::string camera = std::to_string(Raw(header.camera_id));
   const std::string utime = std::to_string(header.utime);
@@ -56,6 +57,8 @@ EvidenceJson ViewJson(const EvidenceView& view, const std::string& name) {
   json["width"] = header.camera.width;
   json["height"] = header.camera.height;
   json["url"] = "/api/frame/" + camera + "/" + utime + ".jpg?id=" + name;
+  if (question.of_log)
+    json["url"] = json["url"].get<std::string>() + "&frames=" + std::to_string(question.revision);
   return json;
 }
 
@@ -78,7 +81,8 @@ std::string KeptText(const EvidenceStore& store) {
          SecondsText((*first)->header.utime) + " to " + SecondsText((*last)->header.utime);
 }
 
-std::string WhyNone(const EvidenceStore& store) {
+std::string WhyNone(const EvidenceStore& store, bool of_log) {
+  if (store.frames().empty() && of_log) return "no frame of the log with colour is kept until then";
   if (store.frames().empty())
     return "no frame is kept yet: none with colour has come on SEGMENTED_FRAME since the viewer "
            "started";
@@ -89,7 +93,7 @@ HttpAnswer NotKept(const PictureQuestion& picture, const EvidenceStore& store) {
   return ErrorAnswer(404, "the frame of camera " + std::to_string(Raw(picture.camera)) +
                               " and utime " + std::to_string(picture.utime) +
                               " is not kept, or no longer: " +
-                              (store.frames().empty() ? WhyNone(store) : KeptText(store)));
+                              (store.frames().empty() ? "none is kept" : KeptText(store)));
 }
 
 // The outline of what the detector saw, when it agrees with the mask.
@@ -144,6 +148,15 @@ std::optional<ObjectName> ParseObjectName(const std::string& text) {
   return ObjectName{is_segment, *number};
 }
 
+HttpAnswer NoFramesKept() {
+  return ErrorAnswer(404, "no frames are kept, since viewer.evidence_mb is 0");
+}
+
+HttpAnswer NeedsObjectName() {
+  return ErrorAnswer(
+      400, "say which object with id=7 (an instance) or id=s12 (a segment without instance)");
+}
+
 Result<PictureQuestion> ReadPictureQuestion(const HttpTarget& target) {
   constexpr std::string_view kStart = "/api/frame/";
   const auto wrong = [&] {
@@ -179,8 +192,8 @@ HttpAnswer EvidenceList(const std::string& name, const EvidenceQuestion& questio
                     {"map_id", question.map_id},
                     {"revision", question.revision},
                     {"frames", EvidenceJson::array()}};
-  for (const EvidenceView& view : *views) json["frames"].push_back(ViewJson(view, name));
-  if (views->empty()) json["why"] = WhyNone(store);
+  for (const EvidenceView& view : *views) json["frames"].push_back(ViewJson(view, question, name));
+  if (views->empty()) json["why"] = WhyNone(store, question.of_log);
   json["kept"] = {{"frames", store.frames().size()},
                   {"megabytes", static_cast<double>(store.bytes()) * kMegabytes}};
   return JsonAnswer(json.dump(-1, ' ', false, EvidenceJson::error_handler_t::replace));

@@ -17,6 +17,10 @@ struct ObjectName {
   uint32_t number = 0;
 };
 std::optional<ObjectName> ParseObjectName(const std::string& text);
+/// Says that viewer.evidence_mb is 0.
+HttpAnswer NoFramesKept();
+/// Says that an object has to be named.
+HttpAnswer NeedsObjectName();
 
 /// GET /api/frame/CAMERA/UTIME.jpg or .png, with the arguments id, color and width.
 struct PictureQuestion {

@@ -12,7 +12,6 @@ namespace {
 
 constexpr size_t kSamples = 400;    // points of an object's surface
 constexpr size_t kCandidates = 18;  // frames whose masks are drawn
-constexpr double kMaskKept = 10;    // [s] also when the map has changed
 constexpr double kEnoughDistance =
     4;  // of two views that are as good as any others, see ViewDistance
 constexpr double kLeastOverlap = 0.3;  // of a detection that is said to be the object's
@@ -114,7 +113,7 @@ std::shared_ptr<const FrameMask> EvidenceFinder::MaskOf(const EvidenceQuestion& 
                                                         const EvidenceFramePtr& frame) {
   const double now = MonotonicSeconds();
   for (const Known& known : known_) {
-    const bool fresh = known.revision == question.revision || now - known.time < kMaskKept;
+    const bool fresh = known.revision == question.revision || now - known.time < mask_kept_;
     if (known.frame == frame && known.object == question.object &&
         known.map_id == question.map_id && fresh)
       return known.mask;

@@ -18,6 +18,7 @@ struct EvidenceQuestion {
   std::string map_id;
   int64_t revision = -1;
   ObjectChoice object;
+  bool of_log = false;  ///< at a moment of a log: the revision is the number of its frames
 };
 
 /// The object's mask over a frame, with every `step`-th pixel of the frame.
@@ -52,13 +53,16 @@ class EvidenceFinder {
   static constexpr double kMostTime = 5;      ///< [s] after which no further mask is drawn
   static constexpr size_t kMostMasks = 48;    ///< that are remembered
 
-  explicit EvidenceFinder(size_t max_bytes) : store_(max_bytes) {}
+  static constexpr double kMaskKept = 10;  ///< [s] also when the map has changed
+
+  explicit EvidenceFinder(size_t max_bytes, double mask_kept = kMaskKept)
+      : store_(max_bytes), mask_kept_(mask_kept) {}
   EvidenceStore& store() { return store_; }
 
   /// Views of the object from different places. First those that show the most pixels of it with
   /// the least of it outside of the picture. nullopt = the object has no surface.
   std::optional<std::vector<EvidenceView>> Find(const EvidenceQuestion& question);
-  /// A mask that was drawn less than some seconds ago is not drawn again.
+  /// A mask that was drawn less than `mask_kept` ago is not drawn again [s].
   std::shared_ptr<const FrameMask> MaskOf(const EvidenceQuestion& question,
                                           const EvidenceFramePtr& frame);
 
@@ -72,6 +76,7 @@ class EvidenceFinder {
     std::shared_ptr<const FrameMask> mask;
   };
   EvidenceStore store_;
+  double mask_kept_;
   std::deque<Known> known_;  // the newest last
 };
 

@@ -20,19 +20,28 @@ uint16_t Millimetres(double depth_m) {
   return steps >= 1 && steps < 65535 ? static_cast<uint16_t>(steps) : 0;  // also for NaN
 }
 
+int StepOf(const PinholeCamera& camera) {
+  return (camera.width + kMostDepthColumns - 1) / kMostDepthColumns;
+}
+
+Image<uint16_t> SampleDepth(const Image<float>& depth_m, int step) {
+  Image<uint16_t> sampled((depth_m.width() + step - 1) / step,
+                          (depth_m.height() + step - 1) / step);
+  for (int v = 0; v < sampled.height(); ++v) {
+    for (int u = 0; u < sampled.width(); ++u)
+      sampled(v, u) = Millimetres(static_cast<double>(depth_m(v * step, u * step)));
+  }
+  return sampled;
+}
+
 Image<uint16_t> SampleDepth(const SensorFrame& frame, int step) {
-  const bool in_metres = frame.depth.empty();
-  const int width = in_metres ? frame.depth_m.width() : frame.depth.width();
-  const int height = in_metres ? frame.depth_m.height() : frame.depth.height();
+  if (frame.depth.empty()) return SampleDepth(frame.depth_m, step);
+  const int width = frame.depth.width(), height = frame.depth.height();
   Image<uint16_t> sampled((width + step - 1) / step, (height + step - 1) / step);
   for (int v = 0; v < sampled.height(); ++v) {
     for (int u = 0; u < sampled.width(); ++u) {
-      const int row = v * step, column = u * step;
-      if (in_metres) {
-        sampled(v, u) = Millimetres(static_cast<double>(frame.depth_m(row, column)));
-      } else if (const uint16_t steps = frame.depth(row, column); steps != 65535) {
-        sampled(v, u) = Millimetres(steps * frame.depth_unit_m);
-      }
+      const uint16_t steps = frame.depth(v * step, u * step);
+      if (steps != 65535) sampled(v, u) = Millimetres(steps * frame.depth_unit_m);
     }
   }
   return sampled;
@@ -53,7 +62,7 @@ Result<EvidenceFramePtr> MakeEvidenceFrame(const segmented_frame_t& message) {
   auto frame = std::make_shared<EvidenceFrame>();
   frame->header = sensor->header;
   frame->jpeg = std::move(*jpeg);
-  frame->depth_step = (sensor->header.camera.width + kMostDepthColumns - 1) / kMostDepthColumns;
+  frame->depth_step = StepOf(sensor->header.camera);
   frame->depth_mm = SampleDepth(*sensor, frame->depth_step);
   frame->labels = message.labels;
   for (const frame_segment_t& segment : message.segments) {
@@ -63,6 +72,24 @@ Result<EvidenceFramePtr> MakeEvidenceFrame(const segmented_frame_t& message) {
                                segment.score});
   }
   return EvidenceFramePtr(std::move(frame));
+}
+
+std::shared_ptr<EvidenceFrame> MakeEvidenceFrame(const SegmentedFrame& segmented,
+                                                 std::vector<uint8_t> jpeg,
+                                                 std::vector<uint8_t> labels) {
+  const RgbdFrame& sensor = segmented.frame;
+  auto frame = std::make_shared<EvidenceFrame>();
+  frame->header = sensor.header;
+  frame->jpeg = std::move(jpeg);
+  frame->depth_step = StepOf(frame->header.camera);
+  frame->depth_mm = SampleDepth(
+      sensor.measured_depth.empty() ? sensor.depth : sensor.measured_depth, frame->depth_step);
+  frame->labels = std::move(labels);
+  for (const FrameSegment& segment : segmented.segments) {
+    const auto detection = static_cast<int32_t>(segment.detection);
+    frame->segments.push_back({detection, segment.class_id, segment.score});
+  }
+  return frame;
 }
 
 double ViewDistance(const FrameHeader& a, const FrameHeader& b) {
@@ -75,7 +102,7 @@ bool EvidenceStore::Wants(const FrameHeader& header) const {
   return max_bytes_ > 0 &&
          std::all_of(frames_.begin(), frames_.end(), [&](const EvidenceFramePtr& kept) {
            const bool same = kept->header.utime == header.utime;
-           return (!same && std::abs(header.utime - kept->header.utime) > kRenewAfter) ||
+           return (!same && std::abs(header.utime - kept->header.utime) > renew_after_) ||
                   ViewDistance(kept->header, header) >= distance_;
          });
 }
@@ -92,7 +119,17 @@ void EvidenceStore::Add(EvidenceFramePtr frame) {
   if (bytes_ > max_bytes_ || frames_.size() > kMostFrames) Thin();
 }
 
-void EvidenceStore::Clear() { *this = EvidenceStore(max_bytes_); }
+void EvidenceStore::Clear() { *this = EvidenceStore(max_bytes_, renew_after_); }
+
+EvidenceStore EvidenceStore::Until(int64_t map_frames) const {
+  EvidenceStore part = *this;
+  std::erase_if(part.frames_, [&](const EvidenceFramePtr& frame) {
+    const bool later = frame->map_frames > map_frames;
+    if (later) part.bytes_ -= frame->bytes();
+    return later;
+  });
+  return part;
+}
 
 // Makes room for a fifth of what may be kept, so that it is seldom called.
 void EvidenceStore::Thin() {

@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "geometry/frame.h"
 #include "geometry/image.h"
+#include "segmentation/segmented_frame.h"
 
 namespace vismap {
 
@@ -28,6 +29,7 @@ struct EvidenceFrame {
   int depth_step = 1;
   std::vector<uint8_t> labels;    ///< the segment image, see label_codec.h
   std::vector<Segment> segments;  ///< by the values of the segment image
+  int64_t map_frames = 0;         ///< of a log: of the map that had this one as its newest
 
   size_t bytes() const;  ///< memory, about
 };
@@ -35,6 +37,10 @@ using EvidenceFramePtr = std::shared_ptr<const EvidenceFrame>;
 
 /// Fails when the frame has no colour, or something of it cannot be decoded.
 Result<EvidenceFramePtr> MakeEvidenceFrame(const segmented_frame_t& message);
+/// The same of a frame that was no message. `labels`: see EvidenceFrame.
+std::shared_ptr<EvidenceFrame> MakeEvidenceFrame(const SegmentedFrame& frame,
+                                                 std::vector<uint8_t> jpeg,
+                                                 std::vector<uint8_t> labels);
 
 /// How different the places and directions of two views are: 1 = 25 cm or 20 degrees, or as much in
 /// sum.
@@ -44,20 +50,24 @@ double ViewDistance(const FrameHeader& a, const FrameHeader& b);
 /// full, that distance grows, and frames that are too close to newer ones are dropped. So the
 /// frames are spread over the places and directions of the cameras, and of every object those views
 /// stay that differ most. A frame takes the place of those that it is close to when they are older
-/// than a minute.
+/// than `renew_after`.
 class EvidenceStore {
  public:
   static constexpr double kFirstDistance = 0.2;  ///< while there is room
   static constexpr size_t kMostFrames = 4096;
   static constexpr int64_t kRenewAfter = 60000000;  ///< [us]
 
-  explicit EvidenceStore(size_t max_bytes) : max_bytes_(max_bytes) {}
+  /// `renew_after` [us].
+  explicit EvidenceStore(size_t max_bytes, int64_t renew_after = kRenewAfter)
+      : max_bytes_(max_bytes), renew_after_(renew_after) {}
 
   /// Whether a frame with this header would be kept.
   bool Wants(const FrameHeader& header) const;
   /// Keeps the frame if it wants it.
   void Add(EvidenceFramePtr frame);
   void Clear();
+  /// Without the frames of which EvidenceFrame::map_frames is larger.
+  EvidenceStore Until(int64_t map_frames) const;
 
   /// nullptr when it is not kept.
   EvidenceFramePtr Find(CameraId camera, int64_t utime) const;
@@ -70,6 +80,7 @@ class EvidenceStore {
   void Thin();
 
   size_t max_bytes_, bytes_ = 0;
+  int64_t renew_after_;
   double distance_ = kFirstDistance;
   std::vector<EvidenceFramePtr> frames_;
 };

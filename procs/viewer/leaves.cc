@@ -193,7 +193,7 @@ HttpAnswer LeafAnswers::Take(const LeafQuestion& question, const FollowerPositio
     tree_.assign(tree.begin(), tree.end());
   }
   position_ = position;
-  until_ = now + kKept;
+  until_ = now + kept_;
   return same ? Cut(question, now) : CutKept(question);
 }
 

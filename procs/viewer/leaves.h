@@ -57,6 +57,9 @@ class LeafAnswers {
   static constexpr double kBytesPerToken = 2e6;  ///< of a tree that is checked or cut
   static constexpr double kKept = 2;             ///< [s] also when the map has changed
 
+  /// `kept`: how long a tree is kept also when the map has changed [s].
+  explicit LeafAnswers(double kept = kKept) : kept_(kept) {}
+
   /// Whether the tree that is here answers the question about this map. `now` is MonotonicSeconds,
   /// here and below.
   bool Keeps(const LeafQuestion& question, const FollowerPosition& map, double now) const;
@@ -76,6 +79,7 @@ class LeafAnswers {
   void Pay(size_t bytes);
   HttpAnswer CutKept(const LeafQuestion& question);
 
+  double kept_;
   std::optional<OctreeStreamInfo> info_;  // nullopt = no tree is here
   bool closed_ = false;
   double inflate_m_ = 0;

@@ -50,10 +50,11 @@ RecordedBlock Recorded(BlockIndex index, const BlockOccupancy& space) {
 }  // namespace
 
 LogRecorder::LogRecorder(const VismapConfig& config, const MapSession* session,
-                         LogRecording* recording)
+                         LogRecording* recording, LogFrames* frames)
     : config_(config),
       session_(session),
       recording_(recording),
+      frames_(frames),
       mesh_(config.meshing),
       space_(config.free_space) {
   mesh_.Start(map());
@@ -74,6 +75,7 @@ void LogRecorder::OnSegmented(const SegmentedFrame& frame) {
       frame.segments.begin(), frame.segments.end(),
       [](const FrameSegment& segment) { return segment.detection != DetectionIndex::kNone; }));
   picture_ = MakePicture(frame);
+  evidence_ = frames_ == nullptr ? nullptr : frames_->Make(frame);
 }
 
 void LogRecorder::OnMapped(const MapDelta& delta) {
@@ -82,6 +84,7 @@ void LogRecorder::OnMapped(const MapDelta& delta) {
   changed_.insert(changed_.end(), delta.changed_blocks.begin(), delta.changed_blocks.end());
   changed_since_copy_.insert(delta.changed_blocks.begin(), delta.changed_blocks.end());
   Expect(recording_->AddFrame(view_, picture_));
+  if (evidence_ != nullptr) frames_->Add(std::move(evidence_), map().revision);
   if (map().revision % recording_->stride() == 0) AddMoment();
   AddCopyIfDue();
 }

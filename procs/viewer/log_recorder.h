@@ -17,6 +17,7 @@
 #include "objects/mesh_tracker.h"
 #include "objects/object_tracker.h"
 #include "session/map_session.h"
+#include "viewer/log_evidence.h"
 #include "viewer/log_recording.h"
 
 namespace vismap {
@@ -24,8 +25,9 @@ namespace vismap {
 /// Writes into a recording what a map becomes while a log is mapped, see MapSequence.
 class LogRecorder {
  public:
-  /// All must outlive it.
-  LogRecorder(const VismapConfig& config, const MapSession* session, LogRecording* recording);
+  /// All must outlive it. `frames`: keeps frames to show objects in; nullptr = none are kept.
+  LogRecorder(const VismapConfig& config, const MapSession* session, LogRecording* recording,
+              LogFrames* frames = nullptr);
 
   /// A frame before it is mapped.
   void OnSegmented(const SegmentedFrame& frame);
@@ -50,12 +52,14 @@ class LogRecorder {
   const VismapConfig& config_;
   const MapSession* session_;
   LogRecording* recording_;
+  LogFrames* frames_;
   MeshTracker mesh_;
   ObjectTracker objects_;
   OccupancyWatch space_;
-  CameraView view_;                  // of the frame that is being mapped
-  std::vector<uint8_t> picture_;     // of it
-  std::vector<BlockIndex> changed_;  // since the last moment
+  CameraView view_;                          // of the frame that is being mapped
+  std::vector<uint8_t> picture_;             // of it
+  std::shared_ptr<EvidenceFrame> evidence_;  // the same frame, when it is to be kept
+  std::vector<BlockIndex> changed_;          // since the last moment
   tsl::robin_set<BlockIndex, BlockIndexHash> changed_since_copy_;
   int64_t recorded_ = 0;  // frames of the last moment
   // Of the frame of the last list, not the map's: that one stays far ahead after one wrong time.

@@ -75,6 +75,7 @@ LogSource::LogSource(const VismapConfig& config, Recording log, SequenceDetector
       log_(std::move(log)),
       detector_(std::move(detector)),
       recorded_(std::move(recorded)),
+      frames_(static_cast<size_t>(config.viewer.evidence_mb) * kMegabyte),
       name_(log_.dataset->name()) {
   state_.total = static_cast<int64_t>(log_.dataset->size());
   for (const std::string& remark : log_.remarks) {
@@ -137,7 +138,7 @@ Result<std::shared_ptr<const LoadedMap>> LogSource::MapAfter(int64_t frames,
 
 void LogSource::MapAll() {
   MapSession session(config_, NewMetadata());
-  LogRecorder recorder(config_, &session, recorded_.get());
+  LogRecorder recorder(config_, &session, recorded_.get(), &frames_);
   StageTimes times;
   Progress progress("mapping " + name_, state_.total);
   double told = 0;

@@ -10,6 +10,7 @@
 #include "config/config.h"
 #include "logs/recording.h"
 #include "sequence_mapper/sequence_input.h"
+#include "viewer/log_evidence.h"
 #include "viewer/log_recording.h"
 
 namespace vismap {
@@ -27,6 +28,8 @@ class LogSource {
 
   void Start();
   const LogRecording& recording() const { return *recorded_; }
+  /// Frames that are kept to show objects in.
+  const LogFrames& frames() const { return frames_; }
   /// The map after so many frames: from the copy before it, by mapping those between. Fails when
   /// the log has not so many, and when `stop` was set. For one other thread, once the log is
   /// mapped.
@@ -45,6 +48,7 @@ class LogSource {
   Recording log_;
   SequenceDetector detector_;
   std::unique_ptr<LogRecording> recorded_;
+  LogFrames frames_;
   std::string name_;
   RecordingState state_;
   std::vector<size_t> read_after_;  // frames of the log that were read when the map had 1, 2, ...

@@ -25,13 +25,12 @@ LogViewer::Page::Page(const LogRecording* recording, std::string hello)
     : surface(recording),
       feed(&surface, &board, std::move(hello), {kMostAllowance, kMostUnacknowledged, true}) {}
 
-LogViewer::LogViewer(const ViewerOptions& options, const OccupancyOptions& space,
-                     std::string page_folder, const LogSource* source)
-    : options_(options),
+LogViewer::LogViewer(const VismapConfig& config, std::string page_folder, const LogSource* source)
+    : options_(config.viewer),
       page_folder_(std::move(page_folder)),
       source_(source),
       recording_(&source->recording()),
-      api_(source, space, static_cast<size_t>(options.max_map_mb) << 20) {}
+      api_(source, config) {}
 
 Result<void> LogViewer::Listen() {
   Result<std::unique_ptr<WebServer>> server =

@@ -6,8 +6,7 @@
 #include <set>
 #include <string>
 
-#include "config/process_options.h"
-#include "freespace/occupancy.h"
+#include "config/config.h"
 #include "viewer/board.h"
 #include "viewer/client_feed.h"
 #include "viewer/log_api.h"
@@ -21,8 +20,7 @@ namespace vismap {
 class LogViewer : public WebHandler {
  public:
   /// `source` must outlive it.
-  LogViewer(const ViewerOptions& options, const OccupancyOptions& space, std::string page_folder,
-            const LogSource* source);
+  LogViewer(const VismapConfig& config, std::string page_folder, const LogSource* source);
 
   /// Fails when the address cannot be used.
   Result<void> Listen();

@@ -37,7 +37,7 @@ Outcome ServeLog(const ProcessContext& context, const VismapConfig& config,
   const Result<std::unique_ptr<LogSource>> source = LogSource::Open(path, config);
   if (!source) return ExitWith(ExitCode::kUnreadable, source.error().message);
   const std::string page = FindPage(config.viewer.page_folder);
-  LogViewer viewer(config.viewer, config.free_space, page, source->get());
+  LogViewer viewer(config, page, source->get());
   if (const Result<void> listening = viewer.Listen(); !listening)
     return ExitWith(ExitCode::kUsage, listening.error().message);
   TellAddress(page, viewer.address());

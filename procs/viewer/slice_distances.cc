@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "navigation/distance_kernels.h"
+#include "wire/channels.h"
+#include "wire/envelope.h"
 
 namespace vismap {
 namespace {
@@ -99,6 +101,15 @@ map_request_t DistanceRequest(const Slice& slice, const SliceQuestion& question)
     request.bbx_max_W[others[i]] = slice.origin_m[i] + cells[i] * slice.cell_m + kAround;
   }
   return request;
+}
+
+Result<SliceDistances> ReadDistances(const std::vector<uint8_t>& payload, const Slice& slice,
+                                     const SliceQuestion& question) {
+  const auto message = Unpack<distance_field_t>(payload, kDistancesChannel.max_bytes);
+  if (!message) return tl::unexpected(message.error());
+  const Result<DistanceUpdate> update = Decode(*message);
+  if (!update) return tl::unexpected(update.error());
+  return DistancesOf(slice, question, *update);
 }
 
 SliceDistances DistancesOf(const Slice& slice, const SliceQuestion& question,

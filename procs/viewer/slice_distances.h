@@ -3,6 +3,7 @@
 #include <vector>
 #include <vismap/map_request_t.hpp>
 
+#include "base/result.h"
 #include "viewer/slice.h"
 #include "wire/distance_update.h"
 
@@ -19,6 +20,9 @@ struct SliceDistances {
   /// plane linear. NaN in leaves that are unknown.
   std::vector<float> metres;
 };
+/// From the payload of the exporter's answer. Fails when it is damaged.
+Result<SliceDistances> ReadDistances(const std::vector<uint8_t>& payload, const Slice& slice,
+                                     const SliceQuestion& question);
 SliceDistances DistancesOf(const Slice& slice, const SliceQuestion& question,
                            const DistanceUpdate& update);
 

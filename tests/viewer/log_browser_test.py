@@ -114,6 +114,31 @@ class TimelineTest(unittest.TestCase):
         self.assertGreater(sum(counts[FRAMES]), sum(counts[2]))
         do('await page.getByLabel("Horizontal slice").first().uncheck(); await page.click("#tab-objects")')
 
+    def test_an_object_has_its_file_and_its_frames_at_each_moment(self):
+        do = self.browser.do
+        objects = json.loads(get(self.viewer.address, "/api/objects?frames=12")[2])["objects"]
+        named = max(objects, key=lambda o: o["points"])["instance"]
+        do("await page.evaluate(() => window.vismap.goTo(12))")
+        do(DONE % 12)
+        do(f"""await page.click("#tab-objects"); await page.fill("#filter", ""); """
+           f"""await page.locator(`#object-lists button[data-id="{named}"]`).click()""")
+        self.assertEqual(self.state("selected"), str(named))
+        shown = []
+        for frames in (12, FRAMES):
+            do(f"await page.evaluate(() => window.vismap.goTo({frames}))")
+            do(DONE % frames)
+            do(f"""await page.waitForFunction(() => document.querySelector('.thumbnails img')?.getAttribute("src").includes("frames={frames}"), null, {{timeout: 20000}})""")
+            server = json.loads(get(self.viewer.address, f"/api/evidence?id={named}&frames={frames}")[2])["frames"]
+            self.assertEqual(do('return await page.locator(".thumbnails li").count()'), len(server))
+            shown.append(len(server))
+            do("await page.waitForFunction(() => document.querySelector('.thumbnails img').naturalWidth > 0, null, {timeout: 20000})")
+            saved = do('const wait = page.waitForEvent("download"); await page.getByRole("link", { name: "Download as PLY" }).click(); '
+                       'const file = await wait; return [file.url(), await file.path()]')
+            self.assertTrue(saved[0].endswith(f"/api/object/{named}.ply?frames={frames}"), saved)
+            self.assertEqual(pathlib.Path(saved[1]).read_bytes(), get(self.viewer.address, f"/api/object/{named}.ply?frames={frames}")[2])
+        self.assertGreaterEqual(shown[0], 1)
+        do('await page.locator("#scene").focus(); await page.keyboard.press("Escape")')
+
     def test_there_are_no_processes_and_the_bar_says_where_it_is(self):
         self.assertFalse(self.browser.do('return await page.isVisible("#tab-processes")'))
         self.assertFalse(self.browser.do('return await page.isVisible("#pause")'))

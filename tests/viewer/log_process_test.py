@@ -14,6 +14,8 @@ import tempfile
 import time
 import unittest
 
+import numpy as np
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "python"), str(ROOT / "tests" / "viewer")]
 from support import DEADLINE, Processes, wait_until  # noqa: E402
@@ -86,7 +88,7 @@ class OfflineMaps:
     def map(self, log, frames):
         out = self.folder / f"map-{frames}"
         run(BIN / "vismap-offline-mapper", "--dataset", log, "--max-frames", frames, "--out", out)
-        return {"objects": json.loads((out / "objects.json").read_text()), "map": self.folder / "maps" / f"after-{frames}.vismap"}
+        return {"objects": json.loads((out / "objects.json").read_text()), "folder": out, "map": self.folder / "maps" / f"after-{frames}.vismap"}
 
     def add_digests(self):
         processes = Processes(BIN, self.folder)
@@ -217,10 +219,97 @@ class MomentsTest(unittest.TestCase):
             self.assertEqual(answer, offline)
         said = json.loads(get(self.viewer.address, "/api/map?frames=13")[2])
         self.assertEqual((said["revision"], said["triangles"]), (13, self.offline[13]["triangles"]))
-        for path, expected in (("/api/slice?axis=z&at=0&frames=x", 400), ("/api/cell?frames=3", 400), ("/api/object/1.ply", 404)):
+        for path, expected in (("/api/slice?axis=z&at=0&frames=x", 400), ("/api/cell?frames=3", 400), ("/api/object/x.ply", 400),
+                               ("/api/object/4000000000.ply", 400), ("/api/leaves?axis=z", 400), ("/api/evidence?id=x", 400),
+                               ("/api/evidence?id=4000000000", 404), ("/api/frame/0/1.jpg", 404), ("/api/processes", 404)):
             status, _, body = get(self.viewer.address, path)
             self.assertEqual(status, expected)
             self.assertTrue(json.loads(body)["error"])
+
+    def json_of(self, path):
+        status, _, body = get(self.viewer.address, path)
+        self.assertEqual(status, 200, body)
+        return json.loads(body)
+
+    def slice_of(self, path):
+        status, _, body = get(self.viewer.address, path)
+        self.assertEqual(status, 200, body)
+        size = struct.unpack_from("<I", body)[0]
+        header, cells = json.loads(body[4:4 + size]), body[4 + size:]
+        shape = (header["height"], header["width"])
+        states = np.frombuffer(cells, np.uint8, shape[0] * shape[1]).reshape(shape)
+        if not header["distances"]:
+            return header, states, None
+        return header, states, np.frombuffer(cells, "<f4", shape[0] * shape[1], (states.size + 3) // 4 * 4).reshape(shape)
+
+    def test_leaves_are_those_of_the_moment(self):
+        for frames in (6, FRAMES):
+            time.sleep(0.3)  # all pages together get ten cuts per second
+            answer = self.json_of(f"/api/leaves?axis=z&at=0.525&frames={frames}")
+            self.assertEqual(answer["revision"], frames)
+            header, states, _ = self.slice_of(f"/api/slice?axis=z&at=0.525&frames={frames}")
+            drawn = np.zeros_like(states)
+            centres = [header["origin"][axis] + (np.arange(states.shape[1 - axis]) + 0.5) * header["cell_m"] for axis in range(2)]
+            for x, y, _, size, state in answer["leaves"]:
+                inside = [np.abs(c - at) < size / 2 for c, at in zip(centres, (x, y))]
+                drawn[np.ix_(inside[1], inside[0])] = state
+            self.assertGreater(np.count_nonzero(states == 2), 50)
+            self.assertTrue((drawn[states == 2] == 2).all(), "what is occupied lies in occupied leaves")
+            self.assertFalse((states[drawn == 1] != 1).any(), "free leaves are free everywhere in the slice")
+        self.assertGreater(len(self.json_of("/api/leaves?axis=z&at=0.525&layer=closed&frames=6")["leaves"]), 10)
+
+    def test_distances_are_those_of_the_moment(self):
+        for frames in (6, FRAMES):
+            time.sleep(0.3)
+            header, _, metres = self.slice_of(f"/api/slice?axis=z&at=0.525&distance=1&frames={frames}")
+            self.assertTrue(header["distances"], header)
+            leaf, cell = header["distance_leaf_m"], header["cell_m"]
+            rows, columns = np.nonzero((metres > 0.1) & (metres < header["distance_limit_m"] - 0.1))
+            x, y = (header["origin"][axis] + (index + 0.5) * cell for axis, index in enumerate((columns, rows)))
+            centred = (np.abs((x / leaf) % 1 - 0.5) < 1e-3) & (np.abs((y / leaf) % 1 - 0.5) < 1e-3)
+            chosen = np.nonzero(centred)[0][::7][:20]
+            self.assertGreaterEqual(len(chosen), 10)
+            points = ";".join(f"{x[i]:.4f},{y[i]:.4f},0.525" for i in chosen)
+            said = json.loads(run(BIN / "vismap-map", "clearance", self.offline[frames]["map"], "--at", points, "--json"))
+            np.testing.assert_allclose([metres[rows[i], columns[i]] for i in chosen], [point["obstacle_m"] for point in said["points"]], atol=2e-3)
+
+    def test_object_files_are_those_of_the_offline_mapper(self):
+        for frames in (6, FRAMES):
+            offline = self.offline[frames]
+            compared = 0
+            for entry in offline["objects"]["objects"][:6]:
+                files = list((offline["folder"] / "objects").glob(f"instance_{entry['instance']}_*.ply"))
+                if not files:
+                    continue
+                status, headers, body = get(self.viewer.address, f"/api/object/{entry['instance']}.ply?frames={frames}")
+                self.assertEqual(status, 200, body[:300])
+                expected = files[0].read_bytes()
+                self.assertEqual(body.split(b"end_header\n", 1)[1], expected.split(b"end_header\n", 1)[1])
+                compared += 1
+            self.assertGreaterEqual(compared, 3)
+
+    def test_evidence_frames_are_of_the_moment_or_before(self):
+        named = max(self.offline[6]["objects"]["objects"], key=lambda o: o["points"])["instance"]
+        counts = []
+        for frames in (6, FRAMES):
+            newest = self.json_of(f"/api/map?frames={frames}")["utime"]
+            answer = self.json_of(f"/api/evidence?id={named}&frames={frames}")
+            self.assertEqual(answer["revision"], frames)
+            self.assertTrue(answer["frames"], answer)
+            self.assertTrue(all(frame["utime"] <= newest for frame in answer["frames"]))
+            counts.append(len(answer["frames"]))
+            shown = answer["frames"][0]
+            self.assertTrue(shown["url"].endswith(f"?id={named}&frames={frames}"), shown["url"])
+            status, _, masked = get(self.viewer.address, shown["url"])
+            self.assertEqual(status, 200)
+            status, _, plain = get(self.viewer.address, shown["url"].split("?")[0])
+            self.assertEqual(status, 200)
+            self.assertTrue(masked.startswith(b"\xff\xd8") and plain.startswith(b"\xff\xd8"))
+            self.assertNotEqual(masked, plain)
+        self.assertGreaterEqual(counts[1], counts[0])
+        discovered = self.json_of(f"/api/objects?frames={FRAMES}")["discovered"]
+        if discovered:
+            self.assertIn("frames", self.json_of(f"/api/evidence?id=s{discovered[0]['segments'][0]}&frames={FRAMES}"))
 
 
 class TroubleTest(unittest.TestCase):

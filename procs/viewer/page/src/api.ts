@@ -17,7 +17,8 @@ export function isLog(): boolean {
   return frames !== null;
 }
 
-function atMoment(path: string): string {
+/** The address of a question about what is shown now. */
+export function atMoment(path: string): string {
   return frames === null ? path : `${path}${path.includes("?") ? "&" : "?"}frames=${frames}`;
 }
 

@@ -1,5 +1,5 @@
 /** The frames in which the selected object was seen, as small pictures. */
-import { getJson } from "./api";
+import { atMoment, getJson } from "./api";
 import { el } from "./dom";
 import { frameName, pictureUrl, readEvidence, type EvidenceFrame, type EvidenceList } from "./evidence";
 import { colourOfObject } from "./object_list";
@@ -7,6 +7,7 @@ import type { MapObject } from "./objects";
 
 const kThumbnailWidth = 240; // [px]
 const kAskAgain = 10000; // [ms] while the object is still seen
+const kStill = 500; // [ms] that a log must stand still at another moment
 
 export class EvidenceStrip {
   readonly element = el("div", { class: "evidence" });
@@ -14,6 +15,8 @@ export class EvidenceStrip {
   private askedAt = 0;
   private askedUtime = 0;
   private shown = ""; // of the frames that are shown
+  private asked = ""; // with the moment of a log
+  private timer: ReturnType<typeof setTimeout> | null = null;
 
   constructor(private readonly onOpen: (object: MapObject, frames: EvidenceFrame[], at: number) => void) {}
 
@@ -24,6 +27,7 @@ export class EvidenceStrip {
       return this.element.replaceChildren();
     }
     const newer = object.lastUtime !== this.askedUtime && Date.now() - this.askedAt > kAskAgain;
+    if (!anew && this.asked !== atMoment(questionOf(object))) this.askSoon(object);
     if (!anew && !newer) return;
     this.shownId = object.id;
     this.askedAt = Date.now();
@@ -37,9 +41,20 @@ export class EvidenceStrip {
     this.element.replaceChildren(el("p", { class: "faint" }, text));
   }
 
+  /** A log shows another moment, and perhaps soon the next one. */
+  private askSoon(object: MapObject): void {
+    if (this.timer) clearTimeout(this.timer);
+    this.timer = setTimeout(() => {
+      this.timer = null;
+      if (this.shownId === object.id) void this.ask(object);
+    }, kStill);
+  }
+
   private async ask(object: MapObject): Promise<void> {
-    const answer = await getJson(`api/evidence?id=${encodeURIComponent(object.id)}`);
-    if (this.shownId !== object.id) return;
+    const question = questionOf(object);
+    this.asked = atMoment(question);
+    const answer = await getJson(question);
+    if (this.shownId !== object.id || this.asked !== atMoment(question)) return;
     if (answer.error !== null) {
       if (this.shown === "") this.say(`Frames that it was seen in: not available: ${answer.error}`);
       return;
@@ -65,4 +80,8 @@ export class EvidenceStrip {
     button.addEventListener("click", () => this.onOpen(object, frames, at));
     return button;
   }
+}
+
+function questionOf(object: MapObject): string {
+  return `api/evidence?id=${encodeURIComponent(object.id)}`;
 }

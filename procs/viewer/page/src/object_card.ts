@@ -1,5 +1,5 @@
 /** What is known of the selected object, with its PLY and the frames that it was seen in. */
-import { isLog } from "./api";
+import { atMoment } from "./api";
 import { css } from "./colours";
 import { count, el } from "./dom";
 import type { EvidenceStrip } from "./evidence_strip";
@@ -67,7 +67,9 @@ export class ObjectCard {
     const fly = el("button", { type: "button" }, "Fly there");
     fly.addEventListener("click", this.onFly);
     const file = `${object.name.replace(/\W+/g, "_")}_${object.id}.ply`;
-    const ply = el("a", { href: `api/object/${encodeURIComponent(object.id)}.ply`, download: file }, "Download as PLY");
-    return el("div", { class: "row" }, fly, ...(isLog() ? [] : [ply])); // the viewer of a log has no PLY
+    const path = `api/object/${encodeURIComponent(object.id)}.ply`;
+    const ply = el("a", { href: path, download: file }, "Download as PLY");
+    ply.addEventListener("click", () => (ply.href = atMoment(path))); // a log may show another moment by now
+    return el("div", { class: "row" }, fly, ply);
   }
 }
