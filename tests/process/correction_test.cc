@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr char kOdometry[] = "synthetic:room?frames=16&width=160&pose_noise=0.02";
+constexpr char kOdometry[] = "synthetic:room?frames=16&width=160&drift=0.005&turn_drift=0.2";
 
 std::vector<std::string> CorrectingServer(const ProcessBus& processes) {
   const std::string config = (processes.folder() / "server.txtpb").string();
