@@ -128,7 +128,9 @@ inline constexpr auto FieldsOf(const ObjectOptions&) {
                     VISMAP_FIELD(min_discovered_fill), VISMAP_FIELD(removed_max_rest),
                     VISMAP_FIELD(removed_max_count), VISMAP_FIELD(removed_max_age_s),
                     VISMAP_FIELD(box_outliers), VISMAP_FIELD(part_gap_m),
-                    VISMAP_FIELD(min_part_share), Nested{"", &Options::structure});
+                    VISMAP_FIELD(min_part_share), VISMAP_FIELD(min_part_contact),
+                    VISMAP_FIELD(max_whole_size_m), VISMAP_FIELD(max_whole_leak),
+                    Nested{"", &Options::structure});
 }
 
 inline constexpr auto FieldsOf(const OccupancyOptions&) {

@@ -59,6 +59,9 @@ std::vector<std::string> Problems(const ObjectOptions& objects) {
   VISMAP_CHECK_RANGE(check, objects.box_outliers, 0, 0.49);
   VISMAP_CHECK_RANGE(check, objects.part_gap_m, 0, 100);
   VISMAP_CHECK_RANGE(check, objects.min_part_share, 0, 1);
+  VISMAP_CHECK_RANGE(check, objects.min_part_contact, 0, 1);
+  VISMAP_CHECK_RANGE(check, objects.max_whole_size_m, 0, 100);
+  VISMAP_CHECK_RANGE(check, objects.max_whole_leak, 0, 1);
   check.Add("", Problems(objects.structure));
   return std::move(check).problems();
 }

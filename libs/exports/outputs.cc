@@ -113,6 +113,7 @@ MapProducts MakeProducts(const SemanticMap& map, const MapMetadata& metadata,
   RemovePoints(FarParts(metadata.trajectory), &products.mesh);
   products.objects =
       SummarizeObjects(map, products.mesh, ObjectOptionsFor(metadata, options), &products.up);
+  ShowWholeObjects(products.objects, &products.mesh);
   return products;
 }
 

@@ -31,9 +31,11 @@ Eigen::Vector3d RefineUp(const Eigen::Vector3d& up_W, const LabelSurfaces& surfa
                          const StructureOptions& options);
 
 /// The objects of a map with all values that follow from the label table and from the amount of
-/// surface of each label. Box, plane, spread and structure are not set.
+/// surface of each label. Box, plane, spread and structure are not set. `whole_of` is from
+/// JoinParts; empty = every label without instance is an object.
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
-                                       const ObjectOptions& options);
+                                       const ObjectOptions& options,
+                                       std::span<const SegmentLabel> whole_of = {});
 
 /// Sets the box of an object, and plane and spread of a discovered segment, from the points of its
 /// surface [m] or an even sample of them. Does nothing for removed objects.

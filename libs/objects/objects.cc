@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "meshing/mesh_parts.h"
 #include "objects/find_up.h"
+#include "objects/join_parts.h"
 #include "objects/label_surfaces.h"
 #include "objects/map_mesh.h"
 #include "objects/read_out.h"
@@ -93,10 +94,18 @@ ObjectSummary FromInstance(InstanceId id, const InstanceReading& reading) {
   return object;
 }
 
-ObjectSummary FromSegment(SegmentLabel label) {
-  ObjectSummary object;
-  object.segments = {label};
-  return object;
+// The discovered objects with their segments only, by their first segment.
+std::vector<ObjectSummary> Discovered(const LabelTable& table, const LabelReadOut& read_out,
+                                      std::span<const SegmentLabel> whole_of) {
+  std::map<SegmentLabel, ObjectSummary> objects;
+  for (const SegmentLabel label : table.Alive()) {
+    if (read_out.labels[Raw(label)].instance != InstanceId::kNone) continue;
+    const SegmentLabel whole = whole_of.empty() ? label : whole_of[Raw(label)];
+    objects[whole].segments.push_back(label);
+  }
+  std::vector<ObjectSummary> discovered;
+  for (auto& [first, object] : objects) discovered.push_back(std::move(object));
+  return discovered;
 }
 
 int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces& surfaces) {
@@ -151,17 +160,15 @@ void EraseOldest(int64_t newest_utime, const ObjectOptions& options,
 
 // The objects to list, present ones first, with their ids, classes and states only.
 std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadOut& read_out,
-                                       const LabelSurfaces& surfaces,
-                                       const ObjectOptions& options) {
+                                       const LabelSurfaces& surfaces, const ObjectOptions& options,
+                                       std::span<const SegmentLabel> whole_of) {
   std::vector<ObjectSummary> objects, removed;
   const auto list = [&](ObjectSummary object) {
     if (!SetState(table, surfaces, options, &object)) return;
     (object.removed() ? removed : objects).push_back(std::move(object));
   };
   for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
-  for (const SegmentLabel label : table.Alive()) {
-    if (read_out.labels[Raw(label)].instance == InstanceId::kNone) list(FromSegment(label));
-  }
+  for (ObjectSummary& object : Discovered(table, read_out, whole_of)) list(std::move(object));
   if (removed.empty()) return objects;  // NewestUtime need not be computed
   EraseOldest(NewestUtime(table), options, &removed);
   objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
@@ -199,12 +206,13 @@ LabelSurfaces CollectSurfaces(const Mesh& mesh, size_t labels) {
 }
 
 std::vector<ObjectSummary> ReadObjects(const LabelTable& table, const LabelSurfaces& surfaces,
-                                       const ObjectOptions& options) {
+                                       const ObjectOptions& options,
+                                       std::span<const SegmentLabel> whole_of) {
   const std::vector<double> sizes = SizesOf(table, surfaces, false);
   const std::vector<double> former_sizes = SizesOf(table, surfaces, true);
   const LabelReadOut read_out = ReadLabels(table, sizes);
   const LabelReadOut former = ReadLabels(table, former_sizes);
-  std::vector<ObjectSummary> objects = ListObjects(table, read_out, surfaces, options);
+  std::vector<ObjectSummary> objects = ListObjects(table, read_out, surfaces, options, whole_of);
   for (ObjectSummary& object : objects) {
     for (const SegmentLabel label : object.segments) {
       AddHistory(table.Record(label), &object);
@@ -259,7 +267,9 @@ std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& 
   ObjectOptions options = given;
   options.up_W = found.up_W;
   options.up_is_guess = false;
-  std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options);
+  std::vector<SegmentLabel> whole_of;
+  if (options.min_part_contact > 0) whole_of = JoinParts(map.labels, mesh, surfaces, options);
+  std::vector<ObjectSummary> objects = ReadObjects(map.labels, surfaces, options, whole_of);
   ParallelFor(objects.size(), 1, [&](size_t i) {
     MeasureObject(PointsOf(objects[i], surfaces), options, &objects[i]);
   });
@@ -270,6 +280,18 @@ std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& 
 
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const ObjectOptions& options) {
   return SummarizeObjects(map, ExtractMesh(map), options);
+}
+
+void ShowWholeObjects(const std::vector<ObjectSummary>& objects, Mesh* mesh) {
+  std::map<SegmentLabel, SegmentLabel> shown;
+  for (const ObjectSummary& object : objects) {
+    if (!object.discovered()) continue;
+    for (const SegmentLabel part : object.segments) shown.emplace(part, object.segments.front());
+  }
+  for (MeshVertex& vertex : mesh->vertices) {
+    const auto found = shown.find(vertex.segment);
+    if (found != shown.end()) vertex.segment = found->second;
+  }
 }
 
 }  // namespace vismap

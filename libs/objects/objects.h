@@ -18,10 +18,10 @@ enum class ObjectState : uint8_t {
 };
 
 /// One object of the map as users see it: an instance, whose class a detector has found, or a
-/// discovered segment, which has no instance.
+/// discovered segment, which has no instance, with those that are parts of the same thing.
 struct ObjectSummary {
   InstanceId instance = InstanceId::kNone;      ///< kNone = discovered
-  std::vector<SegmentLabel> segments;           ///< ascending; one for a discovered segment
+  std::vector<SegmentLabel> segments;           ///< ascending; parts of a discovered object
   ClassId class_id = ClassId::kUnknown;         ///< kUnknown = discovered
   std::map<ClassId, double> class_probability;  ///< sums to 1; empty = discovered
   double score = 0;     ///< [0, 1]: confidence that it is an object of this class; 0 = discovered
@@ -73,6 +73,12 @@ struct ObjectOptions {
   double box_outliers = 0.01;   ///< share of the points outside of a box, per axis
   double part_gap_m = 0.05;     ///< parts that are farther than this from the rest [m] ...
   double min_part_share = 0.1;  ///< ... with less than this share of the points are not in its box
+  /// Segments without instance that touch are parts of one thing if the border between them is at
+  /// least this share of the border of one of them, see JoinParts; 0 = never.
+  double min_part_contact = 0.15;
+  double max_whole_size_m = 2.2;  ///< diagonal of the bounds of the largest thing of several parts
+  /// Largest share of the border of such a thing that is with large surface that is no structure.
+  double max_whole_leak = 0.25;
   StructureOptions structure{};
 };
 
@@ -93,5 +99,8 @@ std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map, const Mesh& 
 /// The same for ExtractMesh(map) with default options.
 std::vector<ObjectSummary> SummarizeObjects(const SemanticMap& map,
                                             const ObjectOptions& options = {});
+
+/// Lets all parts of a discovered object show its first segment.
+void ShowWholeObjects(const std::vector<ObjectSummary>& objects, Mesh* mesh);
 
 }  // namespace vismap
