@@ -101,7 +101,7 @@ inline constexpr auto FieldsOf(const IntegrationOptions&) {
       VISMAP_FIELD(mask_evidence), VISMAP_FIELD(cut_votes), VISMAP_FIELD(carve_frames),
       VISMAP_FIELD(free_frames), VISMAP_FIELD(carve_keep), VISMAP_FIELD(carve_margin_voxels),
       VISMAP_FIELD(carve_sigmas), VISMAP_FIELD(carve_slope), VISMAP_FIELD(keep_thin),
-      VISMAP_FIELD(max_map_mb), VISMAP_FIELD(max_frame_blocks));
+      VISMAP_FIELD(smooth_radius_px), VISMAP_FIELD(max_map_mb), VISMAP_FIELD(max_frame_blocks));
 }
 
 inline constexpr auto FieldsOf(const MeshingOptions&) {

@@ -114,10 +114,11 @@ SegmentLabel StrongestLabel(const SurfaceVoxels& voxels, size_t i) {
 
 }  // namespace
 
-FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid,
-                                 Labels labels, const IntegrationOptions& options,
-                                 const VoxelGridOptions& grid)
+FrameProjection::FrameProjection(const SegmentedFrame& frame, const Image<float>& depth,
+                                 const DepthPyramid& pyramid, Labels labels,
+                                 const IntegrationOptions& options, const VoxelGridOptions& grid)
     : frame_(frame),
+      depth_(depth),
       labels_(std::move(labels)),
       cut_votes_(options.cut_votes),
       voxel_size_(grid.voxel_size_m),
@@ -137,7 +138,7 @@ FrameProjection::FrameProjection(const SegmentedFrame& frame, const DepthPyramid
   }
   if (options.carve_frames <= 0) return;
   clear_depth_ =
-      ClearDepth(pyramid, frame.frame.depth.width(), frame.frame.depth.height(),
+      ClearDepth(pyramid, depth.width(), depth.height(),
                  {.margin = static_cast<float>(options.carve_margin_voxels * grid.voxel_size_m),
                   .sigmas = static_cast<float>(options.carve_sigmas),
                   .noise = options.noise});
@@ -301,7 +302,7 @@ FrameProjection::Outcome FrameProjection::FuseVoxels(BlockIndex index, BlockVisi
   ProjectedVoxels voxels;
   ProjectVoxels(LatticeOf(index), frame_.frame.header.camera, voxels);
   alignas(64) VoxelArray<float> depth;
-  LookUpDepth(voxels, frame_.frame.depth.data(), depth);
+  LookUpDepth(voxels, depth_.data(), depth);
   VoxelSamples samples;
   JudgeVoxels(voxels, depth, limits_, samples);
   const uint8_t said = UnionOf(samples.flags);

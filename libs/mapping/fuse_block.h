@@ -24,10 +24,11 @@ class FrameProjection {
     const MaskCuts& cuts;
     const LabelTable& table;
   };
-  /// `pyramid`: of the frame's depth. The frame, and what `labels` refers to, must outlive this
-  /// object.
-  FrameProjection(const SegmentedFrame& frame, const DepthPyramid& pyramid, Labels labels,
-                  const IntegrationOptions& options, const VoxelGridOptions& grid);
+  /// `depth`: the frame's depth with less noise, see SmoothDepth; `pyramid`: of `depth`. The frame
+  /// and what the other arguments refer to must outlive this object.
+  FrameProjection(const SegmentedFrame& frame, const Image<float>& depth,
+                  const DepthPyramid& pyramid, Labels labels, const IntegrationOptions& options,
+                  const VoxelGridOptions& grid);
 
   /// What the frame changed in one block; the members mean what those of MapDelta do.
   struct Outcome {
@@ -62,6 +63,7 @@ class FrameProjection {
   void RemoveVotes(SegmentLabel label, SurfaceVoxels& voxels, size_t voxel) const;
 
   const SegmentedFrame& frame_;
+  const Image<float>& depth_;
   Labels labels_;
   int cut_votes_;
   Eigen::Matrix3d R_C_W_;

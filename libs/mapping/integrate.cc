@@ -5,6 +5,7 @@
 #include "base/option_check.h"
 #include "base/parallel.h"
 #include "base/require.h"
+#include "geometry/smooth_depth.h"
 #include "mapping/fuse_block.h"
 #include "mapping/mask_cuts.h"
 #include "mapping/visible_blocks.h"
@@ -217,6 +218,7 @@ std::vector<std::string> Validate(const IntegrationOptions& options) {
   VISMAP_CHECK_RANGE(check, options.carve_margin_voxels, 2, 1000);
   VISMAP_CHECK_RANGE(check, options.carve_sigmas, 0, 100);
   VISMAP_CHECK_RANGE(check, options.carve_slope, 0, 1000);
+  VISMAP_CHECK_RANGE(check, options.smooth_radius_px, 0, kMostSmoothRadius);
   VISMAP_CHECK_RANGE(check, options.max_map_mb, 1, 1048576);
   VISMAP_CHECK_RANGE(check, options.max_frame_blocks, 1000, 100000000);
   return std::move(check).problems();
@@ -233,7 +235,9 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
           "depth and segment images have the size of the camera");
   MapDelta delta;
   delta.revision = map->revision;
-  const DepthPyramid pyramid(frame.frame.depth);
+  const Image<float> depth =
+      SmoothDepth(frame.frame.depth, options.noise, {.radius_px = options.smooth_radius_px});
+  const DepthPyramid pyramid(depth);
   const std::vector<MaskedLabel> masked = FindMaskedLabels(frame, association);
   if (masked.size() > kMostMaskedLabels) {
     delta.refused = "the frame has " + std::to_string(masked.size()) +
@@ -252,8 +256,8 @@ MapDelta IntegrateFrame(const SegmentedFrame& frame, const FrameAssociation& ass
   std::vector<SegmentLabel> labels;
   for (const FrameAssociation::Segment& segment : association.segments)
     labels.push_back(segment.label);
-  const FrameProjection projection(frame, pyramid, {std::move(labels), cuts, map->labels}, options,
-                                   map->voxels.options());
+  const FrameProjection projection(frame, depth, pyramid, {std::move(labels), cuts, map->labels},
+                                   options, map->voxels.options());
   const auto revision = static_cast<uint32_t>(map->revision + 1);
   FuseBlocks(projection, std::move(work), revision, map->voxels, delta);
   if (revision > kPackAfter)

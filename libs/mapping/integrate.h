@@ -78,7 +78,11 @@ struct IntegrationOptions {
   /// ... and farther by this many times the voxel's own distance: a ray that is nearly parallel to
   /// a surface may pass in front of it.
   double carve_slope = 8.0;
-  DepthNoiseModel noise = KinectNoise();  ///< of the sensor; only AxialSigma is used
+  DepthNoiseModel noise = KinectNoise();  ///< of the sensor
+
+  /// Radius of the window in which the noise of the depth is reduced before it makes surface [px],
+  /// see SmoothDepth; 0 = depth as it was measured.
+  int smooth_radius_px = 0;
 
   /// Counts the voxels in which readings of thin things end (ThinVoxels), so that they are not
   /// called free. Needs free_space.

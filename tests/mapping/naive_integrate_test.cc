@@ -40,6 +40,7 @@ IntegrationOptions RandomOptions(RandomNumbers* random) {
   options.carve_keep = random->Real(0.1, 0.9);
   options.carve_margin_voxels = random->Real(2, 8);
   options.carve_slope = random->Real(0, 8);
+  options.smooth_radius_px = random->Whole(0, 8);
   if (random->Chance(0.3)) options.noise = RealSenseNoise();
   return options;
 }
@@ -144,7 +145,8 @@ TEST(FindVisibleBlocks, FindsAllBlocksThatBruteForceFindsAndSaysNothingFalse) {
     const PinholeCamera camera = testing_support::RandomCamera(97, 73, &random);
     const SegmentedFrame frame = RandomSegmentedFrame(camera, &random);
     const VoxelMap map({random.Real(0.03, 0.08), 4});
-    const IntegrationOptions options = RandomOptions(&random);
+    IntegrationOptions options = RandomOptions(&random);
+    options.smooth_radius_px = 0;  // the pyramid is that of the depth as measured
     const std::vector<VisibleBlock> visible =
         FindVisibleBlocks(frame.frame.header, DepthPyramid(frame.frame.depth),
                           {map.block_size(), map.truncation(), options.min_range_m,

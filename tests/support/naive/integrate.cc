@@ -8,6 +8,7 @@
 
 #include "geometry/noise_model.h"
 #include "support/add_vote.h"
+#include "support/naive/smooth_depth.h"
 #include "support/naive/voxel_access.h"
 
 namespace vismap::naive {
@@ -27,7 +28,8 @@ struct Sample {
 class View {
  public:
   View(const SegmentedFrame& frame, const IntegrationOptions& options, const VoxelGridOptions& grid)
-      : depth_(frame.frame.depth),
+      : depth_(naive::SmoothDepth(frame.frame.depth, options.noise,
+                                  {.radius_px = options.smooth_radius_px})),
         camera_(frame.frame.header.camera),
         T_C_W_(frame.frame.header.T_W_C.inverse()),
         options_(options),
@@ -118,7 +120,7 @@ class View {
     return std::max(inverse * inverse * fading * kWeightScale, 1.0F);
   }
 
-  const Image<float>& depth_;
+  const Image<float> depth_;
   const PinholeCamera& camera_;
   const Pose T_C_W_;
   const IntegrationOptions& options_;
