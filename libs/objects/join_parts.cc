@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <utility>
+#include <vector>
 
 #include "base/parallel.h"
 
@@ -20,6 +21,7 @@ constexpr double kHeld = 0.5;
 constexpr double kMostGap = 0.2;                 // ... by a part within this distance [m] ...
 constexpr double kMostBeside = 0.25;             // ... above or below it, as a share of its width
 constexpr int64_t kLeastFloating = 100;          // least number of vertices
+constexpr double kStrays = 0.03;                 // share of the lowest and of the highest vertices
 constexpr double kEndShare = 0.25, kEnd = 0.03;  // where a part ends: share of its height, and [m]
 // Least number of edges of a contact, divided by the square root of the vertices of the part with
 // fewer. A border has two to three edges per voxel, so it is at least about as long as the side of
@@ -51,17 +53,28 @@ double Size(const Eigen::AlignedBox3d& bounds) {
   return bounds.isEmpty() ? 0 : bounds.diagonal().norm();
 }
 
+// Where a part begins and ends, without the few vertices that are strays of its label.
+void SetHeights(std::vector<double>* heights, Part* part) {
+  if (heights->empty()) return;
+  const auto strays = static_cast<std::ptrdiff_t>(kStrays * static_cast<double>(heights->size()));
+  const auto low = heights->begin() + strays, high = heights->end() - 1 - strays;
+  std::nth_element(heights->begin(), low, heights->end());
+  part->low = *low;
+  std::nth_element(low, high, heights->end());
+  part->high = *high;
+}
+
 std::vector<Part> MeasureParts(const LabelSurfaces& surfaces, const ObjectOptions& options) {
   std::vector<Part> parts(surfaces.size());
   ParallelFor(parts.size(), 16, [&](size_t label) {
     Part& part = parts[label];
     part.vertices = surfaces[label].vertices;
+    std::vector<double> heights;
     for (const Eigen::Vector3f& point_W : surfaces[label].points_W) {
-      const Eigen::Vector3d p_W = point_W.cast<double>();
-      part.bounds_W.extend(p_W);
-      part.low = std::min(part.low, p_W.dot(options.up_W));
-      part.high = std::max(part.high, p_W.dot(options.up_W));
+      part.bounds_W.extend(point_W.cast<double>());
+      heights.push_back(point_W.cast<double>().dot(options.up_W));
     }
+    SetHeights(&heights, &part);
     part.own_bounds_W = part.bounds_W;
   });
   return parts;
@@ -111,6 +124,7 @@ class Wholes {
   }
 
   std::vector<SegmentLabel> Join() {
+    apart_ = Apart();
     for (const auto& [strength, pair] : ByStrength()) JoinPair(pair);
     Dissolve();
     JoinFloating();
@@ -178,17 +192,34 @@ class Wholes {
            Width(contact.bounds_W) >= 0.5 * Width(upper.own_bounds_W);
   }
 
-  bool MayJoin(const LabelPair& pair, const PartBorder& contact) const {
+  // Whether two parts have a border that is long enough to say something.
+  bool Touch(const LabelPair& pair, const PartBorder& contact) const {
     const Part &a = parts_[pair.first], &b = parts_[pair.second];
     if (!a.joinable || !b.joinable) return false;
     const auto vertices = static_cast<double>(std::min(a.vertices, b.vertices));
-    if (static_cast<double>(contact.edges) < kLeastBorder * std::sqrt(vertices)) return false;
+    return static_cast<double>(contact.edges) >= kLeastBorder * std::sqrt(vertices);
+  }
+
+  // Whether masks or the way that two parts touch speak for two things.
+  bool AreTwo(const LabelPair& pair, const PartBorder& contact) const {
+    const Part &a = parts_[pair.first], &b = parts_[pair.second];
     const float bond = table_.bonds().Between(static_cast<SegmentLabel>(pair.first),
                                               static_cast<SegmentLabel>(pair.second));
-    if (bond < 0) return false;
-    if (bond > 0) return true;
-    return !RestsOn(a, b, contact, contact.facing_up[1]) &&
-           !RestsOn(b, a, contact, contact.facing_up[0]);
+    if (bond != 0) return bond < 0;
+    return RestsOn(a, b, contact, contact.facing_up[1]) ||
+           RestsOn(b, a, contact, contact.facing_up[0]);
+  }
+
+  bool MayJoin(const LabelPair& pair, const PartBorder& contact) const {
+    return Touch(pair, contact) && !AreTwo(pair, contact);
+  }
+
+  // Pairs that are no one thing, also when a third part touches both.
+  std::vector<LabelPair> Apart() const {
+    std::vector<LabelPair> apart;
+    for (const auto& [pair, contact] : contacts_)
+      if (Touch(pair, contact) && AreTwo(pair, contact)) apart.push_back(pair);
+    return apart;
   }
 
   // The pairs that may be joined, the strongest first, ties by label.
@@ -209,11 +240,19 @@ class Wholes {
     return label;
   }
 
+  // Whether a part of one whole is no one thing with a part of the other whole.
+  bool HoldsTwo(size_t one, size_t other) const {
+    return std::any_of(apart_.begin(), apart_.end(), [&](const LabelPair& pair) {
+      const size_t a = Find(pair.first), b = Find(pair.second);
+      return (a == one && b == other) || (a == other && b == one);
+    });
+  }
+
   void JoinPair(const LabelPair& pair) {
     const auto [less, more] = std::minmax({Find(pair.first), Find(pair.second)});
     if (less == more) return;
     const Eigen::AlignedBox3d both = parts_[less].bounds_W.merged(parts_[more].bounds_W);
-    if (Size(both) > options_.max_whole_size_m) return;
+    if (Size(both) > options_.max_whole_size_m || HoldsTwo(less, more)) return;
     parts_[less].bounds_W = both;
     whole_of_[more] = less;
   }
@@ -299,7 +338,7 @@ class Wholes {
       if (overlap > kEndShare * height) continue;  // beside or inside it
       if (Size(both) > options_.max_whole_size_m || Width(offset) > kMostBeside * width) continue;
       const double gap = part.bounds_W.exteriorDistance(wholes[i].bounds_W);
-      if (gap >= nearest) continue;
+      if (gap >= nearest || HoldsTwo(floating, i)) continue;
       nearest = gap;
       holder = i;
     }
@@ -312,6 +351,7 @@ class Wholes {
   std::vector<uint8_t> large_;    // by label: no structure, no instance, and too large for a part
   std::vector<size_t> whole_of_;  // by label: a lower label of the same whole, or itself
   std::map<LabelPair, PartBorder> contacts_;
+  std::vector<LabelPair> apart_;
 };
 
 }  // namespace
