@@ -94,20 +94,6 @@ ObjectSummary FromInstance(InstanceId id, const InstanceReading& reading) {
   return object;
 }
 
-// The discovered objects with their segments only, by their first segment.
-std::vector<ObjectSummary> Discovered(const LabelTable& table, const LabelReadOut& read_out,
-                                      std::span<const SegmentLabel> whole_of) {
-  std::map<SegmentLabel, ObjectSummary> objects;
-  for (const SegmentLabel label : table.Alive()) {
-    if (read_out.labels[Raw(label)].instance != InstanceId::kNone) continue;
-    const SegmentLabel whole = whole_of.empty() ? label : whole_of[Raw(label)];
-    objects[whole].segments.push_back(label);
-  }
-  std::vector<ObjectSummary> discovered;
-  for (auto& [first, object] : objects) discovered.push_back(std::move(object));
-  return discovered;
-}
-
 int64_t CountPoints(const std::vector<SegmentLabel>& labels, const LabelSurfaces& surfaces) {
   int64_t count = 0;
   for (const SegmentLabel label : labels) {
@@ -132,6 +118,33 @@ bool SetState(const LabelTable& table, const LabelSurfaces& surfaces, const Obje
     return true;
   }
   return points >= least;
+}
+
+// The discovered objects with their segments only, by their first segment. A segment that was
+// removed is part of nothing that is still there.
+std::vector<ObjectSummary> Discovered(const LabelTable& table, const LabelReadOut& read_out,
+                                      const LabelSurfaces& surfaces, const ObjectOptions& options,
+                                      std::span<const SegmentLabel> whole_of) {
+  const auto was_removed = [&](const ObjectSummary& segment) {
+    ObjectSummary alone = segment;
+    return SetState(table, surfaces, options, &alone) && alone.removed();
+  };
+  std::vector<ObjectSummary> discovered;
+  std::map<SegmentLabel, ObjectSummary> wholes;
+  for (const SegmentLabel label : table.Alive()) {
+    if (read_out.labels[Raw(label)].instance != InstanceId::kNone) continue;
+    ObjectSummary segment;
+    segment.segments = {label};
+    if (whole_of.empty() || was_removed(segment)) {
+      discovered.push_back(std::move(segment));
+    } else {
+      wholes[whole_of[Raw(label)]].segments.push_back(label);
+    }
+  }
+  for (auto& [lowest, whole] : wholes) discovered.push_back(std::move(whole));
+  std::sort(discovered.begin(), discovered.end(),
+            [](const ObjectSummary& a, const ObjectSummary& b) { return a.segments < b.segments; });
+  return discovered;
 }
 
 int64_t NewestUtime(const LabelTable& table) {
@@ -168,7 +181,8 @@ std::vector<ObjectSummary> ListObjects(const LabelTable& table, const LabelReadO
     (object.removed() ? removed : objects).push_back(std::move(object));
   };
   for (const auto& [id, reading] : read_out.instances) list(FromInstance(id, reading));
-  for (ObjectSummary& object : Discovered(table, read_out, whole_of)) list(std::move(object));
+  for (ObjectSummary& object : Discovered(table, read_out, surfaces, options, whole_of))
+    list(std::move(object));
   if (removed.empty()) return objects;  // NewestUtime need not be computed
   EraseOldest(NewestUtime(table), options, &removed);
   objects.insert(objects.end(), std::make_move_iterator(removed.begin()),
